@@ -1,4 +1,4 @@
-# Two commands do it all on a fresh machine: `make demo` and `make test`.
+# `make help` lists the targets; `make demo` and `make test` do it all on a fresh machine.
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -12,137 +12,78 @@ SAID_native := the rope runs in C
 READY := $(VENV)/.ready
 # one process per core, each with one thread; one that has no tests left takes over half of those of another
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist worksteal
+MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
-.PHONY: demo test test-slow lint docs evidence bench winding robustness poses signals stability reproduce chart mesh-rule contact guards shafts tangle promise integrators peer validate knowledge reference choice hoist coupling latency studies throughput terms fuzz fmu wheels wheel-test release clean
+.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals bench fmu wheels wheel-test release clean
 
-demo: $(READY)
+help:  ## list the targets
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
+
+demo: $(READY)  ## wind a hoist with the exported FMU; FLAVOUR=native winds the rope in C
 	$(if $(FMU_$(FLAVOUR)),,$(error FLAVOUR=$(FLAVOUR) must be python or native))
 	$(BIN)/balance-rope export $(EXPORT_$(FLAVOUR)) --outputs all --platform host
 	@echo "$(SAID_$(FLAVOUR))"
 	$(BIN)/balance-rope demo --fmu $(FMU_$(FLAVOUR))
 
-test: $(READY)
+test: $(READY)  ## run the tests, on all cores
 	$(PYTEST)
 
-test-slow: $(READY)
+test-slow: $(READY)  ## run the tests that are marked slow
 	$(PYTEST) -m slow
 
-lint: $(READY)
+lint: $(READY)  ## run ruff, clang-format and mypy
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	git ls-files '*.c' '*.h' '*.inc' ':!fmu_src/native/include' | xargs $(BIN)/clang-format --dry-run -Werror
 	$(BIN)/mypy
+	git ls-files '*.md' '*.j2' '*.py' '*.c' '*.h' ':!tests' | xargs $(BIN)/codespell
+	git ls-files '*.md' ':!docs/data' | xargs $(BIN)/proselint check
 
-docs: $(READY)
+docs: $(READY)  ## build the site in build/site
 	$(BIN)/python -m pip install --quiet -e '.[docs]'
 	$(BIN)/python -m sphinx -E -W --keep-going -q -b html docs build/site
 
-evidence: $(READY)
+evidence: $(READY)  ## write the pages of evidence from the recorded data, without a run
 	$(BIN)/python -m evidence
 
-bench: $(READY)
-	$(BIN)/python -m benchmarks.speed
+reproduce: $(READY)  ## run the published evaluation anew (10 minutes)
+	$(BIN)/python -m evidence reproduction --measure reproduction
 
-winding: $(READY)
-	$(BIN)/python -m benchmarks.winding
+accuracy: $(READY)  ## measure accuracy and speed anew (30 minutes, on a quiet machine)
+	$(MEASURE) chart choice latency -- accuracy levels
 
-robustness: $(READY)
-	$(BIN)/python -m benchmarks.robustness
-
-shafts: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.shafts
-
-poses: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.poses
-
-signals: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.signals
-
-stability: $(READY)
-	$(BIN)/python -m evidence.stability
-
-reproduce: $(READY)
-	$(BIN)/python -m evidence.reproduction
-
-chart: $(READY)
-	$(BIN)/python -m evidence.chart
-
-mesh-rule: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.mesh_rule
-
-contact: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.contact
-
-guards: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.guards
-
-tangle: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.tangle
-
-promise: $(READY)
+promise: $(READY)  ## hold asked against reached accuracy on 200 scenes (20 minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.promise
 
-integrators: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.integrators
+stability: $(READY)  ## run the scenes in which methods fail (10 minutes)
+	$(MEASURE) stability coupling -- stability
 
-peer: $(READY)
-	$(BIN)/python -m pip install --quiet -e '.[peer]'
-	$(BIN)/python -m evidence.peer
+validate: $(READY)  ## hold the model against measurement, theory and other codes (15 minutes)
+	$(BIN)/python -m pip install --quiet -e '.[peer,validation]'
+	$(MEASURE) validation discrete_rod peer -- validation accuracy
 
-validate: $(READY)
-	$(BIN)/python -m pip install --quiet -e '.[validation]'
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.validation
+contact: $(READY)  ## check contact against exact cases (3 minutes)
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.contact
 
-knowledge: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.knowledge
+signals: $(READY)  ## wind with motions that tables, rounding and slow parts give (10 minutes)
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.signals
 
-reference: $(READY)
-	$(BIN)/python -m evidence.discrete_rod
-
-choice: $(READY)
-	$(BIN)/python -m evidence.choice
-
-hoist: $(READY)
-	$(BIN)/python -m evidence.hoist
-
-coupling: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.coupling
-
-latency: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.latency
-
-fuzz: $(READY)
-	$(BIN)/python -m benchmarks.fuzz --minutes 30 --csv docs/data/fuzz.csv
-
-STUDY_FMUS = $(BIN)/balance-rope export --native --platform host --level draft --out build/draft.fmu && \
+bench: $(READY)  ## measure the speed of every form of the rope, and windings per minute
+	$(BIN)/python -m benchmarks.speed
+	$(BIN)/balance-rope export --native --platform host --level draft --out build/draft.fmu
 	$(BIN)/balance-rope export --native --platform host --out build/standard.fmu
-
-studies: $(READY)
-	$(STUDY_FMUS)
-	$(BIN)/balance-rope study docs/studies/controllers.toml
-	$(BIN)/balance-rope study docs/studies/controllers_complete.toml
-	$(BIN)/balance-rope study docs/studies/swivel.toml
-	$(BIN)/balance-rope study docs/studies/creep.toml
-	$(BIN)/balance-rope study docs/studies/tuning.toml
-	$(BIN)/python -m evidence.studies
-
-terms: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.terms
-
-throughput: $(READY)
-	$(STUDY_FMUS)
 	$(BIN)/python -m benchmarks.throughput
 
-fmu: $(READY)
+fmu: $(READY)  ## export the Python FMU
 	$(BIN)/balance-rope export --outputs all --platform host
 
-wheels: $(READY)
+wheels: $(READY)  ## build the wheel in build/wheels
 	$(BIN)/python -m release.wheels build/wheels
 
-wheel-test: wheels
+wheel-test: wheels  ## install the wheel in a fresh environment without a compiler and try it
 	$(BIN)/python -m release.trial build/wheels/*.whl
 
-release: $(READY)
+release: $(READY)  ## build everything that is released, in dist
 	$(BIN)/python -m release dist
 
 $(READY): pyproject.toml
@@ -152,5 +93,5 @@ $(READY): pyproject.toml
 	$(BIN)/python -m pip install --quiet -e '.[dev]'
 	touch $@
 
-clean:
+clean:  ## remove the environment and everything that is built
 	rm -rf $(VENV) build dist out *.egg-info

@@ -134,7 +134,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         choices=tuple(CASES),
         default="rope-120",
         metavar="NAME",
-        help=f"start values: the rope of {', '.join(CASES)}, see docs/hoist.md (%(default)s)",
+        help=f"start values: the rope of {', '.join(CASES)}, see docs/howto/hoist.md (%(default)s)",
     )
     export.add_argument(
         "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"
@@ -144,14 +144,14 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="start value of a parameter by its name in docs/interface.md, in SI units; may be repeated, and counts "
-        "more than --case and --rope",
+        help="start value of a parameter by its name in docs/reference/variables.md, in SI units; may be repeated, and "
+        "overrides --case and --rope",
     )
     export.add_argument(
         "--level",
         choices=tuple(LEVELS),
         default="standard",
-        help="accuracy against speed, see docs/chart.md (%(default)s)",
+        help="accuracy against speed, see docs/howto/accuracy.md (%(default)s)",
     )
     export.add_argument(
         "--outputs",
@@ -172,7 +172,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--ropes",
         type=Path,
         metavar="FILE.toml",
-        help="of the system: these ropes, trip and hoist instead of the case's one rope, see docs/ropes.md",
+        help="of the system: these ropes, trip and hoist instead of the case's one rope, see docs/reference/files.md",
     )
     export.add_argument(
         "--out",

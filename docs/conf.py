@@ -1,5 +1,6 @@
 """The site: `make docs` builds these pages and the reference from docstrings into build/site, warnings being errors."""
 
+import importlib.metadata
 import sys
 import tomllib
 from pathlib import Path
@@ -12,12 +13,20 @@ project = PROJECT["name"]
 author = project_copyright = "the balance-rope authors"
 release = version = PROJECT["version"]
 highlight_language = "none"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
-exclude_patterns = ["data/**", "duties/**", "studies/**"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx.ext.mathjax", "sphinx.ext.viewcode"]
+exclude_patterns = ["data/**", "drawings/**", "duties/**", "studies/**"]
 
 # links between pages and to headings are those of GitHub, and checked
 myst_heading_anchors = 4
 nitpicky = True
+
+# mathematics: MathJax (Apache-2.0) is a file of the site, so that pages render without network
+myst_enable_extensions = ["dollarmath", "amsmath"]
+numfig = True  # equations are numbered by chapter
+MATHJAX = importlib.metadata.distribution("sphinx-mathjax-offline")
+mathjax_path = "tex-svg-full.js"
+mathjax3_config = {"options": {"enableMenu": False}}
+
 #: what annotations name without a page of its own
 nitpick_ignore_regex = [
     ("py:.*", r"(pathlib|collections|numpy|np|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*"),
@@ -25,12 +34,14 @@ nitpick_ignore_regex = [
     ("py:.*", r"rope_model\.(simulation|native|numerics|physics|parameters)\..*"),
 ]
 
+# docstrings follow numpydoc
+numpydoc_show_class_members = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_default_options = {"members": True, "show-inheritance": True}
 
 html_theme = "furo"
-html_static_path = ["_static"]
+html_static_path = ["_static", str(MATHJAX.locate_file(f"sphinx-mathjax-offline/static/mathjax/{mathjax_path}"))]
 html_css_files = ["site.css"]
 html_title = f"{project} {release}"
 html_copy_source = False

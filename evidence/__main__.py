@@ -1,29 +1,57 @@
-"""Write pages of evidence, and README's and docs/hoist.md's tables of it, from the recorded data, without a run.
+"""Write pages of evidence, and the tables of it in hand-written pages, from the recorded data, without a run.
 
-``python -m evidence`` writes all, ``python -m evidence chart levels`` these.
-
-Their texts are the templates *.md.j2 in this room.  `make chart` and the like measure anew.
+``python -m evidence`` writes all, ``python -m evidence accuracy levels`` these.  ``--measure chart`` measures a room
+anew before that, ``--measure chart:depth`` a part of it; the exit code is 1 where a claim about it is missed.
+The texts are the templates *.md.j2 of the rooms.  Contact and promise have commands of their own.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
+from importlib import import_module
 
 from evidence.pages import BLOCKS, PAGES, fill, publish
+from evidence.rendering import DOCS
+from evidence.tables import read, write
+
+#: rooms that ``--measure`` knows: the module ``measure`` of each has MEASURES, and may have ``missed``
+ROOMS = (
+    *("chart", "choice", "coupling", "discrete_rod", "knowledge"),
+    *("latency", "peer", "reproduction", "stability", "validation"),
+)
 
 
-def main() -> None:
-    """The command line."""
+def measure(room: str, part: str) -> list[str]:
+    """Measure all parts of a room, or one, and write their tables; return the claims that are missed."""
+    module = import_module(f"evidence.{room}.measure")
+    for name, tables in module.MEASURES.items():
+        if part in ("", name):
+            write(tables(), DOCS / "data" / room)
+    return list(module.missed(read(DOCS / "data" / room))) if hasattr(module, "missed") else []
+
+
+def main() -> int:
+    """Run the command line."""
     parser = argparse.ArgumentParser("python -m evidence", description=__doc__)
     known = [*PAGES, *BLOCKS]
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(known)} (all)")
-    names = parser.parse_args().names or known
-    if unknown := set(names) - set(known):
+    rooms = f"{', '.join(ROOMS)}; a colon and the name of a part measures that alone"
+    parser.add_argument("--measure", nargs="+", default=[], metavar="ROOM", help=rooms)
+    options = parser.parse_args()
+    if unknown := set(options.names) - set(known):
         parser.error(f"there is no {', '.join(sorted(unknown))}; choose of {', '.join(known)}")
-    for name in names:
+    asked = [x.partition(":")[::2] for x in options.measure]
+    if unknown := {room for room, _ in asked} - set(ROOMS):
+        parser.error(f"there is no room {', '.join(sorted(unknown))}; choose of {', '.join(ROOMS)}")
+    missed = [claim for room, part in asked for claim in measure(room, part)]
+    for name in options.names or known:
         for path in publish(PAGES[name]) if name in PAGES else [fill(BLOCKS[name])]:
             print(path)
+    for claim in missed:
+        print(f"missed: {claim}", file=sys.stderr)
+    return int(bool(missed))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

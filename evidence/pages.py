@@ -7,92 +7,67 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from evidence.chart.figures import FIGURES as CHART
 from evidence.chart.levels import block as levels
-from evidence.chart.page import page as chart_page
-from evidence.choice.page import page as choice_page
+from evidence.chart.page import page as accuracy_page
 from evidence.contact.page import page as contact_page
-from evidence.coupling.figures import FIGURES as COUPLING
-from evidence.coupling.page import page as coupling_page
-from evidence.discrete_rod.page import page as reference_solver_page
 from evidence.drawing import draw_to
-from evidence.guards.page import FIGURES as GUARDS
-from evidence.guards.page import page as guards_page
-from evidence.hoist.page import cases
-from evidence.integrators.page import FIGURES as INTEGRATORS
-from evidence.integrators.page import page as integrators_page
 from evidence.knowledge.catalogue import catalogue
-from evidence.knowledge.page import page as identify_page
-from evidence.knowledge.worked import page as uncertain_page
-from evidence.latency.figures import FIGURES as LATENCY
-from evidence.latency.page import page as latency_page
-from evidence.mesh_rule.page import FIGURES as MESH_RULE
-from evidence.mesh_rule.page import page as mesh_rule_page
-from evidence.peer.figures import FIGURES as PEER
-from evidence.peer.page import page as peer_page
+from evidence.knowledge.page import page as data_page
 from evidence.promise.page import FIGURES as PROMISE
 from evidence.promise.page import page as promise_page
 from evidence.rendering import DOCS, fill_block, write_page
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
 from evidence.signals.block import block as signals
-from evidence.stability.page import anchor, chapter, front
-from evidence.stability.suite import CHAPTERS
-from evidence.studies.page import controllers_page, metrics, swivel_page
+from evidence.stability.page import FIGURES as STABILITY
+from evidence.stability.page import page as stability_page
 from evidence.tables import Tables, read
-from evidence.tangle.page import FIGURES as TANGLE
-from evidence.tangle.page import page as tangle_page
 from evidence.validation.page import page as validation_page
+from hoist_demo.study.metrics import METRICS
+
+#: front matter of a page outside the navigation
+ORPHAN = "---\norphan: true\n---\n\n"
 
 
 @dataclass(frozen=True)
 class Page:
-    """``data`` is the folder in docs/data that it is made from, and that in docs/images of the figures."""
+    """``data`` is the folder in docs/data that it is made from, and that in docs/images of the figures.
+
+    Tables of ``further`` folders are named folder/table.  An ``orphan`` is reached by links, not by the navigation.
+    """
 
     file: str  # in docs
     data: str
     text: Callable[[Tables], str]
     figures: Mapping[str, Callable[[Tables], Figure]] = field(default_factory=dict)
+    further: tuple[str, ...] = ()
+    orphan: bool = False
 
-
-def _stability() -> dict[str, Page]:
-    """The front page, and one per chapter."""
-    names = {f"stability/{anchor(heading)}": module for module, heading in CHAPTERS.items()}
-    parts = {name: Page(f"{name}.md", "stability", partial(chapter, module=module)) for name, module in names.items()}
-    return {"stability": Page("stability.md", "stability", front), **parts}
+    def tables(self, docs: Path = DOCS) -> Tables:
+        """Read the data in ``docs``."""
+        others = {f"{x}/{name}": t for x in self.further for name, t in read(docs / "data" / x).items()}
+        return {**read(docs / "data" / self.data), **others}
 
 
 PAGES: dict[str, Page] = {
-    "chart": Page("chart.md", "chart", chart_page, CHART),
-    "choice": Page("choice.md", "choice", choice_page),
-    "contact": Page("contact.md", "contact", contact_page),
-    "coupling": Page("coupling.md", "coupling", coupling_page, COUPLING),
-    "guards": Page("guards.md", "guards", guards_page, GUARDS),
-    "identify": Page("identify.md", "knowledge", identify_page),
-    "integrators": Page("integrators.md", "integrators", integrators_page, INTEGRATORS),
-    "mesh_rule": Page("mesh_rule.md", "mesh_rule", mesh_rule_page, MESH_RULE),
-    "promise": Page("promise.md", "promise", promise_page, PROMISE),
-    "latency": Page("latency.md", "latency", latency_page, LATENCY),
-    "peer": Page("peer.md", "peer", peer_page, PEER),
-    "reference_solver": Page("reference_solver.md", "reference_solver", reference_solver_page),
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
-    **_stability(),
-    "tangle": Page("tangle.md", "tangle", tangle_page, TANGLE),
-    "study_controllers": Page("study_controllers.md", "study", controllers_page),
-    "study_swivel": Page("study_swivel.md", "study", swivel_page),
-    "uncertain": Page("uncertain.md", "uncertain", uncertain_page),
-    "validation": Page("validation.md", "validation", validation_page),
+    "accuracy": Page("accuracy.md", "chart", accuracy_page, CHART, ("choice", "latency", "peer", "promise")),
+    "promise": Page("promise.md", "promise", promise_page, PROMISE, orphan=True),
+    "stability": Page("stability.md", "stability", stability_page, STABILITY, ("coupling",)),
+    "validation": Page("validation.md", "validation", validation_page, {}, ("contact", "discrete_rod", "peer")),
+    "contact": Page("contact.md", "contact", contact_page, orphan=True),
+    "assumed_data": Page("assumed_data.md", "knowledge", data_page),
 }
 
 
 @dataclass(frozen=True)
 class Block:
-    """What stands between the marks ``mark`` of a hand-written page."""
+    """The text between the marks ``mark`` of a hand-written page."""
 
     file: str  # beside docs
     mark: str
@@ -100,22 +75,26 @@ class Block:
     text: Callable[[Tables], str]
 
 
+def metrics(tables: Tables) -> str:
+    """Return the table of what a study can ask of a run; no data are needed."""
+    return "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items())
+
+
 BLOCKS = {
     "levels": Block("README.md", "levels", "chart", levels),
-    "cases": Block("docs/hoist.md", "cases", "hoist", cases),
-    "metrics": Block("docs/study.md", "metrics", "study", metrics),
+    "metrics": Block("docs/reference/files.md", "metrics", "knowledge", metrics),
     "signals": Block("docs/howto/motion.md", "signals", "signals", signals),
-    "catalogue": Block("docs/data.md", "catalogue", "knowledge", catalogue),
+    "catalogue": Block("docs/howto/rope_data.md", "catalogue", "knowledge", lambda tables: catalogue()),
 }
 
 
 def page_text(page: Page, docs: Path = DOCS) -> str:
-    """The text, from the data in ``docs``."""
-    return page.text(read(docs / "data" / page.data))
+    """Return the text, from the data in ``docs``."""
+    return f"{ORPHAN if page.orphan else ''}{page.text(page.tables(docs))}"
 
 
 def fill(block: Block, docs: Path = DOCS) -> Path:
-    """Write the block into its page, from the data in ``docs``; the page."""
+    """Write the block into its page, from the data in ``docs``; return the page."""
     path = docs.resolve().parent / block.file
     text = fill_block(path.read_text(encoding="utf-8"), block.mark, block.text(read(docs / "data" / block.data)))
     path.write_text(text, encoding="utf-8")
@@ -123,9 +102,8 @@ def fill(block: Block, docs: Path = DOCS) -> Path:
 
 
 def publish(page: Page, docs: Path = DOCS) -> list[Path]:
-    """Write text and figures from the data in ``docs``; the files written."""
-    tables = read(docs / "data" / page.data)
-    written = [write_page(page.file, page.text(tables), docs)]
+    """Write text and figures from the data in ``docs``; return the files written."""
+    tables, written = page.tables(docs), [write_page(page.file, page_text(page, docs), docs)]
     for name, draw in page.figures.items():
         written.append(docs / "images" / page.data / f"{name}.png")
         draw_to(written[-1], draw, tables)

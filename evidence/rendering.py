@@ -44,8 +44,13 @@ def markdown(rows: Iterable[Sequence[str]], *head: str) -> str:
     return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
 
 
+def folded(text: str, summary: str) -> str:
+    """Return ``text`` so that a browser shows it when its summary is clicked."""
+    return f"<details><summary>{summary}</summary>\n\n{text}\n\n</details>"
+
+
 def verdict(yes: bool) -> str:
-    """The verdict on an aim."""
+    """Return the verdict on an aim."""
     return "reached" if yes else "not reached"
 
 
@@ -69,7 +74,9 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters.update(number=number, quantity=quantity, table=markdown, verdict=verdict, listed=listed, links=links)
+    made.filters.update(
+        number=number, quantity=quantity, table=markdown, folded=folded, verdict=verdict, listed=listed, links=links
+    )
     return made
 
 

@@ -29,6 +29,11 @@ def rows(t: Table, **wanted: str | float | tuple[str, ...] | tuple[float, ...]) 
     return {name: column[kept] for name, column in t.items()}
 
 
+def records(t: Table) -> list[dict[str, Any]]:
+    """Return the rows as dictionaries."""
+    return [dict(zip(t, row, strict=True)) for row in zip(*(column.tolist() for column in t.values()), strict=True)]
+
+
 def write(tables: Tables, folder: Path) -> None:
     """One CSV file per table."""
     folder.mkdir(parents=True, exist_ok=True)

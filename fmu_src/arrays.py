@@ -32,6 +32,7 @@ class Array(NamedTuple):
 
     @property
     def length(self) -> int:
+        """Number of elements."""
         return len(self.starts)
 
 

@@ -106,7 +106,9 @@ def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
     case = ROPE_CASES[name](level)
     values = {v.name: v.start for v in _parameters(case.scene) if v.start is not None}
     if unknown := set(start) - set(values) - {"right.y"}:
-        raise ValueError(f"{', '.join(sorted(unknown))} must be parameters of the rope: see docs/interface.md")
+        raise ValueError(
+            f"{', '.join(sorted(unknown))} must be parameters of the rope: see docs/reference/variables.md"
+        )
     travel = float(start.get("right.y", case.travel))
     return dataclasses.replace(case, scene=scene_of({**values, **start}), travel=travel)
 

@@ -119,7 +119,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def compute(self, scalar: int) -> None:
-        """This output and its kin, into the library's array."""
+        """Write the output and its group into the library's array."""
         for name, value in group_of(self._table[scalar].name)(self._rope).items():
             if (place := self._places.get(name)) is not None:
                 self._outputs[place], self._known[place] = value, 1

@@ -38,7 +38,7 @@ SHEAR = 0.5 / (1 + POISSON)
 
 @dataclass(frozen=True)
 class Datum:
-    """What is known of a number: a range, and where it is from."""
+    """Range of a number, with its unit, its status and its source."""
 
     low: float
     high: float
@@ -97,7 +97,7 @@ _SIX_STRANDS = (
 )
 _SETTLED = f"lower end: {_SIX_STRANDS}; upper end: ours, for a rope that has settled"
 _LAY = "ours: strands at d / 3, lays of 6 to 8 d, of which wires in ordinary lay give back up to a third"
-_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails; rope-120 of docs/model.md has 0.044"
+_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails; rope-120 of docs/theory has 0.044"
 _THREE_LAYERS = "ours: three layers, balanced but for what tolerance and load leave; the maker measures it"
 _BENT = "lower end: wires that slide freely; upper end: ours, 16 times that, for what friction holds of them"
 
@@ -203,7 +203,7 @@ BEARINGS = {
 
 @dataclass(frozen=True)
 class KnownRope:
-    """A rope of which a range is known of each property; ``rope`` takes one value of each."""
+    """A rope with a range of each property; ``rope`` takes one value of each."""
 
     construction: str
     diameter: float  # m
@@ -213,11 +213,27 @@ class KnownRope:
 
     @property
     def middle(self) -> Rope:
-        """The rope with the middle of each range."""
+        """Rope with the middle of each range."""
         return self.rope()
 
     def rope(self, **properties: float) -> Rope:
-        """The rope with these properties, and the middle of its range for each other."""
+        """Return the rope with these properties, and the middle of its range for each other.
+
+        Parameters
+        ----------
+        **properties : float
+            Values by the names of ``data``, in SI units.
+
+        Returns
+        -------
+        Rope
+            Parameters of a scene.
+
+        Raises
+        ------
+        ValueError
+            If a name is no property.
+        """
         for name in properties:
             require(name in self.data, "property", name, f"one of {', '.join(self.data)}", "choose one")
         known = {name: datum.middle for name, datum in self.data.items()} | properties
@@ -225,9 +241,28 @@ class KnownRope:
 
 
 def rope(construction: str, diameter: float, length: float = Rope.length, lay: Lay = "right-hand") -> KnownRope:
-    """What the catalogue knows of a rope: ``rope("34x7", diameter=0.046).middle`` are parameters of a scene.
+    """Return the catalogue's ranges for a rope; ``rope("34x7", diameter=0.046).middle`` has parameters of a scene.
 
-    ``diameter`` and ``length`` in m.  A right-hand rope has positive Qb and Qc: stretched and free to turn, it unwinds.
+    Parameters
+    ----------
+    construction : str
+        One of CONSTRUCTIONS.
+    diameter : float
+        Diameter of the rope [m], at most 1.
+    length : float
+        Length between the two swivels [m].
+    lay : {"right-hand", "left-hand"}
+        A right-hand rope has positive Qb and Qc: stretched and free to turn, it unwinds.
+
+    Returns
+    -------
+    KnownRope
+        A range for each property, with status and source.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of its range; the message names the cure.
     """
     require(construction in CONSTRUCTIONS, "construction", construction, f"one of {', '.join(CONSTRUCTIONS)}", _OTHER)
     require(lay in get_args(Lay), "lay", lay, f"one of {', '.join(get_args(Lay))}", "see the rope's data sheet")

@@ -227,7 +227,7 @@ class Rope:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the ends hang: left at X = -spacing/2, right at +spacing/2, heights are inputs."""
+    """Places of the ends: left at X = -spacing/2, right at +spacing/2, heights are inputs."""
 
     spacing: float = parameter(
         2.0,
@@ -363,7 +363,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """What a run may err by: mesh and steps follow from it, see physics.accuracy and simulation.mesh."""
+    """Error that a run may have: mesh and steps follow from it, see physics.accuracy and simulation.mesh."""
 
     end_force: float = parameter(
         1e-3,
@@ -454,7 +454,7 @@ class Solver:
 
 @dataclass(frozen=True)
 class Model:
-    """How much of the rope is computed: the fidelities are described in physics.element and simulation.rigid."""
+    """Fidelity of the model: the fidelities are described in physics.element and simulation.rigid."""
 
     fidelity: FidelityChoice = choice(
         "auto",
@@ -549,7 +549,7 @@ _WHERE = "0 is the rope's left end, 1 its right end"
 
 @dataclass(frozen=True)
 class Stations:
-    """Where the outputs station.* look at the rope: at places that stay in it while it flows through the loop."""
+    """Places in the rope of the outputs station.*; they stay in it while it flows through the loop."""
 
     first: float = parameter(
         0.0,
@@ -596,8 +596,8 @@ CHOICES = {
 }
 
 Level = Literal["draft", "standard", "reference"]
-#: what each level of accuracy asks for, checked in docs/chart.md.  A draft is for end forces: it may leave out torsion
-#: and what is out of plane, where that changes the forces by an estimated 0.2 % at most
+#: what each level of accuracy asks for, checked in docs/accuracy.md.  A draft is for end forces: it may leave out
+#: torsion and what is out of plane, where that changes the forces by an estimated 0.2 % at most
 LEVELS: dict[Level, dict[str, Any]] = {
     "draft": {
         "accuracy": Accuracy(end_force=1e-2, loop=0.1),
@@ -614,7 +614,25 @@ LEVELS: dict[Level, dict[str, Any]] = {
 
 
 def at_level(scene: Scene, level: Level) -> Scene:
-    """The scene with a fitted mesh, accuracy, solver and model of one of LEVELS; what else these had is lost."""
+    """Return the scene with a fitted mesh and with accuracy, solver and model of a level.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its own mesh, accuracy, solver and model are replaced.
+    level : {"draft", "standard", "reference"}
+        Standard suits most uses.
+
+    Returns
+    -------
+    Scene
+        A new scene.
+
+    Raises
+    ------
+    ValueError
+        If there is no such level.
+    """
     if level not in LEVELS:
         raise ValueError(f"level = {level!r} must be one of {', '.join(LEVELS)}; standard suits most uses")
     return scene.with_(mesh=Mesh("auto"), **LEVELS[level])
@@ -622,7 +640,7 @@ def at_level(scene: Scene, level: Level) -> Scene:
 
 @dataclass(frozen=True)
 class RopeCase:
-    """A scene and the winding it is meant for: the left end starts at height 0, the right end ``travel`` above it."""
+    """Scene with a winding: the left end starts at height 0, the right end ``travel`` above it."""
 
     scene: Scene
     travel: float  # m
@@ -630,12 +648,12 @@ class RopeCase:
 
 
 def rope_120(level: Level = "standard") -> RopeCase:
-    """The 120 m rope: swivels locked, 90 m of travel at up to 8 m/s."""
+    """Return the 120 m rope: swivels locked, 90 m of travel at up to 8 m/s."""
     return RopeCase(at_level(Scene(), level), travel=90.0, speed=8.0)
 
 
 def rope_240(level: Level = "standard") -> RopeCase:
-    """The 240 m rope: healthy swivels released at t = 20 s, 200 m of travel at up to 10 m/s."""
+    """Return the 240 m rope: healthy swivels released at t = 20 s, 200 m of travel at up to 10 m/s."""
     swivel = Swivel(mode="coulomb", release_time=20.0)
     scene = Scene(rope=Rope(length=240.0), left=swivel, right=swivel)
     return RopeCase(at_level(scene, level), travel=200.0, speed=10.0)

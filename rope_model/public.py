@@ -119,12 +119,31 @@ Form = Literal["auto", "native", "python"]
 
 
 def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
-    """A rope for the scene, not yet initialised.
+    """Return a rope for the scene, not yet initialised.
 
-    ``auto`` takes the native form, or the Python form where that cannot be had or ``scene.solver.kernels`` asks for
-    kernels of the Python form by name.  Raises ValueError when the mesh does not fit the rope; with ``native``
-    RuntimeError without a C compiler, and OSError or CalledProcessError when that fails; with ``python`` RuntimeError
-    when compiled kernels are asked for by name and cannot be had.
+    Parameters
+    ----------
+    scene : Scene
+        Rope, layout, swivels, mesh, solver and surroundings, in SI units.
+    form : {"auto", "native", "python"}
+        ``auto`` takes the native form. It takes the Python form where there is no native one, or where
+        ``scene.solver.kernels`` names kernels of the Python form.
+
+    Returns
+    -------
+    BalanceRope
+        A rope to be initialised with the motion of both ends.
+
+    Raises
+    ------
+    TypeError
+        If ``scene`` is no Scene.
+    ValueError
+        If the mesh does not fit the rope, or ``form`` is unknown.
+    RuntimeError
+        If ``native`` finds no C compiler, or ``python`` lacks compiled kernels that the scene asks for.
+    OSError, subprocess.CalledProcessError
+        If ``native`` finds a C compiler that fails.
     """
     if not isinstance(scene, Scene):
         given = type(scene).__name__

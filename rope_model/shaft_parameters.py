@@ -60,7 +60,7 @@ class Conveyance:
 
 @dataclass(frozen=True)
 class HeadRopes:
-    """Those above each conveyance: an upright row of ropes; what lies between two of them counts as one of them."""
+    """Head ropes above each conveyance: an upright row, closed between its outermost ropes."""
 
     diameter: float = _size(0.0, "diameter of a head rope; 0: none")
     row: float = _size(0.0, "distance of a conveyance's outermost head ropes, which stand in a row along Z")
@@ -102,7 +102,7 @@ class Sump:
 
 @dataclass(frozen=True)
 class Contact:
-    """What a body does to the rope that touches it, or the rope to itself, per length: see physics.contact."""
+    """Contact of the rope with a body or with itself, per length: see physics.contact."""
 
     stiffness: float = parameter(
         1e6,

@@ -4,8 +4,6 @@ Each page is opened in a frame of a given width, with a probe behind its scripts
 to the frame's parent.  What the browser complains about comes on stderr.
 """
 
-from __future__ import annotations
-
 import html
 import json
 import math

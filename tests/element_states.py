@@ -1,7 +1,5 @@
 """An element with random numbers for its state, and what its functions give there."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The FMUs that are tested."""
 
-from __future__ import annotations
-
 import shutil
 import time
 from collections.abc import Callable, Sequence
@@ -38,10 +36,7 @@ def python(profile: Profile = FULL) -> Callable[[Path], Path]:
 
 
 def native(
-    fmi: int,
-    platforms: Sequence[str] | None = None,
-    profile: Profile = FULL,
-    level: Level = "standard",
+    fmi: int, platforms: Sequence[str] | None = None, profile: Profile = FULL, level: Level = "standard"
 ) -> Callable[[Path], Path]:
     """Exports the native FMU; for all platforms that can be built here if None."""
     return partial(export_native, fmi=fmi, platforms=platforms, profile=profile, level=level)

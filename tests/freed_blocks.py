@@ -1,7 +1,5 @@
 """The library that makes any use of freed C++ memory fatal (native/freed_blocks.c)."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

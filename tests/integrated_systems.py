@@ -1,7 +1,5 @@
 """Systems for the tests of time integration."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,10 +9,7 @@ import numpy as np
 from conftest import Chain
 from numpy.typing import NDArray
 
-from rope_model.numerics.generalized_alpha import (
-    Motion,
-    restart,
-)
+from rope_model.numerics.generalized_alpha import Motion, restart
 from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progress, judge, report
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_kernels import RopeKernels

@@ -1,7 +1,5 @@
 """A host for the rope's FMUs: one instance of FMI 2.0 or 3.0, variables by name, the log kept."""
 
-from __future__ import annotations
-
 import ctypes
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Native FMUs with the rope in them, and numbers that no host should give them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The C functions of the rope's FMUs as they are: any call in any order, what it said and how long it took."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import struct

@@ -1,7 +1,5 @@
 """Ropes for groups of several."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

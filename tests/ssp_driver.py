@@ -13,8 +13,6 @@ master    the same loop as a fixed-step master runs it (OMSimulator's is not on 
           its annotation, adding it up to the stop time of the file, whatever rest that leaves for the last step.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import sys

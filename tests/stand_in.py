@@ -1,7 +1,5 @@
 """A stand-in for the rope (tests/native/stand_in.c), and programs that live through an FMU's life."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

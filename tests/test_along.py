@@ -1,26 +1,20 @@
 """Tension and stresses along the rope: closed forms at rest, balances in motion, and what each fidelity has of them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scenes import fixed_steps, smooth_trip, wound
 
-from benchmarks.kinematic import fixed_steps
-from evidence.choice.scenes import smooth_step
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Stations, rope_120
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.physics.estimates import loop_width, natural_width
-from rope_model.physics.stress import material_values
-from rope_model.simulation.diagnostics import interpolate_midpoints, shape, shape_places, tension
-from rope_model.simulation.fidelity import FIDELITIES, Fidelity
+from rope_model.simulation.diagnostics import shape, shape_places
+from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.paths import EndMotion
-from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, arc_lengths
-from rope_model.simulation.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.simulation.signal_table import SHAPE_POINTS
 from rope_model.simulation.simulator import RopeSimulator
-from rope_model.simulation.transfer import interpolate
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way
@@ -33,12 +27,7 @@ BOTTOM = SHAPE_POINTS // 2
 def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> RopeSimulator:
     """A smooth trip of 8 m in 5 s, after so many steps of 10 ms."""
     rope = RopeSimulator(scene if fidelity is None else scene.with_(model=Model(fidelity=fidelity)))
-    for k in range(steps + 1):
-        x, v, a = (TRAVEL * value for value in smooth_step(k * H, 0.0, 5.0))
-        ends = EndMotion(y=x, vy=v, ay=a), EndMotion(y=HIGH - x, vy=-v, ay=-a)
-        status = rope.advance_to(k * H, *ends) if k else rope.initialize(0.0, *ends)
-        assert status.valid, status.message
-    return rope
+    return wound(rope, lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps)
 
 
 def along(rope: RopeSimulator, name: str) -> np.ndarray:
@@ -98,15 +87,6 @@ def test_torsion_at_rest_is_that_of_the_torque_all_along() -> None:
     assert_allclose(along(hung, "torsion"), 16 * torque / SECTION, rtol=1e-3)
 
 
-def test_stress_in_the_middle_of_an_element_is_that_of_the_element() -> None:
-    rope = move(SHORT, 130)
-    bending, *_ = material_values(SHORT.rope, 1.0, rope.system.strains(rope.state.motion.q).T)
-    lengths = rope.state.partition.lengths
-    middles = arc_lengths(lengths)[1:] - 0.5 * lengths
-    assert_allclose(interpolate_midpoints(bending, lengths, middles), bending, rtol=1e-9)
-    assert_allclose(along(rope, "bending"), interpolate_midpoints(bending, lengths, places(rope)), rtol=1e-9)
-
-
 @pytest.mark.parametrize("kind", ["bending", "torsion"])
 def test_stress_along_the_rope_reaches_its_largest_value_and_is_never_above(kind: str) -> None:
     for steps in (0, 130, 260):
@@ -115,14 +95,6 @@ def test_stress_along_the_rope_reaches_its_largest_value_and_is_never_above(kind
         assert values.max() <= largest * (1 + 1e-12)
         # between points: the loop's are 0.2 m apart, a tenth of its bend
         assert values.max() > 0.98 * largest
-
-
-def test_a_fidelity_without_torsion_has_none_along_the_rope_and_none_at_most() -> None:
-    for fidelity in FIDELITIES[:-1]:
-        rope = move(SHORT, 100, fidelity)
-        assert not along(rope, "torsion").any()
-        assert rope.signals()["stress.torsion_max"] == 0.0
-    assert along(move(SHORT, 100, "torsional"), "torsion").min() > 1e4
 
 
 @pytest.mark.parametrize("steps", [100, 250])
@@ -169,58 +141,3 @@ def test_stations_show_the_ends_forces_and_torque_at_rest() -> None:
     assert_allclose(station(hung, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3)
     # the torque is what the elements' strains say; the swivel's is the reaction to theta
     assert_allclose(station(hung, "torque"), ends["right.swivel.torque"], rtol=1e-3)
-
-
-def test_stations_of_a_part_are_those_of_the_whole_there() -> None:
-    whole = move(SHORT, 130)
-    part = move(SHORT.with_(station=Stations(first=0.25, last=0.75)), 130)
-    for name in ("tension", "curvature", "torque"):
-        assert_allclose(station(part, name)[::2], station(whole, name)[20:61], rtol=1e-9)
-
-
-@pytest.mark.parametrize(("first", "last"), [(-0.1, 1.0), (0.6, 0.5), (0.0, 1.1)])
-def test_stations_beyond_the_rope_are_refused(first: float, last: float) -> None:
-    with pytest.raises(ValueError, match="0 is the rope's left end, 1 its right end"):
-        Stations(first=first, last=last)
-
-
-def test_all_values_along_the_rope_are_finite_on_every_fidelity() -> None:
-    names = [name for name in SIGNALS if name.startswith(("shape.", "station."))]
-    for fidelity in FIDELITIES:
-        values = move(UNCOUPLED, 100, fidelity).signals()
-        assert all(math.isfinite(values[name]) for name in names)
-
-
-def test_in_the_loop_balance_and_middles_err_less_than_the_cubic_itself() -> None:
-    """By tension, N, and bending stress, MPa, of a rope-120 at rest: against the level reference."""
-    ropes = [RopeSimulator(rope_120(level).scene) for level in ("standard", "reference")]
-    for rope in ropes:
-        assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
-    data, gravity = ropes[0].scene.rope, ropes[0].scene.layout.gravity
-    q, lengths = ropes[0].state.motion.q, ropes[0].state.partition.lengths
-    middles = arc_lengths(lengths)[:-1] + 0.5 * lengths
-    loop = np.abs(middles - ropes[0].loop.s) < 4.0
-    # on each element of the loop, at 50 places
-    at = (middles[loop, None] + lengths[loop, None] * np.linspace(-0.49, 0.49, 50)).ravel()
-    own, exact = (cubic(rope, at) for rope in ropes)
-    balance, tensions = (
-        tension(x.state.motion, x.state.partition.lengths, at, data.mass_per_length, gravity) for x in ropes
-    )
-    law = data.Qa * own[0] + data.Qb * np.repeat(np.diff(q[:, ANGLE]) / lengths, 50).reshape(-1, 50)[loop].ravel()
-    assert 180.0 < np.abs((law - tensions).reshape(-1, 50).mean(axis=1)).max() < 200.0
-    assert np.abs(balance - tensions).max() < 0.5
-    stress = 32e-6 * data.EI / SECTION
-    rms = np.zeros(lengths.size)
-    rms[loop] = np.sqrt(np.square(own[1]).reshape(-1, 50).mean(axis=1))
-    within = (at > middles[loop][0]) & (at < middles[loop][-1])
-    errors = (own[1] - exact[1])[within], (interpolate_midpoints(rms, lengths, at) - exact[1])[within]
-    assert stress * own[1].max() == pytest.approx(28.0, rel=0.01)
-    assert [stress * np.abs(error).max() for error in errors] == pytest.approx([2.3, 0.4], rel=0.1)
-
-
-def cubic(rope: RopeSimulator, s: Array) -> tuple[Array, Array]:
-    """Axial strain and curvature of the interpolated centre line at ``s``."""
-    q, nodes, small = rope.state.motion.q, arc_lengths(rope.state.partition.lengths), 1e-5
-    before, d, after = (interpolate(q, nodes, s + x)[:, SLOPE] for x in (-small, 0.0, small))
-    stretch = np.linalg.norm(d, axis=1)
-    return stretch - 1, np.linalg.norm(np.cross(d, (after - before) / (2 * small)), axis=1) / stretch**2

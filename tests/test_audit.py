@@ -1,12 +1,10 @@
 """The audit of the rope's motion: silent where the motion is right, and not where it is made wrong."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import pytest
+from scenes import Trip, wound
 
-from benchmarks.latency import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from rope_model.native.engine import NativeRope
@@ -28,43 +26,31 @@ H = 0.01
 NO_CONTROL = 1e6  # of the step's error
 
 
-@dataclass(frozen=True)
-class Trip:
-    """A whole trip of the native rope; its counts, warnings and audit."""
-
-    case: Case
-
-    def scene(self) -> Scene:
-        scene = rope_data(find_case(self.case.scene).rope, self.case.level)
-        if scene.solver.step_max >= self.case.H:
-            return scene
+def wind(case: Trip) -> NativeRope:
+    """The native rope after the whole trip."""
+    scene = rope_data(find_case(case.scene).rope, case.level)
+    if scene.solver.step_max < case.H:
         # the host's steps are the rope's, however much they err; what Newton's method leaves of such steps, up to 52 N
         # at its default tolerance, would be missing too
-        solver = replace(scene.solver, step_max=self.case.H, tolerance=NO_CONTROL, newton_tolerance=1e-7)
-        return scene.with_(solver=solver)
-
-    def wind(self) -> NativeRope:
-        rope, motions = NativeRope(self.scene()), self.case.motions
-        assert rope.initialize(0.0, *motions[0]).valid
-        for k, ends in enumerate(motions[1:], start=1):
-            status = rope.advance_to(k * self.case.H, *ends)
-            assert status.valid, status
-        return rope
+        solver = replace(scene.solver, step_max=case.H, tolerance=NO_CONTROL, newton_tolerance=1e-7)
+        scene = scene.with_(solver=solver)
+    motions = case.motions
+    return wound(NativeRope(scene), lambda t: motions[round(t / case.H)], len(motions) - 1, case.H)
 
 
 @pytest.mark.parametrize(
     "case",
     [
-        Case("rope-120", "winding", "draft", 0.02),
-        Case("rope-120", "winding", "standard", 0.01),
-        Case("rope-120", "winding", "standard", 0.04),
-        Case("rope-120", "emergency stop", "standard", 0.02),
-        Case("rope-240", "emergency stop", "standard", 0.01),
+        Trip("rope-120", "winding", "draft", 0.02),
+        Trip("rope-120", "winding", "standard", 0.01),
+        Trip("rope-120", "winding", "standard", 0.04),
+        Trip("rope-120", "emergency stop", "standard", 0.02),
+        Trip("rope-240", "emergency stop", "standard", 0.01),
     ],
     ids=str,
 )
-def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transformations(case: Case) -> None:
-    rope = Trip(case).wind()
+def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transformations(case: Trip) -> None:
+    rope = wind(case)
     state, audit = rope.state, rope.state.audit
     assert state.counts.transformations > 20
     assert state.counts.swivel_events > 20 or case.scene == "rope-120"
@@ -75,7 +61,7 @@ def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transforma
 
 
 def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told() -> None:
-    rope = Trip(Case("rope-120", "emergency stop", "standard", 0.04)).wind()
+    rope = wind(Trip("rope-120", "emergency stop", "standard", 0.04))
     told = rope.warnings()
     assert FOUND & told.keys() == {"unresolved_waves"}
     # 40 ms in the axial period of half the rope are 1.55; Newton's method shortens some
@@ -83,24 +69,6 @@ def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told
     assert "(bound 3)" in told["unresolved_waves"]
     # a sixth of that period, 62 ms
     assert "lower step_max to 0.01 s" in told["unresolved_waves"]
-
-
-@pytest.mark.parametrize("form", [RopeSimulator, NativeRope])
-def test_speeds_that_100_newtons_in_one_sample_would_bring_are_told(
-    form: type[RopeSimulator] | type[NativeRope],
-) -> None:
-    rope = form(SHORT)
-    assert rope.initialize(0.0, *AT_REST).valid
-    assert rope.advance_to(H, *AT_REST).valid
-    assert rope.warnings() == {}
-    state = rope.state
-    v = state.motion.v.copy()
-    v[1:-1, 1] += 100.0 * H / (SHORT.rope.mass_per_length * SHORT.rope.length)
-    rope.restore(state._replace(motion=replace(state.motion, v=v)))
-    assert rope.advance_to(2 * H, *AT_REST).valid
-    # but for the masses next to the two ends, which keep their speed
-    assert rope.signals(["audit.momentum"])["audit.momentum"] == pytest.approx(100.0, rel=0.02)
-    assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
 
 
 def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,5 @@
 """Linear equations with a symmetric band, against the full matrix."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,10 +1,6 @@
 """The block elimination against a dense solve, the compiled kernels against the portable ones, the kernel cache."""
 
-from __future__ import annotations
-
 import logging
-import os
-import platform
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -16,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
-from rope_model.physics.element import NODE_DOF, PARAMETERS, element_functions
+from rope_model.physics.element import NODE_DOF, element_functions
 from rope_model.simulation.rope_kernels import RopeKernels, write_bundle
 
 Array = NDArray[np.float64]
@@ -85,18 +81,6 @@ def test_the_direction_is_that_of_a_dense_solve(elements: int, seed: int) -> Non
     np.testing.assert_allclose(R, R_expected, rtol=0, atol=1e-13 * np.abs(R_expected).max())
 
 
-def test_what_is_held_is_not_corrected() -> None:
-    x = random_chain(5, 9)
-    correction, _ = RopeKernels(5, "portable").newton_step(*x.values())
-    assert not correction[x["free"] == 0].any()
-    assert correction[x["free"] == 1].all()
-
-
-def test_a_rope_that_is_held_all_over_is_not_corrected_at_all() -> None:
-    x = random_chain(3, 1) | {"free": np.zeros((4, NODE_DOF))}
-    assert not RopeKernels(3, "portable").newton_step(*x.values())[0].any()
-
-
 def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -> None:
     elements = 6
     x, k, element = random_chain(elements, 4), RopeKernels(elements, "portable"), element_functions()
@@ -134,22 +118,6 @@ def test_the_compiled_kernels_give_what_the_portable_ones_give() -> None:
             assert np.all(np.isfinite(reference))
             # the same operations; the compiler may order a sum differently
             np.testing.assert_allclose(ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max())
-
-
-@pytest.mark.slow  # five seconds of the optimiser
-@pytest.mark.skipif("OPTIMISING_CC" not in os.environ, reason="the tests have no C compiler of the system")
-def test_the_optimiser_does_not_change_a_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """So the tests may compile without it."""
-    elements = 8  # the size other tests compile too
-    plain, x = RopeKernels(elements, "compiled"), random_chain(elements, 5)
-    monkeypatch.setenv("CC", os.environ["OPTIMISING_CC"])
-    assert kernels.find_compiler() == (os.environ["OPTIMISING_CC"],)
-    optimised = RopeKernels(elements, "compiled")
-    state = [x[name] for name in STATE]
-    assert [f.tobytes() for f in optimised.newton_step(*x.values())] == [
-        f.tobytes() for f in plain.newton_step(*x.values())
-    ]
-    assert [f.tobytes() for f in optimised.evaluate(*state)] == [f.tobytes() for f in plain.evaluate(*state)]
 
 
 def test_the_kernels_leave_their_arguments_alone_and_give_their_results_away() -> None:
@@ -203,21 +171,6 @@ def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
 
 
 @needs_compiler
-def test_libraries_share_what_they_have_in_common(tmp_path: Path) -> None:
-    compiler = kernels.find_compiler()
-    assert compiler is not None
-    shared = {"shared.c": '#include "number.h"\nint shared(void) { return NUMBER; }', "number.h": "#define NUMBER 1"}
-    for text in ("int own(void) { return 1; }", "int own(void) { return 2; }"):
-        kernels.compile_library(shared | {"own.c": text}, compiler, tmp_path, "both")
-    kinds = [file.name.rpartition("-")[0] for file in tmp_path.iterdir()]
-    assert sorted(kinds) == ["both", "both", "own", "own", "shared"]
-    # a header that is included counts
-    kernels.compile_library(shared | {"own.c": text, "number.h": "#define NUMBER 2"}, compiler, tmp_path, "both")
-    assert len([*tmp_path.glob("shared-*")]) == 2
-    assert len([*tmp_path.glob("own-*")]) == 2
-
-
-@needs_compiler
 def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compiler = kernels.find_compiler()
     assert compiler is not None
@@ -228,19 +181,6 @@ def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(kernels, "FLAGS", (*kernels.FLAGS, "-DOTHER"))
     libraries.add(kernels.build_library([small_function()], compiler, tmp_path))
     assert len(libraries) == 3
-
-
-@needs_compiler
-def test_ropes_of_all_sizes_share_the_compiled_element(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
-    for elements in (2, 3):
-        assert RopeKernels(elements, "compiled", fidelity="planar").form == "compiled"
-    made = sorted(file.name.rpartition("-")[0] for file in tmp_path.iterdir())
-    assert made == ["element-planar"] * 2 + ["kernels-planar-2", "kernels-planar-3"]  # an object file and its library
-
-
-def test_generated_code_depends_on_nothing_but_the_functions() -> None:
-    assert kernels.generate_c((small_function(),)) == kernels.generate_c((small_function(),))
 
 
 def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
@@ -256,41 +196,6 @@ def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
         kernels.prepare(SMALL, build_small, "compiled")
 
 
-def test_a_compiler_that_fails_falls_back_to_portable(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    monkeypatch.setattr(kernels, "find_compiler", lambda: (str(tmp_path / "no-such-compiler"),))
-    assert kernels.prepare(SMALL, partial(build_small, folder=tmp_path), "auto")[1] == "portable"
-    assert ["no-such-compiler failed" in r.getMessage() for r in caplog.records if r.levelname == "WARNING"] == [True]
-
-
-def test_portable_kernels_survive_saving_and_loading_to_the_bit(tmp_path: Path) -> None:
-    x, built = random_chain(2, 3), RopeKernels(2, "portable")
-    kernels.save_portable([built.newton_step.function, built.evaluate.function], tmp_path / "chain.casadi")
-    newton_step, _ = kernels.load_portable(tmp_path / "chain.casadi")
-    loaded = kernels.Kernel(newton_step, [x["q"].shape] * 2)
-    for ours, reference in zip(loaded(*x.values()), built.newton_step(*x.values()), strict=True):
-        np.testing.assert_array_equal(ours, reference)
-
-
-def test_a_library_that_does_not_load_is_passed_over_with_a_warning(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # as on a machine without a compiler
-    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
-    monkeypatch.setattr("rope_model.simulation.rope_kernels.find_compiler", lambda: None)
-    portable = write_bundle(2, tmp_path, [("torsional", ())])[0]
-    library = tmp_path / f"torsional-2-{kernels.platform_tag()}{kernels.LIBRARY_SUFFIX}"
-    library.write_bytes(b"not a library")
-    with caplog.at_level(logging.WARNING, logger=kernels.__name__):
-        k = RopeKernels(2, "auto", tmp_path)
-    assert portable.exists()
-    assert k.form == "portable"
-    assert library.name in caplog.text
-    x = random_chain(2, 3)
-    np.testing.assert_array_equal(k.newton_step(*x.values())[0], RopeKernels(2, "portable").newton_step(*x.values())[0])
-
-
 @needs_compiler
 def test_a_bundle_brings_its_library_along(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
@@ -298,8 +203,3 @@ def test_a_bundle_brings_its_library_along(
     assert len(write_bundle(2, tmp_path, [("torsional", ())])) == 2
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     assert RopeKernels(2, "compiled", tmp_path).form == "compiled"
-
-
-def test_the_platform_tag_names_the_processor() -> None:
-    assert kernels.platform_tag().endswith(platform.machine().lower())
-    assert len(P) == len(PARAMETERS)

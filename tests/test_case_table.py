@@ -1,34 +1,23 @@
 """The table of cases: every one starts and winds, its rope is the one that it names, and users are told the names."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-import balance_rope
 from fmu_src.interface import case_with, scene_of, variables
-from hoist_demo.cases.installed import INSTALLED
-from hoist_demo.cases.table import CASES, find_case
+from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import GRAVITY, Coupling
-from hoist_demo.study.run import build
 from rope_model import parameters
 from rope_model.parameters import rope_120
 
 every_scene = pytest.mark.parametrize("name", CASES)
-
-
-def test_the_table_holds_the_published_case_and_all_installed_sizes() -> None:
-    assert set(CASES) == {"rope-120", "rope-240"} | set(INSTALLED)
-    assert set(parameters.ROPE_CASES) <= set(CASES)
 
 
 @every_scene
@@ -36,12 +25,6 @@ def test_the_fmu_reads_the_case_s_parameters_as_the_rope_in_process_does(name: s
     values = {v.name: v.start for v in variables(rope_120()) if v.causality == "parameter" and v.start is not None}
     assert CASES[name].rope.keys() <= values.keys()
     assert scene_of({**values, **CASES[name].rope}) == rope_data(CASES[name].rope)
-
-
-@pytest.mark.parametrize("name", parameters.ROPE_CASES)
-@pytest.mark.parametrize("level", ["draft", "standard"])
-def test_ropes_of_the_published_case_are_those_of_the_export(name: str, level: parameters.Level) -> None:
-    assert rope_data(CASES[name].rope, level) == parameters.ROPE_CASES[name](level).scene
 
 
 @every_scene
@@ -53,22 +36,6 @@ def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, leve
     starts = {v.name: v.start for v in variables(exported)}
     assert starts["right.y"] == abs(case.winding.travel)
     assert {key: starts[key] for key in case.rope} == pytest.approx(dict(case.rope))
-
-
-def test_a_start_value_that_no_parameter_has_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match=r"rope\.colour must be parameters of the rope"):
-        case_with("rope-120", "standard", {"rope.colour": 1.0})
-
-
-def test_ropes_of_the_hoist_page_are_those_of_the_cases() -> None:
-    page = (Path(__file__).parent.parent / "docs" / "hoist.md").read_text(encoding="utf-8")
-    assert rope_table() in page, "docs/hoist.md: put in " + rope_table()
-
-
-@pytest.mark.parametrize("name", ["rope.colour", "swivel.mode", "length"])
-def test_a_parameter_that_the_rope_has_not_is_refused_by_name(name: str) -> None:
-    with pytest.raises(ValueError, match=f"{name} = 1.0 must be a parameter of the rope"):
-        rope_data({name: 1.0})
 
 
 @cache
@@ -120,53 +87,3 @@ def test_what_the_hoist_gives_is_what_all_its_balance_ropes_get() -> None:
 
 
 # what the user is told
-
-
-@every_scene
-def test_the_demo_lists_every_case(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        balance_rope.main(["demo", "--help"])
-    assert name in capsys.readouterr().out
-
-
-def test_a_case_that_is_not_there_is_answered_with_all_that_are(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as left:
-        balance_rope.main(["demo", "--case", "monopol"])
-    assert left.value.code == 2
-    told = capsys.readouterr().err
-    assert all(name in told for name in CASES)
-    with pytest.raises(ValueError, match=r"case = 'monopol' must be one of rope-120, .*palabora-1282"):
-        find_case("monopol")
-
-
-def test_a_stop_s_law_without_its_time_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    command = ["demo", "--in-process", "--case", "monopol-1000", "--estop-law", "torque", "--out", str(tmp_path)]
-    assert balance_rope.main(command) == 2
-    assert "--estop-at" in capsys.readouterr().err
-
-
-def test_a_creep_s_speed_without_its_length_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert balance_rope.main(["demo", "--in-process", "--creep-speed", "0.5", "--out", str(tmp_path)]) == 2
-    assert "--creep-distance" in capsys.readouterr().err
-
-
-def test_a_brake_that_the_case_has_not_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    command = ["demo", "--in-process", "--estop-law", "torque", "--estop-at", "5", "--out", str(tmp_path)]
-    assert balance_rope.main(command) == 2
-    assert "without a brake" in capsys.readouterr().err
-
-
-def test_a_study_winds_the_case_with_its_gains_and_its_rope_unless_told_otherwise() -> None:
-    case = CASES["monopol-1000"]
-    plain, other = build("monopol-1000", {}), build("monopol-1000", {"rope.EI": 900.0, "gains.position": 0.7})
-    assert (plain.gains, plain.fmu) == (case.gains, case.rope)
-    assert other.gains == replace(case.gains, position=0.7)
-    assert other.fmu == {**case.rope, "rope.EI": 900.0}
-
-
-def rope_table() -> str:
-    """The installed ropes as docs/hoist.md shows them."""
-    names = [name for name in next(iter(INSTALLED.values())).rope if "swivel" not in name]
-    lines = ["| |" + "".join(f" `{name}` |" for name in INSTALLED), "|---|" + "---|" * len(INSTALLED)]
-    lines += [f"| `{key}` |" + "".join(f" {case.rope[key]:.4g} |" for case in INSTALLED.values()) for key in names]
-    return "\n".join(lines)

@@ -1,7 +1,5 @@
 """The catalogue of ropes: ranges with sources, whose every value is a rope that hangs."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -90,8 +88,3 @@ def test_shares_of_a_range(datum: Datum) -> None:
 def test_what_is_not_known_is_refused(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         rope(**arguments)  # type: ignore[arg-type]
-
-
-def test_an_unknown_property_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"property = 'EI' is out of range: it must be one of mass_per_length"):
-        rope("34x7", diameter=0.04).rope(EI=300)

@@ -1,6 +1,4 @@
-"""Contact: the law, the element that has it, both forms of the rope in it, and exact cases (evidence.contact)."""
-
-from __future__ import annotations
+"""Contact: the law, the element that has it, both forms of the rope in it."""
 
 import math
 import random
@@ -14,9 +12,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from evidence.contact.checks import CASES
-from evidence.contact.plectoneme import BEND, STIFFNESS, hard_rod, soft_rod
-from evidence.contact.plectoneme import DIAMETER as WOUND_DIAMETER
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Mesh, Rope, Scene
 from rope_model.physics import hermite
@@ -69,12 +64,6 @@ def test_the_normal_is_the_gradient_of_the_distance(side: float) -> None:
         gradient = ca.Function("gradient", [x], [ca.gradient(distance(x, body), x)])
         point = tuple(c + chance.uniform(-1.5, 1.5) for c in body.centre)
         assert_allclose(normal(point, body), np.array(gradient(point)).ravel(), atol=1e-12)
-
-
-def test_the_normal_is_a_unit_vector_in_line_with_an_edge_too() -> None:
-    body = Body(REST, (1.0, 1.0, 1.0), 0.0, 1.0, 0.0, 1.0)
-    assert normal((0.3, 1.2, 1.0), body) == pytest.approx((0.0, 1.0, 0.0))
-    assert normal((1.0, 1.3, 1.4), body) == pytest.approx((0.0, 0.6, 0.8))
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.1, 1.0, 100.0])
@@ -298,16 +287,6 @@ def begun(scene: Scene, form: Any) -> Any:
     return rope
 
 
-@pytest.mark.parametrize("form", ["python", "native"])
-def test_bodies_that_are_far_change_no_bit(form: Any) -> None:
-    far = shaft(-30.0).lining, shaft(-30.0).conveyance
-    bodies = Shaft(lining=Lining(width=9.0, depth=9.0), conveyance=far[1], sump=Sump(level=-30.0))
-    one, other = (wind(begun(short(shaft=s), form), 0, 20).state for s in (Shaft(), bodies))
-    assert_array_equal(one.motion.q, other.motion.q)
-    assert_array_equal(one.motion.reaction, other.motion.reaction)
-    assert one.counts == other.counts
-
-
 def test_both_forms_agree_in_contact() -> None:
     python, native = (wind(begun(short(shaft=shaft(-4.2)), form), 0, 30) for form in ("python", "native"))
     one, other = python.state, native.state
@@ -363,45 +342,3 @@ def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> Non
     assert energy.dissipated_contact > 10
     assert abs(energy.residual) < 1e-3 * energy.work_ends
     assert abs(energy.transformations) < 1e-3 * energy.work_ends
-
-
-def test_bodies_that_do_not_hold_the_rope_are_passed() -> None:
-    rope = begun(short(shaft=shaft(-4.2, stiffness=0.0)), "native")
-    assert rope.signals(["loop.y"])["loop.y"] < -4.3
-
-
-#: of cases that take seconds
-LONG = ("divider", "every kind", "falls", "legs", "rod", "swing")
-
-
-@pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] if any(word in c for word in LONG) else []) for c in CASES]
-)
-def test_exact_case(case: str) -> None:
-    for measurement in CASES[case]():
-        assert measurement.holds, measurement
-
-
-@pytest.mark.parametrize("tension", [1000.0, 2000.0])
-def test_the_closed_form_of_a_plectoneme_is_where_its_energy_is_least(tension: float) -> None:
-    """Per length that lies in it; more of it costs nothing."""
-    x, k, onset = soft_rod(tension), STIFFNESS, ONSET * WOUND_DIAMETER
-
-    def energy(a: float, R: float) -> float:
-        p = WOUND_DIAMETER - 2.0 * R
-        pressed = k * (onset**2 / 6.0 + 0.5 * (p - onset) * p)
-        bent, turn = 0.5 * BEND * math.sin(a) ** 4 / R**2, 0.5 * math.sin(2.0 * a) / R
-        return bent + 0.5 * pressed + tension - x.torque * turn
-
-    assert WOUND_DIAMETER - 2.0 * x.radius > onset
-    # rounding of the roots
-    assert energy(x.angle, x.radius) == pytest.approx(0.0, abs=1e-8 * tension)
-    da, dR = 1e-3 * x.angle, 1e-3 * x.radius
-    around = [
-        energy(x.angle + i * da, x.radius + j * dR) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1))
-    ]
-    assert all(0.0 < more < 1e-4 * tension for more in around)
-    hard = hard_rod(tension)
-    assert hard.radius == 0.5 * WOUND_DIAMETER
-    lift = BEND * math.sin(hard.angle) ** 4 / hard.radius**2 * (0.5 + 1.0 / math.cos(2.0 * hard.angle))
-    assert lift == pytest.approx(tension)

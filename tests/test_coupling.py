@@ -1,10 +1,9 @@
 """The coupling schemes: orders, the monolithic solution, rollback, energy, warnings, failures."""
 
-from __future__ import annotations
-
 import json
 import logging
 import math
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -15,21 +14,19 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from two_masses import Data, error, start
 
-from evidence.coupling.oscillator import Data, error, start
-from evidence.coupling.reading import theory
-from evidence.rendering import DOCS
 from hoist_demo.cases.table import NAMED
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
 from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.schemes.catalogue import SCHEMES, find_scheme
+from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
 from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
 from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
-from hoist_demo.cosimulation.schemes.interface import Load, Sample, Scheme
+from hoist_demo.cosimulation.schemes.interface import Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
@@ -38,6 +35,18 @@ from hoist_demo.parameters import Coupling, Hoist, Winding
 from rope_model.parameters import ROPE_CASES, Solver
 
 EVEN = Solver(tolerance=1e6)  # steps that no error shortens
+#: order in the communication step for smooth motion, by the end of a scheme's name
+THEORY = {
+    "0": 1,
+    "1": 2,
+    "2": 3,
+    "preserving": 1,
+    "impulse": 1,
+    "controlled": 2,
+    "jacobian": 4,
+    "aitken": 4,
+    "secant": 4,
+}
 TRIP = Winding(travel=0.002, settle=0.15, start_delay=0.0)
 
 
@@ -53,7 +62,7 @@ def tight(name: str) -> Scheme:
 @pytest.mark.parametrize("name", SCHEMES)
 def test_every_scheme_has_the_order_of_its_theory(name: str) -> None:
     errors = [error(tight(name), H) for H in (0.01, 0.005)]
-    assert_allclose(math.log2(errors[0] / errors[1]), theory(name), atol=0.12)
+    assert_allclose(math.log2(errors[0] / errors[1]), THEORY[name.rpartition("-")[2]], atol=0.12)
 
 
 @pytest.mark.parametrize("name", [f"iterative-{a}" for a in ("jacobian", "aitken", "secant")])
@@ -73,10 +82,15 @@ def test_the_semi_implicit_exchange_holds_where_the_explicit_one_does_not() -> N
     assert error(SemiImplicit(1), 0.01, Data(m_e=20.0)) < 0.05
 
 
-def test_an_iteration_that_does_not_converge_says_how_far_it_is() -> None:
-    pair, memory = start(Data(m_e=20.0), 0.5, 0.01)
-    advance = Iterative("aitken", 1e-30).advance(pair, memory, 0.5, 0.01)
-    assert "tolerance 1e-30 N" in advance.cause
+@pytest.mark.parametrize(
+    ("scheme", "data", "H", "words"),
+    [
+        (Iterative("aitken", 1e-30), Data(m_e=20.0), 0.01, "tolerance 1e-30 N"),
+        (EnergyControlled(ImpulsePreserving(), 1e-9, smallest=1e-3), Data(), 0.04, "bound 1e-09 W"),
+    ],
+)
+def test_a_scheme_that_cannot_keep_what_is_asked_says_so(scheme: Scheme, data: Data, H: float, words: str) -> None:
+    assert words in scheme.advance(*start(data, 0.5, H), 0.5, H).cause
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
@@ -106,12 +120,6 @@ def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound:
         free_memory = after
     assert worst <= bound < uncontrolled
     assert memory.exchanges > 25
-
-
-def test_energy_control_that_cannot_keep_its_bound_says_so() -> None:
-    pair, memory = start(Data(), 0.5, 0.04)
-    advance = EnergyControlled(ImpulsePreserving(), 1e-9, smallest=1e-3).advance(pair, memory, 0.5, 0.04)
-    assert "bound 1e-09 W" in advance.cause
 
 
 @pytest.mark.parametrize(("order_", "limit"), [(0, 1.0), (1, 1 / 2), (2, 3 / 11)])
@@ -161,18 +169,6 @@ def wind(scheme: str, plant: Any = None, **options: Any) -> Result:
     return host.run(**options)
 
 
-def test_rollback_of_the_rope_is_bit_identical() -> None:
-    plant = rope()
-    plant.initialize(0.0, EndMotion(), EndMotion(y=90.0))
-    snapshot = plant.save()
-    moved = EndMotion(y=1e-4, vy=0.02, ay=0.5), EndMotion(y=90.0)
-    assert plant.step(0.0, 0.01, *moved).valid
-    first = plant.signals()
-    plant.restore(plant.from_bytes(plant.to_bytes(snapshot)))
-    assert plant.step(0.0, 0.01, *moved).valid
-    assert plant.signals() == first
-
-
 @pytest.mark.parametrize("name", ["gauss-seidel-2", "semi-implicit-1", "iterative-jacobian", "energy-controlled"])
 def test_the_trial_before_the_start_leaves_nothing_behind(name: str) -> None:
     result = wind(name)
@@ -208,21 +204,6 @@ def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float)
     assert result.warning == ""
     assert host.stability is not None
     assert host.stability.growth < MARGIN
-
-
-def test_an_unknown_scheme_names_all() -> None:
-    with pytest.raises(ValueError, match="scheme = 'gauss' must be one of jacobi-0"):
-        find_scheme("gauss")
-
-
-def test_a_sample_time_is_a_multiple_of_the_step_or_a_part_of_it() -> None:
-    few, many = Coupling(step=0.01, sample=0.04), Coupling(step=0.02, sample=0.005)
-    assert (few.per_sample, few.per_step, few.period) == (4, 1, 0.04)
-    assert (many.per_sample, many.per_step, many.period) == (1, 4, 0.02)
-    with pytest.raises(ValueError, match=r"sample = 0\.025 must be a multiple"):
-        Coupling(step=0.01, sample=0.025)
-    with pytest.raises(ValueError, match=r"sample = 0\.015 must be a multiple"):
-        Coupling(step=0.02, sample=0.015)
 
 
 # failures
@@ -296,7 +277,7 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
 # through the FMU, in a process of its own, because a loaded FMU shares Python with the test
 
 THROUGH_THE_FMU = """
-import sys
+import sys, tempfile
 from pathlib import Path
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -318,6 +299,8 @@ assert rope.signals() == first
 mass, nothing = rope.reader(["left.added_mass", "nothing"])()
 assert mass > 0.0 and nothing != nothing
 rope.free(snapshot)
+unpacked = list(Path(tempfile.gettempdir()).iterdir())
+assert len(unpacked) == 1, unpacked
 try:
     rope.from_bytes(b"x")
 except ValueError:
@@ -342,15 +325,13 @@ for name, values in whole.recording.signals.items():
 
 def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path, fmu_of: Callable[[str], Path]) -> None:
     command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu_of("draft")), str(tmp_path)]
-    done = subprocess.run(command, cwd=DOCS.parent, capture_output=True, text=True, timeout=300, check=False)
+    (scratch := tmp_path / "scratch").mkdir()
+    where = {**os.environ, "TMPDIR": str(scratch), "TMP": str(scratch)}
+    root = Path(__file__).parents[1]
+    done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=300, check=False, env=where)
     assert done.returncode == 0, done.stderr[-2000:]
-
-
-def test_load_through_has_its_mean_and_ends() -> None:
-    load = Load.through(np.array([1.0]), np.array([3.0]), np.array([2.0]))
-    s = (np.arange(1000) + 0.5) / 1000
-    assert_allclose([load.at(0.0)[0], load.at(1.0)[0]], [1.0, 2.0], rtol=1e-12)
-    assert_allclose(np.mean([load.at(x)[0] for x in s]), 3.0, rtol=1e-6)
+    assert done.stdout == "", "library code must not print"
+    assert not any(scratch.iterdir()), "what is unpacked goes with the process"
 
 
 @pytest.mark.parametrize(("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)])

@@ -1,7 +1,5 @@
 """What ModelStructure says of dependencies is true, in every FMU that is exported."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

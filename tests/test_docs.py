@@ -1,17 +1,20 @@
 """README and docs: links lead to files and headings that are there, as GitHub counts them; commands can be found."""
 
-from __future__ import annotations
-
 import re
 import shutil
+import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
 
 import pytest
 
+from docs.drawings import winding
+from docs.drawings.figures import FIGURES
+
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-COMMANDS = [ROOT / "README.md", ROOT / "docs" / "examples.md", *sorted((ROOT / "docs" / "tutorial").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+DOCS = ROOT / "docs"
+COMMANDS = [ROOT / "README.md", DOCS / "reference" / "python.md", *sorted((DOCS / "tutorial").glob("*.md"))]
 #: what `make demo` puts into .venv/bin, and what a shell has built in
 INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
@@ -50,12 +53,6 @@ def test_links_lead_somewhere(path: Path) -> None:
     assert broken_links(path) == []
 
 
-def test_a_broken_link_is_seen(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text("# Here\n[a](#here) [b](#there) [c](page.md#here) [d](none.md)\n", encoding="utf-8")
-    assert broken_links(page) == ["#there", "none.md"]
-
-
 def unknown_commands(text: str) -> list[str]:
     """Commands in a page's blocks without a language that no shell finds, in a checkout, where they stand."""
     found, active = [], False
@@ -76,15 +73,45 @@ def test_commands_are_found_where_they_stand(path: Path) -> None:
     assert unknown_commands(path.read_text(encoding="utf-8")) == []
 
 
-def test_a_command_that_is_not_found_is_seen() -> None:
-    page = "```\nbalance-rope demo\n.venv/bin/balance-rope demo\nno-such-command\n```\n"
-    page += "```\nsource .venv/bin/activate   # once\npython a.py\n```\n"
-    assert unknown_commands(page) == ["balance-rope demo", "no-such-command"]
+def in_navigation(page: Path) -> set[Path]:
+    """Return the pages that a page's toctrees list, and those that their toctrees list."""
+    trees = "\n".join(re.findall(r"```\{toctree\}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL))
+    names = [re.sub(r".* <(.*)>", r"\1", line) for line in trees.splitlines() if line and not line.startswith(":")]
+    listed = {page.parent / f"{name}.md" for name in names}
+    return listed.union(*(in_navigation(found) for found in listed))
 
 
-def test_every_page_is_in_the_site_s_navigation() -> None:
-    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    trees = "\n".join(re.findall(r"```\{toctree\}\n(.*?)```", index, re.DOTALL))
-    listed = {re.sub(r".* <(.*)>", r"\1", line) for line in trees.splitlines()}
-    pages = {str(path.relative_to(ROOT / "docs").with_suffix("")) for path in PAGES[1:]}
-    assert pages - listed == {"index"}
+def test_every_page_is_in_the_site_s_navigation_or_linked_from_one_that_is() -> None:
+    index = DOCS / "index.md"
+    texts = {page: page.read_text(encoding="utf-8") for page in PAGES if page.is_relative_to(DOCS)}
+    orphans = {page for page, text in texts.items() if text.startswith("---\norphan: true\n---\n")}
+    listed = in_navigation(index)
+    assert listed == set(texts) - {index} - orphans
+    assert all(any(f"]({orphan.name}" in texts[page] for page in listed) for orphan in orphans)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
+    assert (DOCS / "images" / name).read_text(encoding="utf-8") == FIGURES[name]().svg()
+
+
+def test_the_animated_winding_shows_every_frame_and_is_small() -> None:
+    path = DOCS / "images" / "winding.svg"
+    moves = [element.get("values", "") for element in ET.parse(path).iter() if "animate" in element.tag]
+    assert {len(values.split(";")) for values in moves} == {round(winding.END / winding.FRAME) + 1}
+    assert path.stat().st_size < 1.5e6
+
+
+def unknown_equations(text: str) -> set[str]:
+    """Return the labels that a text refers to but does not have, or has twice."""
+    labels = re.findall(r"^\$\$ \((\S+)\)$", text, re.MULTILINE)
+    twice = {label for label in labels if labels.count(label) > 1}
+    return twice | ({*re.findall(r"\{eq\}`(\S+?)`", text)} - {*labels})
+
+
+def test_equations_that_the_theory_refers_to_are_there() -> None:
+    assert not unknown_equations("".join(path.read_text(encoding="utf-8") for path in (DOCS / "theory").glob("*.md")))
+
+
+def test_an_unknown_equation_is_seen() -> None:
+    assert unknown_equations("$$\na\n$$ (a)\n$$\nb\n$$ (b)\n$$\nb\n$$ (b)\n{eq}`a` {eq}`c`\n") == {"b", "c"}

@@ -1,11 +1,8 @@
 """The drive's C code, compiled here and called through model.h, against the drive in process."""
 
-from __future__ import annotations
-
 import ctypes
 import subprocess
 from collections.abc import Iterator
-from dataclasses import make_dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +17,8 @@ from hoist_demo.cases.table import CASES
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.plant import HoistPlant, PlantInput
-from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import DriveModel, drive_model
 from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces, start_heights
-from hoist_demo.drive_fmu.interface import variables as drive_variables
-from hoist_demo.parameters.quantity import quantity
 from rope_model.numerics.kernels import find_compiler
 
 NATIVE = Path(__file__).parents[1] / "fmu_src" / "native"
@@ -153,25 +147,6 @@ def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Drive)
     assert_allclose(np.array(found) / scale, np.array(expected) / scale, rtol=0.0, atol=2e-6)
 
 
-def test_state_at_rest_is_that_of_the_plant_for_other_forces(drive: Drive) -> None:
-    left, right = 1.7 * rest_forces(SETUP)[0], 0.6 * rest_forces(SETUP)[1]
-    assert drive.start(**{INPUTS[0]: left, INPUTS[1]: right})
-    expected = HoistPlant(SETUP.hoist).equilibrium(*start_heights(SETUP), left, right)
-    # a rounding of 1e-14 m in the rope's free length of 15 m is 1e-12 of the force
-    assert_allclose(drive.get("drive.torque"), expected.x[0], rtol=1e-11)
-    # at rest to rounding: 1e-13 of 15 m times EA / (l m), the largest there is
-    assert abs(drive.get("left.ay")) < 1e-9
-    assert abs(drive.get("right.ay")) < 1e-9
-
-
-def test_without_a_trip_the_drive_stays_at_rest(drive: Drive) -> None:
-    assert drive.start(trip__start=100.0)
-    for k in range(500):
-        assert drive.step(k * H), drive.says()
-    assert abs(drive.get("left.vy")) < 1e-10
-    assert_allclose([drive.get("left.y"), drive.get("right.y")], start_heights(SETUP), atol=1e-10)
-
-
 def test_internal_steps_converge_with_order_five(drive: Drive) -> None:
     ends = []
     for steps in (2, 4, 64):
@@ -188,19 +163,6 @@ def test_internal_steps_converge_with_order_five(drive: Drive) -> None:
     assert np.all(np.log2(errors[:-1] / errors[1:]) > 4.7), errors
 
 
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"left__fy_mean": 1.0}, "between -18835.2 N and 0"),
-        ({"solver__step_max": 1.0}, "at most 0.0065"),
-        ({"controller__integral_time": 0.0}, "controller.integral_time = 0 is out of range"),
-    ],
-)
-def test_absurd_values_are_refused_with_bound_and_cure(drive: Drive, values: dict[str, float], words: str) -> None:
-    assert not drive.start(**values)
-    assert words in drive.says()
-
-
 def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Drive) -> None:
     assert drive.start(solver__step_max=0.001)
     drive.set(**{INPUTS[1]: -1e6})
@@ -209,30 +171,3 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Drive) -> 
         before, t = drive.get("left.y"), t + H
     assert "overwind" in drive.says()
     assert drive.get("left.y") == before
-
-
-@pytest.mark.parametrize("creep", [0.0, 3.0])
-def test_another_trip_has_its_own_reference(creep: float) -> None:
-    case = replace(SETUP, winding=replace(SETUP.winding, travel=-20.0, creep_distance=creep))
-    text = drive_model(case).sources["drive_table.h"]
-    last = text.partition("DRIVE_TRIP[][5] = {")[2].partition("};")[0].rpartition("{")[2]
-    duration = s_curve(case.winding).duration - case.winding.start_delay
-    assert_allclose([float(x) for x in last.rstrip("}").split(",")], [duration, -20.0, 0.0, 0.0, 0.0], rtol=1e-15)
-
-
-def test_description_tells_of_creep_where_there_is_one() -> None:
-    creeping = replace(SETUP, winding=replace(SETUP.winding, creep_distance=3.0, creep_speed=0.6))
-    assert drive_model(creeping).description == drive_model(SETUP).description + ", the last 3 m at 0.6 m/s"
-
-
-def test_the_controller_s_units_are_those_of_its_data(monkeypatch: pytest.MonkeyPatch) -> None:
-    stated = {"speed": "kN s/m", "integral_time": "ms", "position": "1/h", "feed_forward": "%"}
-    other = make_dataclass("Gains", [(name, float, quantity(0.5, unit)) for name, unit in stated.items()])
-
-    def units() -> dict[str, str]:
-        table = drive_variables(SETUP, H)
-        return {v.name.partition(".")[2]: v.unit for v in table if v.name.startswith("controller.")}
-
-    assert units() == {"speed": "N.s/m", "integral_time": "s", "position": "1/s", "feed_forward": "1"}
-    monkeypatch.setattr(interface, "Gains", other)
-    assert units() == {"speed": "kN.s/m", "integral_time": "ms", "position": "1/h", "feed_forward": "%"}

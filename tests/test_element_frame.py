@@ -1,31 +1,12 @@
 """The element's frames against frames built from numbers."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from conftest import rotation
-from element_states import (
-    ELEMENT,
-    MATERIAL,
-    SEEDS,
-    STEP,
-    STRAIN,
-    Array,
-    State,
-    balance,
-    energy,
-    random_state,
-    residual,
-    turn_all,
-)
+from element_states import ELEMENT, MATERIAL, SEEDS, STEP, STRAIN, Array, State, balance, energy, random_state, turn_all
 from scipy.integrate import solve_ivp
 
-from evidence.stability.counterexamples import tait_bryan_rate
-from rope_model.physics.element import BALANCE, PARAMETERS, element_functions
-from rope_model.physics.frame import FrameRate, smallest_rotation_rate
+from rope_model.physics.frame import smallest_rotation_rate
 
 # the frame's reference
 
@@ -110,30 +91,17 @@ def smallest_rotation(pole: Array, t: Array) -> Array:
     return rotation(axis / sine * np.arctan2(sine, cosine))
 
 
-def tait_bryan(pole: Array, t: Array) -> Array:
-    """(3, 3): about Z, then about the new Y, taking X to ``t``."""
-    about_z = rotation(np.array([0.0, 0.0, np.arctan2(t[1], t[0])]))
-    return about_z @ rotation(np.array([0.0, -np.arcsin(t[2]), 0.0]))
-
-
-@pytest.mark.parametrize(
-    ("rate", "frame"), [(smallest_rotation_rate, smallest_rotation), (tait_bryan_rate, tait_bryan)]
-)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(
-    rate: FrameRate, frame: Callable[[Array, Array], Array], seed: int
-) -> None:
+def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int) -> None:
     s, rng = random_state(seed), np.random.default_rng(seed)
     (d, pole), (change, pole_change) = (s.q[3:6], s.reference[3:6]), rng.normal(size=(2, 3))
-    if frame is tait_bryan:
-        pole, pole_change = np.array([1.0, 0.0, 0.0]), np.zeros(3)
 
     def unit(x: Array) -> Array:
         return np.asarray(x / np.linalg.norm(x))
 
     def frame_at(x: float) -> Array:
         p = unit(pole + x * pole_change)
-        return frame(p, unit(d + x * change)) @ transport(unit(pole), p)
+        return smallest_rotation(p, unit(d + x * change)) @ transport(unit(pole), p)
 
     here = frame_at(0.0)
     np.testing.assert_allclose(here @ unit(pole), unit(d), atol=1e-15)
@@ -141,7 +109,9 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(
     spin = (frame_at(STEP) - frame_at(-STEP)) / (2 * STEP) @ here.T
     turning = 0.5 * np.array([spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]])
     turn = np.cross(pole, pole_change) / (pole @ pole)
-    np.testing.assert_allclose(rate(unit(pole), turn, d, change), turning @ unit(d), rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(
+        smallest_rotation_rate(unit(pole), turn, d, change), turning @ unit(d), rtol=1e-6, atol=1e-7
+    )
 
 
 def transport(old: Array, new: Array) -> Array:
@@ -178,29 +148,3 @@ def test_a_section_turned_with_the_rope_has_the_twist_of_the_element() -> None:
         gained += float(ELEMENT.transport(q, rest, rest, s[i + 1] - s[i], F)[0])
     # cubics of 1/20 of the curve
     np.testing.assert_allclose(theta + gained, rate, atol=1e-5)
-
-
-def test_the_tait_bryan_frame_fails_where_the_tangent_is_out_of_plane_and_the_default_does_not() -> None:
-    source = element_functions(frame_rate=tait_bryan_rate)
-    torsion = {}
-    for name, functions in (("source", source), ("default", ELEMENT)):
-        torsion[name] = []
-        for tilt in (0.08, 0.04, 0.02):
-            # the rope passes Z at a distance ``tilt``, bending across
-            q = np.array([0.0, -0.05, 0, tilt, -0.5, 1, 0, tilt, -0.05, 1, tilt, 0.5, 1, 0])
-            P, along_x = (
-                np.array([float(name == "Qd") for name in PARAMETERS]),
-                np.array([0.0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0]),
-            )
-            F = ELEMENT.reference(along_x, 1.0)
-            parts = np.asarray(functions.balance(q, np.zeros(14), 1.0, F, P)).ravel()
-            torsion[name].append(parts[BALANCE.index("torsion")])
-    growth = np.array(torsion["source"][1:]) / torsion["source"][:-1]
-    np.testing.assert_allclose(growth, 4.0, rtol=0.1)  # twist ~ 1/tilt, energy its square
-    # the default changes by the order of the change of shape
-    np.testing.assert_allclose(torsion["default"], torsion["default"][-1], rtol=0.15)
-    # and exactly there it has no value at all
-    q = np.array([0.0, 0, 0, 0, -0.5, 1, 0, 0, 0, 1, 0, 0.5, 1, 0])
-    rest = np.zeros(14)
-    assert not np.all(np.isfinite(np.asarray(source.residual(q, rest, rest, 1.0, F, P))))
-    assert np.all(np.isfinite(residual(q, rest, rest, 1.0, np.asarray(F), P)))

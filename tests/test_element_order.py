@@ -1,7 +1,5 @@
 """Displacements of a chain of elements, and waves along it, converge with the order of the element."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The fidelities of the model: what equals what, what cannot follow, and what 'auto' makes of it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import TypeVar
@@ -10,13 +8,10 @@ import numpy as np
 import pytest
 from end_paths import led
 from numpy.testing import assert_allclose
+from scenes import CHOICES, Choice, fixed_steps, smooth_step
 
-from benchmarks.kinematic import fixed_steps
-from evidence.choice.scenes import CASES, Case, smooth_step
 from rope_model import balance_rope
-from rope_model.native.engine import NativeRope
-from rope_model.parameters import FidelityChoice, Mesh, Model, Rope, Scene, Swivel
-from rope_model.physics.estimates import natural_width
+from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity, choose_fidelity, lowest_sufficient
 from rope_model.simulation.fidelity_cases import expected_travel, force_error
@@ -105,21 +100,6 @@ def out_of_plane_difference(elements: int, inertia: float) -> float:
     return float(max(differences))
 
 
-@pytest.mark.slow
-def test_spatial_differs_from_torsional_by_the_inertia_of_the_spin() -> None:
-    # the loop yaws by 0.2 m / 2 m and leaves the rope's spin behind: a torque of the inertia times the yaw's
-    # acceleration (5.8 / 3^2 s^-2 at most), which displaces the loop by 4 M ln(L / 2W) / (rho g W^2) W / 2, twice
-    # that at most because it swings
-    scene, rope = SHORT, UNCOUPLED
-    width = 0.5 * (scene.layout.spacing + natural_width(scene))
-    torque = (rope.rhoJ * rope.length + 2 * 0.05) * 0.1 * 5.8 / 9
-    displaced = 2 * torque * math.log(0.5 * rope.length / width) / (rope.mass_per_length * 9.81 * width)
-    four, sixteen = (out_of_plane_difference(124, inertia) for inertia in (4.0, 16.0))
-    assert sixteen < 2 * 16 * displaced
-    # proportional to what is left out
-    assert_allclose(sixteen, 4 * four, rtol=0.05)
-
-
 def test_spatial_and_torsional_without_inertia_are_the_same() -> None:
     # a hundredth of the inertia leaves a hundredth of the 2e-5 m
     assert out_of_plane_difference(62, 0.01) < 1e-6
@@ -190,20 +170,6 @@ def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> Non
         full, lower = np.moveaxis(np.array(forces), 1, 0)
         error = math.sqrt(np.mean((lower - full) ** 2)) / np.abs(full).max()
         assert error < force_error(scene, ropes[1].state.fidelity, expected_travel(ends_at(0.0)))
-
-
-def test_slack_rope_stops_the_rigid_fidelity_with_a_message() -> None:
-    rope = start(EVEN, fidelity="rigid")
-    for k in range(1, 20):
-        advance(rope, k)
-    before = rope.save()
-    # both conveyances fall faster than the rope: 0.5 g more within the step
-    left, right = (replace(end, ay=end.ay - 15.0) for end in ends_at(0.2))
-    status = rope.advance_to(0.2, left, right)
-    assert not status.valid
-    assert "goes slack" in status.message
-    assert "model.fidelity" in status.message
-    assert rope.save() == before
 
 
 @pytest.mark.parametrize(
@@ -289,53 +255,12 @@ def test_fidelity_and_reason_survive_saving() -> None:
     assert again.save() == rope.save()
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])
-def test_auto_takes_the_fidelity_that_the_scene_needs(case: Case) -> None:
-    choice = choose_fidelity(case.scene, case.ends(case.trip, case.travel, 0.0))
+@pytest.mark.parametrize("case", CHOICES, ids=[case.title for case in CHOICES])
+def test_auto_takes_the_fidelity_that_the_scene_needs(case: Choice) -> None:
+    choice = choose_fidelity(case.scene, case.ends(0.0))
     assert choice.fidelity == case.fidelity
     assert choice.reason
     times = np.arange(0.0, case.until, 0.05)
-    needed = [FIDELITIES.index(lowest_sufficient(case.scene, case.ends(case.trip, case.travel, t))) for t in times]
+    needed = [FIDELITIES.index(lowest_sufficient(case.scene, case.ends(t))) for t in times]
     if choice.fidelity != "torsional":
         assert FIDELITIES[max(max(needed), FIDELITIES.index(choice.fidelity))] == (case.last or case.fidelity)
-
-
-@pytest.mark.parametrize(
-    ("scene", "ends"),
-    [
-        pytest.param(SHORT.with_(rope=Rope(length=30.0)), (EndMotion(), EndMotion()), id="coupled"),
-        pytest.param(
-            SHORT.with_(rope=replace(UNCOUPLED, installed_twist=1.0), left=FREE, right=FREE),
-            (EndMotion(), EndMotion()),
-            id="twisted until its swivels let go",
-        ),
-        pytest.param(
-            SHORT.with_(left=FREE, right=FREE), (EndMotion(z=0.1), EndMotion()), id="initialised out of plane"
-        ),
-    ],
-)
-def test_torque_takes_the_complete_rope(scene: Scene, ends: Ends) -> None:
-    assert choose_fidelity(scene, ends).fidelity == "torsional"
-
-
-def test_tolerance_that_is_not_reached_is_named() -> None:
-    choice = choose_fidelity(SHORT.with_(rope=Rope(length=30.0), model=Model(force_tolerance=1e-5)), ends_at(0.0))
-    assert choice.fidelity == "torsional"
-    assert "within the tolerance of 0.001 %" in choice.reason
-
-
-@pytest.mark.parametrize(
-    ("fidelity", "end", "name"),
-    [
-        ("planar", EndMotion(y=HIGH, az=0.4), "left.az = 0.4"),
-        ("rigid", EndMotion(y=HIGH, ax=0.4), "left.ax = 0.4"),
-        ("spatial", EndMotion(y=HIGH, yaw=0.1), "left.yaw = 0.1"),
-    ],
-)
-def test_fidelity_by_name_says_at_the_start_what_it_cannot_follow(
-    fidelity: FidelityChoice, end: EndMotion, name: str
-) -> None:
-    for rope in (RopeSimulator, NativeRope):
-        status = rope(EVEN.with_(model=Model(fidelity))).initialize(0.0, end, EndMotion())
-        assert not status.valid
-        assert f"{fidelity} model cannot follow {name}" in status.message

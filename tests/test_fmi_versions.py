@@ -1,13 +1,9 @@
 """The host drives a rope of FMI 3.0, with arrays and without, as one of FMI 2.0: same names, same bits, same words."""
 
-from __future__ import annotations
-
 import logging
-import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 from exports import FLAVOURS
@@ -15,7 +11,6 @@ from exports import FLAVOURS
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.fmi_versions import Instance
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Value
@@ -112,18 +107,6 @@ def test_one_element_of_an_array_is_set_and_the_others_keep_their_start_values(f
     assert energies[2:] == [default, finer] * 2
 
 
-def test_some_elements_of_an_array_are_read_alone(fmu_of: FmuOf) -> None:
-    for kind in KINDS:
-        outputs = read_outputs(fmu_of(kind))
-        wanted = {"shape.y[41]", "left.fy", "right.fy", "left.fy_mean", "right.fy_mean"}
-        rope = FmuRope(fmu_of(kind), not_read=[name for name in outputs if name not in wanted])
-        assert rope.initialize(0.0, *AT_REST).valid
-        assert set(rope.units()) == set(rope.signals()) == wanted
-        names = ("left.fy", "shape.y[41]")
-        assert rope.reader(names)().tolist() == [rope.signals()[name] for name in names]
-        rope.close()
-
-
 def test_a_choice_is_made_by_code_or_by_the_word_of_fmi_3(fmu_of: FmuOf) -> None:
     for fmu, choice in [("native-2", 3), *((kind, choice) for kind in FMI_3 for choice in (3, "planar"))]:
         rope = rope_at_rest(fmu_of(fmu), {"model.fidelity": choice})
@@ -156,79 +139,3 @@ def test_failures_and_warnings_are_told_in_the_same_words(fmu_of: FmuOf, caplog:
     assert "inputs.misfit_max" in failed.message
     assert len(warnings) == len(set(warnings)) > 0
     assert told[1:] == told[:1] * len(FMI_3)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_rope_that_is_closed_refuses_every_call(kind: str, fmu_of: FmuOf) -> None:
-    rope = rope_at_rest(fmu_of(kind))
-    whole, some = rope.reader(("left.fy", "right.fy")), rope.reader(("left.fy", "status.fidelity", "nothing"))
-    kept, other = rope.save(), rope.save()
-    data = rope.to_bytes(kept)
-    rope.free(other)
-    rope.close()
-    calls: dict[str, Callable[[], object]] = {
-        "a reader of one call": whole,
-        "a reader of several": some,
-        "a new reader": lambda: rope.reader(("left.fy",)),
-        "signals": rope.signals,
-        "initialize": lambda: rope.initialize(0.0, *AT_REST),
-        "step": lambda: rope.step(0.0, H, *AT_REST),
-        "data": rope.data,
-        "save": rope.save,
-        "restore": lambda: rope.restore(kept),
-        "free": lambda: rope.free(kept),
-        "to_bytes": lambda: rope.to_bytes(kept),
-        "from_bytes": lambda: rope.from_bytes(data),
-    }
-    for what, call in calls.items():
-        with pytest.raises(
-            RuntimeError, match=r"the FMU is closed, .*: read from it before close\(\), or load it anew"
-        ):
-            raise AssertionError(f"{what} was not refused: {call()}")
-    assert rope.units()["left.fy"] == "N"  # of the description
-    rope.close()
-
-
-def test_an_fmu_that_ends_the_run_fails_the_step_as_a_discarded_one_does(
-    fmu_of: FmuOf, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rope = rope_at_rest(fmu_of("native-3"))
-    monkeypatch.setattr(rope._fmu, "_do_step", lambda: setattr(rope._fmu._ended, "value", True))
-    status = rope.step(0.0, H, *AT_REST)
-    rope.close()
-    assert not status.valid
-    assert "fmi3DoStep failed with status 2 (discard)" in status.message
-
-
-@pytest.mark.parametrize("kind", ["native-2", "native-3"])
-def test_no_step_promises_that_the_run_never_goes_back_behind_it(
-    kind: str, fmu_of: FmuOf, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    checked, promised = Instance._checked, []
-
-    def listen(self: Instance, name: str, *arguments: Any) -> Any:
-        if name == "DoStep":
-            promised.append(arguments[2].value)
-        return checked(self, name, *arguments)
-
-    monkeypatch.setattr(Instance, "_checked", listen)
-    rope = rope_at_rest(fmu_of(kind))
-    first = rope.save()
-    assert all(rope.step(k * H, H, *AT_REST).valid for k in range(3))
-    rope.restore(first)
-    assert rope.step(0.0, H, *AT_REST).valid
-    rope.free(first)
-    rope.close()
-    assert promised
-    assert not any(promised)
-
-
-@pytest.mark.parametrize("kind", ["native-2", "native-3"])
-def test_an_fmu_without_a_library_for_this_platform_is_refused(kind: str, fmu_of: FmuOf, tmp_path: Path) -> None:
-    path = tmp_path / "elsewhere.fmu"
-    with zipfile.ZipFile(fmu_of(kind)) as there, zipfile.ZipFile(path, "w") as here:
-        for name in there.namelist():
-            if not name.startswith("binaries/"):
-                here.writestr(name, there.read(name))
-    with pytest.raises(ValueError, match="the FMU must instantiate, but: Cannot find shared library"):
-        FmuRope(path)

@@ -1,7 +1,5 @@
 """What a reviewer of components checks in an FMU, on every kind that is exported."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import posixpath
@@ -223,12 +221,6 @@ def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
     assert ("shape.tension" in fmu.files["documentation/index.html"].decode()) == ("shape" in groups)
 
 
-def test_choices_say_what_they_mean(fmu: Archive) -> None:
-    items = list(fmu.root.iter("Item"))
-    assert len(items) == (18 if fmu.fmi == 3 and not fmu.kind.startswith("drive") else 0)
-    assert all(item.get("description") for item in items)
-
-
 def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
     page = fmu.files["documentation/index.html"].decode()
     assert page.startswith("<!DOCTYPE html>")
@@ -269,7 +261,7 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
     assert len(promised) > 30
     checked = [name for name in binaries if exported_symbols(fmu, name) is not None]
     for name in checked:
-        assert promised - (exported_symbols(fmu, name) or set()) == set(), name
+        assert (exported_symbols(fmu, name) or set()) == promised, name
     if shutil.which("nm"):
         assert any(name.endswith(".so") for name in checked)
 

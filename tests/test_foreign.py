@@ -1,4 +1,4 @@
-"""The drive's libraries for other platforms in emulators, where there are any (benchmarks.foreign tells which)."""
+"""The drive's libraries for other platforms in emulators, where there are any (foreign_platforms tells which)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from exports import export_drive
+from foreign_platforms import difference, emulator, run
 
-from benchmarks.foreign import difference, emulator, run
 from fmu_src.native.build import host_platform
 
 

@@ -1,50 +1,28 @@
 """Formulas are written once: the C text that is made of them computes what Python does, to the bit."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import random
 import re
-import subprocess
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any, get_type_hints
 
 import casadi as ca
 import numpy as np
 import pytest
+from native_parts import compiled
 from numpy.testing import assert_allclose
 
-from rope_model.native.build import generate
-from rope_model.native.formulas import (
-    DEFINED_HERE,
-    FORMULAS,
-    STRUCTURES,
-    argument_of,
-    formulas_code,
-    function_code,
-    shape_of,
-    symbols_of,
-)
+from rope_model.native.formulas import FORMULAS, STRUCTURES, argument_of, function_code, shape_of, symbols_of
 from rope_model.native.structures import GROUPS, SceneStructure
-from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Scene
-from rope_model.physics.elementary import where
 
-NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
-FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
 #: where a formula asks for more than a number between 0.5 and 1
 VALUES = {"number": 800.0}
 PARSED = re.compile(r"(\w+) (\w+)\((.*)\)")
 
 
 @pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Any:
+def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """A library with every formula as a function of its own: `name`_ calls `name`."""
-    compiler = find_compiler()
-    if compiler is None:
-        pytest.skip("no C compiler")
-    folder = tmp_path_factory.mktemp("formulas")
     code = ['#include "formulas.h"', ""]
     for prototype in FORMULAS:
         match = PARSED.fullmatch(prototype)
@@ -53,13 +31,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Any:
         passed = ", ".join(argument_of(text).name for text in arguments.split(", "))
         returned = "" if result == "void" else "return "
         code += [f"{result} {name}_({arguments});", f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}"]
-    for name, text in generate().items():
-        (folder / name).write_text(text, encoding="ascii")
-    (folder / "all.c").write_text("\n".join(code) + "\n", encoding="ascii")
-    made = folder / f"formulas{LIBRARY_SUFFIX}"
-    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", str(folder / "all.c"), "-o", str(made), "-lm"]
-    subprocess.run(command, check=True)
-    return ct.CDLL(str(made))
+    return compiled(tmp_path_factory.mktemp("formulas"), {"all.c": "\n".join(code) + "\n"})
 
 
 def c_structure(kind: type[Any]) -> type[ct.Structure]:
@@ -114,12 +86,12 @@ def flat(value: Any) -> list[float]:
 
 
 @pytest.mark.parametrize("prototype", FORMULAS)
-def test_c_computes_the_formula_to_the_bit(compiled: Any, prototype: str) -> None:
+def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None:
     match = PARSED.fullmatch(prototype)
     assert match
     result, name, text = match.groups()
     arguments = [argument_of(argument) for argument in text.split(", ")]
-    function, formula, chance = getattr(compiled, f"{name}_"), FORMULAS[prototype], random.Random(name)
+    function, formula, chance = getattr(library, f"{name}_"), FORMULAS[prototype], random.Random(name)
     if result != "void":
         function.restype = ct.c_double if result == "double" else c_structure(STRUCTURES[result])
     else:
@@ -141,36 +113,3 @@ def test_c_computes_the_formula_to_the_bit(compiled: Any, prototype: str) -> Non
             assert_allclose(ours, expected, rtol=1e-14, atol=1e-14)
         else:
             assert ours.tolist() == expected
-
-
-def test_tracing_a_formula_leaves_casadi_as_it_was() -> None:
-    before = ca.GlobalOptions.getSimplificationOnTheFly()
-    formulas_code()
-    assert ca.GlobalOptions.getSimplificationOnTheFly() == before
-
-
-def test_every_structure_made_here_is_used() -> None:
-    used = "".join(FORMULAS)
-    assert all(kind.__name__ in used for kind in DEFINED_HERE)
-
-
-def test_formulas_are_among_the_sources() -> None:
-    assert generate()["formulas.h"] == formulas_code()
-
-
-def brackets(a: Any, b: Any, c: Any) -> Any:
-    return (a - (b - c)) / (a * (b / c)) - -a * (-b + c) ** 3
-
-
-def test_operations_keep_their_order() -> None:
-    prototype: tuple[str, Callable[..., Any]] = ("double f(double a, double b, double c)", brackets)
-    assert "(a - (b - c)) / (a * (b / c)) - -a * pow(-b + c, 3.0)" in function_code(*prototype)
-
-
-def farther(a: Any, b: Any) -> Any:
-    return where(a < b, where(a == b, a, 2 * b), a + 1) - b
-
-
-def test_a_choice_between_two_values_is_one() -> None:
-    code = function_code("double f(double a, double b)", farther)
-    assert "(a < b ? (a == b ? a : 2.0 * b) : a + 1.0) - b" in code

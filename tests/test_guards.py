@@ -1,27 +1,13 @@
 """The guards of the loop: what they see, when they trip, and that they change nothing."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from short_run import stations
+from scenes import stations
 
-from rope_model import (
-    BalanceRope,
-    EndMotion,
-    Guard,
-    Mesh,
-    Model,
-    Rope,
-    RopeSimulator,
-    Scene,
-    Shaft,
-    Sump,
-    balance_rope,
-)
+from rope_model import BalanceRope, EndMotion, Guard, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Sump, balance_rope
 from rope_model.parameters import FidelityChoice
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
@@ -102,13 +88,6 @@ def test_both_forms_trip_alike() -> None:
         assert (python.cause, python.time) == (native.cause, native.time)
 
 
-def test_a_switch_at_a_height_sees_the_legs_there() -> None:
-    rope = wound(guarded(Guard(window=1e-4, window_y=-6.0)))
-    assert rope.signals(["guard.cause"])["guard.cause"] == 2
-    above = wound(guarded(Guard(window=1e-4, window_y=-20.0)))  # of the loop no part is as low as this
-    assert above.signals(["guard.cause"])["guard.cause"] == 0
-
-
 EACH = {
     "rise": Guard(rise=0.5),
     "switched rise": Guard(rise=0.5, rise_y=-14.0),
@@ -144,16 +123,6 @@ def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(
         assert told[name].startswith(f"guard.{name} = {threshold:g} ")
         assert f"the {fidelity} model" in told[name]
         assert "set model.fidelity = auto" in told[name]
-
-
-def test_of_several_guards_that_see_nothing_the_one_that_needs_the_complete_model_is_named() -> None:
-    guard, words = Guard(rise=0.5, window=0.5, turns=0.25, torque=500.0), dict[str, str]()
-    for form in ("python", "native"):
-        rope = balance_rope(guarded(guard).with_(model=Model("rigid")), form)  # type: ignore[arg-type]
-        assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
-        words[form] = rope.warnings()["blind_guards"]
-    assert words["python"] == words["native"]
-    assert words["native"].startswith("guard.torque")
 
 
 def test_guards_change_nothing_in_the_motion() -> None:

@@ -1,7 +1,5 @@
 """Head ropes that slip on the sheave: the limit in closed form, momentum, energy, when they slip and hold again."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -9,17 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive.plant import LOSS_NAMES, HoistPlant, PlantInput, PlantState, energy_residual
-from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake, Lining, Play, Shaft
-from hoist_demo.recording.slip import Slip, largest_ratio, slip, told_of_slip
-from hoist_demo.recording.time_series import Recording
-from hoist_demo.report.slip import slip_warning
+from hoist_demo.recording.slip import slip
 
 HOISTS = {
     "plain": Hoist(lining=Lining(), brake=Brake(torque=8e5)),
@@ -74,20 +68,6 @@ def test_energy_is_kept_through_slip_and_the_lining_only_takes(name: str) -> Non
     # the integrator's 1e-9 on 1e7 J, some thousand steps
     np.testing.assert_allclose(energy_residual(first, last, states[-1].work), 0.0, atol=0.5)
     np.testing.assert_allclose(states[-1].losses.sum(), states[-1].work[1], rtol=1e-12)
-
-
-def test_what_the_ropes_lose_to_the_lining_the_sheave_gets() -> None:
-    hoist = replace(HOISTS["plain"], brake=None)
-    plant = HoistPlant(hoist)
-    state = running(plant, 3.0)
-    for sense, speed in ((1.0, 2.0), (-1.0, -0.5)):
-        u = PlantInput(5e4, PULL, PULL)
-        slid = state._replace(slide=state.slide._replace(sense=sense, speed=speed))
-        shown, rates = plant.outputs(slid, u), plant.rates(slid, u)
-        rim = 3.0
-        loss = hoist.loss_coulomb * math.tanh(rim / hoist.loss_speed) + hoist.loss_viscous * rim
-        force = shown.torque / hoist.sheave_radius - loss + shown.tension_right - shown.tension_left
-        np.testing.assert_allclose(hoist.sheave_mass * hoist.sheave_radius * rates[4], force, rtol=1e-9)
 
 
 def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
@@ -148,14 +128,6 @@ def test_the_mobility_of_ropes_that_slide_is_that_of_differences() -> None:
     np.testing.assert_allclose(plant.mobility(state), found, atol=1e-13)
 
 
-def test_other_payloads_are_heard_while_ropes_slide() -> None:
-    plant = HoistPlant(HOISTS["plain"])
-    state = next(s for s in braked(plant, running(plant, 8.0), 0.5) if s.slide.sense != 0.0)
-    u, heavier = PlantInput(0.0, PULL, PULL), replace(HOISTS["plain"], payload_left=8e3)
-    plant.reload(heavier)
-    assert plant.outputs(state, u) == HoistPlant(heavier).outputs(state, u)
-
-
 def test_a_run_goes_on_in_the_middle_of_a_slip_with_the_same_bits(tmp_path: Path) -> None:
     hoist, winding = HOISTS["plain"], Winding(travel=30.0, emergency_at=5.0, emergency_law="torque", settle=1.0)
 
@@ -172,54 +144,3 @@ def test_a_run_goes_on_in_the_middle_of_a_slip_with_the_same_bits(tmp_path: Path
     resumed = host().run(resume=kept).recording
     for name in ("drive.slip", "drive.tension_ratio", "conveyance.left.y", "left.fy"):
         np.testing.assert_array_equal(resumed[name], whole[name])
-
-
-def test_a_stop_is_told_with_way_and_speed_of_the_slip() -> None:
-    time = np.arange(5.0)
-    signals = {"time": time, "drive.slip": np.array([0.0, 0.0, 0.5, 0.25, 0.25])}
-    recording = Recording(signals | {"drive.slip_speed": np.array([0.0, 0.0, 0.75, -0.5, 0.0])}, {})
-    assert slip(recording) == Slip(t=1.0, way=0.75, net=0.25, speed=0.75, duration=2.0, last=0.0)
-    assert told_of_slip(recording) == (
-        "; the head ropes slipped 0.75 m on the sheave from t = 1 s on, at up to 0.75 m/s"
-    )
-    early = Recording({name: values[:4] for name, values in recording.signals.items()}, {})
-    assert told_of_slip(early).endswith(", at up to 0.75 m/s, and still slip at 0.5 m/s when it ends")
-    assert slip(Recording({"time": time, "drive.slip": 0.0 * time, "drive.slip_speed": 0.0 * time}, {})) is None
-
-
-def test_ropes_that_slipped_between_two_samples_had_no_friction_left() -> None:
-    hoist, held = Hoist(lining=Lining()), np.zeros(4)
-    signals = {"time": np.arange(4.0), "drive.tension_ratio": np.array([1.4, 1.6, 1.9, 1.7])}
-    for way, safety in ((held, (hoist.tension_ratio_limit - 1.0) / 0.9), (np.array([0.0, 0.0, 0.5, 0.5]), 1.0)):
-        recording = Recording(signals | {"drive.slip": way, "drive.slip_speed": held}, {})
-        assert hoist.slip_safety(largest_ratio(recording, hoist.tension_ratio_limit)) == safety
-
-
-@pytest.mark.parametrize(
-    ("ratio", "winding", "words"),
-    [
-        ([1.4, 1.6, 1.9, 2.1], Winding(), "and 1.25 is usually asked for: accelerate more gently"),
-        ([1.4, 1.6, 1.9, 2.1], Winding(emergency_at=2.0), ""),
-        ([1.8, 1.6, 1.6, 1.6], Winding(), "and 1.75 is usually asked for: make the two sides more alike"),
-        ([1.4, 1.6, 1.9, 2.9], Winding(), "would slip at t = 3 s"),
-    ],
-)
-def test_friction_that_is_used_up_beyond_the_usual_margin_warns(
-    ratio: list[float], winding: Winding, words: str
-) -> None:
-    recording = Recording({"time": np.arange(4.0), "drive.tension_ratio": np.array(ratio)}, {})
-    said = slip_warning(recording, Hoist(), winding)
-    assert words in said
-    assert bool(words) == bool(said)
-
-
-def test_a_lining_that_holds_better_while_ropes_slide_is_refused() -> None:
-    for sliding in (0.0, 1.2):
-        with pytest.raises(ValueError, match=rf"lining\.sliding = {sliding} must be above 0 and at most 1: give"):
-            Lining(sliding=sliding)
-
-
-def test_an_exported_drive_has_no_lining() -> None:
-    case = replace(find_case("rope-120"), hoist=Hoist(lining=Lining()))
-    with pytest.raises(ValueError, match=r"lining = .* must be None: .*balance-rope demo"):
-        drive_model(case)

@@ -1,25 +1,17 @@
 """The hoist's brake: stopping distances in closed form, regulated stops, two stages, standstill."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
-from hoist_at_rest import rest_at, state_with
+from hoist_at_rest import dead_weights, rest_at, state_with
 from scipy.optimize import brentq
 
-from evidence.hoist.winding import dead_weights
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint, s_curve
-from hoist_demo.drive.plant import (
-    HoistPlant,
-    PlantInput,
-    PlantOutput,
-)
-from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding, require_trip_fits
+from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantOutput
+from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 
 BALANCED = Hoist(
@@ -95,17 +87,3 @@ def test_the_motor_is_off_while_the_brake_stops_the_hoist() -> None:
     np.testing.assert_allclose(after.braking.elapsed, 0.5, rtol=1e-12)
     command = SpeedController(hoist, 5e4).command(after, Measurement(20.0, 6.0), ControllerState(integral=1e4), 0.01)
     assert (command.torque, command.brake) == (0.0, 1.0)
-
-
-@pytest.mark.parametrize(
-    ("hoist", "law", "deceleration", "said"),
-    [
-        (Hoist(), "torque", 5.0, "emergency_law = 'torque' must be 'drive' for a hoist without a brake"),
-        (Hoist(brake=Brake(torque=5e4)), "deceleration", 5.0, "emergency_deceleration = 5.0 must be at most 1.1"),
-    ],
-)
-def test_a_brake_that_cannot_do_what_is_asked_is_said_before_the_trip(
-    hoist: Hoist, law: Any, deceleration: float, said: str
-) -> None:
-    with pytest.raises(ValueError, match=said):
-        require_trip_fits(hoist, Winding(emergency_at=5.0, emergency_law=law, emergency_deceleration=deceleration))

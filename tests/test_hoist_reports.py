@@ -1,14 +1,10 @@
 """What a report says of a run: the rope it was made with, what its fidelity leaves out, and what to be warned of."""
 
-from __future__ import annotations
-
 import hashlib
-import math
 import os
 import signal
 import subprocess
 import sys
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,34 +12,15 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 
-from balance_rope import _levels
-from benchmarks.kinematic import fixed_steps
-from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.demo import _case_of
 from hoist_demo.command_line.interrupts import interruption
-from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
-from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.result import Result
-from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.report.events import marks
-from hoist_demo.report.figures import swivels
-from hoist_demo.report.html.page import number
-from hoist_demo.report.html.parameter_tables import rope_tables
-from hoist_demo.report.html.run import run_report
-from hoist_demo.report.markdown import render_markdown
-from hoist_demo.report.rows import render
-from hoist_demo.report.slip import slip_warning
-from hoist_demo.report.summary import summarize
-from hoist_demo.study.metrics import Arrival, measure
 from rope_model import neglected_text
-from rope_model.parameters import Mesh, Model, Rope, Scene, rope_120
+from rope_model.parameters import Model, Scene
 
 ROOT = Path(__file__).parents[1]
 SHORT = Winding(travel=0.5, settle=0.2, start_delay=0.1)
@@ -87,12 +64,6 @@ def test_what_a_fidelity_leaves_out_is_not_a_number(fidelity: str, missing: set[
     assert bool(remark(shown)) == bool(missing)
 
 
-def test_zeros_of_a_rope_without_torque_are_results() -> None:
-    shown = mask_neglected(recording("planar"), torque_free=True)
-    assert shown["loop.yaw"][0] == 0.0
-    assert remark(shown) == ""
-
-
 def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> None:
     shown = mask_neglected(recording("planar", "planar", "torsional"), torque_free=False)
     assert np.isnan(shown["loop.yaw"]).tolist() == [True, True, False]
@@ -101,61 +72,7 @@ def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> N
     assert without_remarked([neglected_text("planar"), "other"], shown) == ["other"]
 
 
-def test_a_rope_that_does_not_tell_its_fidelity_is_shown_as_it_is() -> None:
-    given = Recording({"time": np.zeros(1), "loop.yaw": np.zeros(1)}, {})
-    assert mask_neglected(given, torque_free=False) is given
-
-
-def test_a_run_in_the_plane_reports_no_yaw_torque_or_torsional_stress(planar: Result, tmp_path: Path) -> None:
-    rows = summarize(planar, Hoist(), SHORT, Coupling())
-    text = render(rows)
-    assert "fidelity of the model that ran" in text
-    assert "the rope ran as its planar model" in text
-    assert not any(word in row.quantity for row in rows for word in ("yaw", "torque at", "torsional", "slipped"))
-    page = run_report(planar, Hoist(), SHORT, rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
-    assert "the rope ran as its planar model" in page
-    assert '"loop.yaw":{' not in page
-    assert '"loop.y":{' in page
-
-
-def test_a_study_s_metrics_of_a_run_in_the_plane_are_no_zeros(planar: Result) -> None:
-    found = measure(planar, Hoist(), SHORT, Arrival())
-    names = ("loop_yaw", "left_slip", "right_slip_time", "left_swivel_torque", "right_swivel_torque")
-    assert all(np.isnan(found[name]) for name in names)
-    assert np.isfinite(found["clearance"])
-
-
-def test_the_complete_rope_reports_its_yaw() -> None:
-    result = wind(rope_in_process("rope-120", level="standard"))
-    text = render(summarize(result, Hoist(), SHORT, Coupling()))
-    assert "largest yaw of the loop" in text
-    assert "warning" not in text
-
-
 # what the rope is
-
-
-def test_the_rope_in_process_tells_its_parameters_and_its_level() -> None:
-    rope = InProcessRope(Scene(rope=Rope(EI=123.0)))
-    data = rope.data()
-    assert data.parameters["rope.EI"] == 123.0
-    assert data.units["rope.EI"] == "N.m2"
-    assert data.level({"draft": {"solver.step_max": 0.04}, "standard": {"solver.step_max": 0.02}}) == "standard"
-    assert data.level({"draft": {"solver.step_max": 0.04}}) == ""
-    assert not data.torque_free
-
-
-@pytest.mark.parametrize(
-    ("scene", "level"),
-    [
-        (rope_120().scene, "standard"),
-        (rope_120("draft").scene, "draft"),
-        (rope_120().scene.with_(model=Model("rigid")), ""),
-        (rope_120().scene.with_(mesh=Mesh("eem", elements=20)), ""),
-    ],
-)
-def test_a_level_is_named_where_mesh_and_fidelity_are_its_own(scene: Scene, level: str) -> None:
-    assert InProcessRope(scene).data().level(_levels()) == level
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
@@ -194,165 +111,13 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
     assert dict(zip(header.split(","), first.split(","), strict=True))["loop.yaw [rad]"] == "nan"
 
 
-def test_codes_are_shown_with_their_words() -> None:
-    data = replace(rope_in_process("rope-120").data(), parameters={"left.swivel.mode": 2, "mesh.elements": 2})
-    assert rope_tables(data, "", [], {"mesh.elements": "given"})[1][1] == [
-        ("left.swivel.mode", "2 (coulomb)", "", ""),
-        ("mesh.elements", "2", "", "given"),
-    ]
-
-
-@pytest.mark.parametrize(
-    ("value", "text"), [(220000.0, "220000"), (2.6e7, "26000000"), (1.25, "1.25"), (1e-9, "1e-09"), (3e300, "3e+300")]
-)
-def test_numbers_of_a_hoist_have_no_exponent(value: float, text: str) -> None:
-    assert number(value) == text
-
-
 # warnings
-
-
-def test_the_coupling_s_warning_is_in_summary_markdown_and_page(planar: Result, tmp_path: Path) -> None:
-    result = replace(planar, warning="the run will be unstable")
-    rows = summarize(result, Hoist(), SHORT, Coupling())
-    page = run_report(result, Hoist(), SHORT, rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
-    assert page.count("the run will be unstable") == 2  # above everything, and under Outcome
-    assert "the run will be unstable" in render(rows)
-    top = render_markdown("x", rows, []).partition("##")[0]
-    assert "**Warning.** the run will be unstable" in top
-
-
-def test_head_ropes_that_would_slip_are_told_before_everything_else(planar: Result, tmp_path: Path) -> None:
-    signals = dict(planar.recording.signals)
-    ratio = np.full(len(planar.recording.time), 1.5)
-    ratio[20:] = 9.14
-    signals["drive.tension_ratio"] = ratio
-    result = replace(planar, recording=replace(planar.recording, signals=signals))
-    said = f"the head ropes would slip at t = {number(planar.recording.time[20])} s (tension ratio up to 9.14"
-    assert slip_warning(planar.recording, Hoist(), SHORT) == ""
-    assert said in slip_warning(result.recording, Hoist(), SHORT)
-    assert slip_warning(result.recording, Hoist(friction_coefficient=1.0), SHORT) == ""  # exp(pi) = 23.1
-    rows = summarize(result, Hoist(), SHORT, Coupling())
-    assert said in render_markdown("x", rows, []).partition("##")[0]
-    page = run_report(result, Hoist(), SHORT, rows, "x", tmp_path / "x.html").read_text(encoding="utf-8")
-    assert said in page.partition("</header>")[0]
-
-
-def test_the_residual_keeps_its_sign_and_is_set_against_the_kinetic_energy(planar: Result) -> None:
-    signals = dict(planar.recording.signals)
-    signals["energy.residual"] = np.linspace(0.0, -3.0, len(planar.recording.time))
-    signals["energy.kinetic"] = np.full(len(planar.recording.time), 600.0)
-    changed = replace(planar, recording=replace(planar.recording, signals=signals))
-    rows = {row.quantity: row.value for row in summarize(changed, Hoist(), SHORT, Coupling())}
-    assert rows["residual of the rope, furthest from 0 (dissipated by the time steps: negative)"] == -3.0
-    assert rows["the same over the rope's largest kinetic energy"] == pytest.approx(-0.5)
-
-
-@pytest.mark.slow
-def test_the_residual_of_a_long_rope_is_what_its_time_integration_dissipates() -> None:
-    scene = CASES["monopol-1000"]
-    trip, top = s_curve(scene.winding), scene.hoist.shaft_travel
-
-    def dissipation(**solver: float) -> float:
-        """Between 26 and 34 s, at full speed, in even steps of 10 ms or less."""
-        rope = InProcessRope(rope_data(scene.rope).with_(solver=replace(fixed_steps(0.01), **solver)))
-
-        def ends(t: float) -> tuple[EndMotion, EndMotion]:
-            p = trip.at(t)
-            left = EndMotion(y=p.position, vy=p.speed, ay=p.acceleration)
-            return left, EndMotion(y=top - p.position, vy=-p.speed, ay=-p.acceleration)
-
-        assert rope.initialize(0.0, *ends(0.0)).valid
-        residuals = []
-        for k in range(3400):
-            assert rope.step(k * 0.01, 0.01, *ends((k + 1) * 0.01)).valid
-            if k in (2599, 3399):
-                residuals.append(rope.signals()["energy.residual"])
-        return residuals[0] - residuals[1]
-
-    # what the default control leaves is less than a joule; that of a method that damps all waves at once is plain
-    assert dissipation(rho_inf=0.0) > 40.0  # J
-    standard = dissipation()
-    # third order in the step: an eighth, within the residual of a balance of second order
-    assert 6.0 < standard / dissipation(step_max=0.005) < 10.0
-    assert abs(dissipation(rho_inf=0.9)) < 0.2 * standard
-
-
-def test_marks_and_summary_do_not_mind_a_fidelity(planar: Result) -> None:
-    assert [mark.label for mark in marks(planar, SHORT)] == ["reference at rest"]
-    rows = summarize(planar, Hoist(), SHORT, Coupling())
-    assert [row.quantity for row in rows if isinstance(row.value, float) and math.isnan(row.value)] == []
 
 
 # files that are not the FMU that is wanted
 
 
-def archive(path: Path, **members: str) -> Path:
-    with zipfile.ZipFile(path, "w") as file:
-        for name, text in members.items():
-            file.writestr(name.replace("__", "."), text)
-    return path
-
-
-def test_a_system_is_refused_with_the_cure(tmp_path: Path) -> None:
-    path = archive(tmp_path / "system.ssp", SystemStructure__ssd="<x/>")
-    for reader in (read_parameters, FmuRope):
-        with pytest.raises(ValueError, match=r"system of FMUs \(SSP\): give the rope's \.fmu"):
-            reader(path)
-
-
-def test_other_versions_and_kinds_of_fmi_are_refused_with_the_cure(tmp_path: Path) -> None:
-    described = """<fmiModelDescription fmiVersion="1.0" modelName="m" modelIdentifier="m" guid="g"
-        numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>"""
-    path = archive(tmp_path / "old.fmu", modelDescription__xml=described)
-    for reader in (read_parameters, FmuRope):
-        with pytest.raises(ValueError, match=r"is of FMI 1\.0, no co-simulation.* FMI 2\.0 and 3\.0: give the FMU of"):
-            reader(path)
-
-
 # going on
-
-
-def test_a_state_of_another_kind_of_rope_is_refused() -> None:
-    rope = rope_in_process("rope-120", level="draft")
-    with pytest.raises(ValueError, match="it is of an FMU"):
-        rope.from_bytes(b"BalanceRope by balance-rope\nstate")
-
-
-def test_a_checkpoint_leads_back_to_its_case_and_names_what_differs() -> None:
-    scene = CASES["rope-120"]
-    rope = rope_in_process("rope-120", level="draft")
-    stopped = Host(rope, scene.hoist, SHORT, gains=scene.gains).run(lambda fraction, t: t < 0.1)
-    assert stopped.checkpoint is not None
-    assert _case_of(stopped.checkpoint, None, {}) == "rope-120"
-    with pytest.raises(ValueError, match="--case rope-240 must be rope-120"):
-        _case_of(stopped.checkpoint, "rope-240", {})
-    other = Host(rope, scene.hoist, replace(SHORT, travel=0.7), gains=scene.gains)
-    with pytest.raises(ValueError, match=r"travel is 0\.5 there, travel is 0\.7 here: give the case") as refused:
-        other.run(resume=stopped.checkpoint)
-    assert len(str(refused.value)) < 300
-
-
-def test_a_rope_tells_which_of_its_swivels_are_locked() -> None:
-    in_process = rope_in_process("rope-120", level="draft").data()
-    assert in_process.locked == ("left", "right")
-    codes = replace(in_process, parameters={"left.swivel.mode": 2, "right.swivel.mode": 0})
-    assert codes.locked == ("right",)
-    assert replace(in_process, parameters={}).locked == ()
-
-
-@pytest.mark.parametrize(("locked", "said"), [((), 0), (("left",), 0), (("left", "right"), 2)])
-def test_the_picture_of_the_swivels_says_where_nothing_can_turn(locked: tuple[str, ...], said: int) -> None:
-    ends = [f"{end}.swivel.{name}" for end in ("left", "right") for name in ("angle", "rate", "torque")]
-    still = Recording({"time": np.arange(3.0)} | {name: np.zeros(3) for name in ends}, {})
-    figure = swivels(still, Hoist(), locked)
-    assert figure is not None
-    assert [text.get_text() for ax in figure.axes for text in ax.texts] == ["locked"] * said
-
-
-def test_a_checkpoint_that_is_not_there_is_said_to_be_missing(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"nope\.npz': no such file or directory: give a run's last_good\.npz"):
-        Checkpoint.read(tmp_path / "nope.npz")
 
 
 def test_an_interrupt_lets_the_writing_finish(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,12 +1,5 @@
 """`demo --set` and `--signals`: values and columns by name, errors that name them, and every message once."""
 
-from __future__ import annotations
-
-import logging
-import os
-import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -17,12 +10,10 @@ from hoist_demo.command_line.settings import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters
-from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals, read_csv
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.shared import contradictions
-from rope_model.numerics import kernels
 
 ROOT = Path(__file__).parents[1]
 CATALOGUE = Catalogue(rope_parameters())
@@ -59,10 +50,7 @@ def test_values_have_their_parameters_type_and_choices_their_words() -> None:
         ("rope.IE=1", r"rope\.IE is not a parameter: did you mean rope\.EI"),
         ("model.rung=1", r"model\.rung is not a parameter: did you mean model\.fidelity"),
         ("rope.ei=450", r"rope\.ei is not a parameter: did you mean rope\.EI\?"),
-        (
-            "model.fidelity=7",
-            r"model\.fidelity = 7\.0 must be one of 0 \(auto\), 1 \(torsional\), .*: give code",
-        ),
+        ("model.fidelity=7", r"model\.fidelity = 7\.0 must be one of 0 \(auto\), 1 \(torsional\), .*: give code"),
         ("right.swivel.mode=sticky", r"mode = 'sticky' must be one of 0 \(locked\), 1 \(free\), 2 \(coulomb\)"),
         ("winding.emergency_law=brake", r"must be one of drive, deceleration, torque, two-stage: choose one"),
         ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
@@ -75,33 +63,12 @@ def test_what_cannot_be_set_is_named(given: str, words: str) -> None:
         settings([given], CATALOGUE)
 
 
-@pytest.mark.parametrize(
-    ("value", "cure"),
-    [
-        ({"wrap_angle": 180.0}, r"wrap_angle = 180\.0 must be within 0\.1 and 12\.5664 rad: give it in rad"),
-        ({"friction_coefficient": 25.0}, r"friction_coefficient = 25\.0 must be within 0\.01 and 2: .*0\.25"),
-        (
-            {"head_rope_stiffness": 3.2e4},
-            r"head_rope_stiffness = 32000\.0 must be within .* N: give EA",
-        ),
-    ],
-)
-def test_a_value_in_another_unit_is_refused_with_the_unit(value: dict[str, float], cure: str) -> None:
-    with pytest.raises(ValueError, match=cure):
-        Hoist(**value)  # type: ignore[arg-type]
-
-
 def test_a_hoist_and_a_rope_that_contradict_each_other_are_told_with_both_values() -> None:
     for case in CASES.values():
         assert contradictions(case.hoist, case.rope) == ""
     said = contradictions(Hoist(), {"rope.mass_per_length": 12.0, "rope.length": 120.0})
     assert said.startswith("rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other")
     assert "rope.length" not in said
-
-
-def test_a_value_is_given_once() -> None:
-    with pytest.raises(ValueError, match=r"rope\.EI is 450\.0 already"):
-        settings(["rope.EI=450", "rope.EI=460"], CATALOGUE)
 
 
 def test_signals_are_found_by_name_and_by_star_in_the_order_asked_for() -> None:
@@ -124,21 +91,6 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path
     assert "| hoist.payload_left | 4000 | kg |" in text
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ("rope.EI=-4", "rope: EI = -4.0 is out of range"),
-        ("hoist.payload_left=-1", "payload_left = -1.0 must be"),
-        ("left.swivel.mu_static=1e-4", "left.swivel: mu_static = 0.0001"),
-    ],
-)
-def test_a_value_out_of_range_is_an_error_of_the_command(
-    given: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([*DEMO, "--set", given, "--out", str(tmp_path)]) == 2
-    assert words in capsys.readouterr().err
-
-
 def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:
     trip = Winding(travel=0.5, settle=0.0, start_delay=0.0)
     ropes = [rope_in_process("rope-120", level="draft", parameters={"rope.EI": EI}) for EI in (300.0, 450.0)]
@@ -149,56 +101,3 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
 
 
 # each message once
-
-
-@pytest.mark.slow
-def test_a_demo_says_each_thing_once(tmp_path: Path) -> None:
-    options = ["--step", "0.06", "--scheme", "jacobi-2", "--travel", "10"]
-    texts = ("the run will be unstable", "do not fit together", "the planar model")
-    command = [sys.executable, "-m", "balance_rope", *DEMO, *options, "--out", str(tmp_path)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert [(done.stdout + done.stderr).count(text) for text in texts] == [1] * len(texts)
-    # the report, which stays, has it as well
-    top = (tmp_path / "report.md").read_text(encoding="utf-8").partition("##")[0]
-    assert re.search(r"^\*\*(Warning|Stopped)\.\*\* ", top, re.MULTILINE)
-
-
-def test_a_first_compilation_is_told_where_nobody_has_set_up_logging(tmp_path: Path) -> None:
-    if (compiler := kernels.find_compiler()) is None:
-        pytest.skip("needs a C compiler")
-    code = "from rope_model.numerics.kernels import *; from pathlib import Path; import sys\n"
-    code += "compile_library({'x.c': 'int x;'}, sys.argv[2:], Path(sys.argv[1]), 'kernels-x')"
-    done = [
-        subprocess.run(
-            [sys.executable, "-c", code, str(tmp_path), *compiler], cwd=ROOT, capture_output=True, text=True, check=True
-        )
-        for _ in range(2)
-    ]
-    assert re.fullmatch(r"compiling kernels-x with .*, once on this machine: 2 to 20 s\n", done[0].stderr)
-    assert [one.stdout for one in done] == ["", ""]
-    assert done[1].stderr == ""
-
-
-def test_a_host_may_show_its_progress_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress_bar() as progress:
-        assert progress(0.5, 1.0)
-    # no terminal, no bar
-    assert capsys.readouterr() == ("", "")
-
-
-def test_warnings_that_are_collected_are_not_shown_and_those_after_are(caplog: pytest.LogCaptureFixture) -> None:
-    log = logging.getLogger("hoist_demo.some")
-    with warnings_of("hoist_demo") as heard:
-        for text in ("one", "two", "one"):
-            log.warning(text)
-    log.warning("three")
-    assert heard == ["one", "two"]
-    assert [record.getMessage() for record in caplog.records] == ["three"]
-
-
-def test_an_interrupt_while_libraries_load_is_told_in_one_line(tmp_path: Path) -> None:
-    (tmp_path / "casadi.py").write_text("raise KeyboardInterrupt")
-    found = os.pathsep.join([str(tmp_path), str(ROOT)])
-    command = [sys.executable, "-m", "balance_rope", "--version"]
-    done = subprocess.run(command, env={**os.environ, "PYTHONPATH": found}, capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "balance-rope: interrupted\n")

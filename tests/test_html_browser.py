@@ -3,18 +3,19 @@
 Each page is opened once, by tests/browser.py; the claims below read what it saw.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
-from browser import BROWSER, END, Seen, bottom, look, run
+from browser import BROWSER, END, POINTS, STEPS, Seen, bottom, curve, look, run
 
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.along import ROPE_ROWS
+from hoist_demo.report.html.run import run_report
 from hoist_demo.report.html.study import study_report
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
@@ -120,120 +121,52 @@ def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
     return look(study_report(table, {"swing": "mm"}, meta, folder / "study.html"), _STUDY, request.param)
 
 
-def test_a_run_loads_without_a_word_on_the_console(seen_run: Seen) -> None:
-    assert seen_run.console == []
-
-
-def test_a_study_loads_without_a_word_on_the_console(seen_study: Seen) -> None:
-    assert seen_study.console == []
-
-
-def test_no_page_asks_the_network_for_anything(seen_run: Seen, seen_study: Seen) -> None:
-    assert seen_run.said["requests"] == [] == seen_study.said["requests"]
-
-
-def test_no_page_is_wider_than_the_window(seen_run: Seen, seen_study: Seen) -> None:
-    for seen in (seen_run, seen_study):
-        assert seen.said["width"] <= seen.said["room"]
-
-
-def test_the_address_opens_the_page_at_an_instant(seen_run: Seen) -> None:
-    assert float(seen_run.said["address"]["t"]) == 4.5
-    assert seen_run.said["address"]["slider"] == 4.5
-
-
-@pytest.mark.parametrize(("when", "t"), [("early", 3.0), ("late", 9.0)])
-def test_the_slider_moves_the_rope_to_where_it_was_recorded(seen_run: Seen, when: str, t: float) -> None:
-    # a tenth of a millimetre for packing, as much for four decimals
-    np.testing.assert_allclose(seen_run.said[when]["bottom"], bottom(t), atol=2e-4)
-
-
-def test_another_instant_is_another_drawing(seen_run: Seen) -> None:
-    assert seen_run.said["early"]["path"] != seen_run.said["late"]["path"]
-
-
-def test_the_cursors_of_the_plots_follow_the_slider(seen_run: Seen) -> None:
-    early, late = seen_run.said["cursor"]
-    assert late > early + 50.0
-
-
-def test_a_click_in_a_plot_moves_slider_and_rope(seen_run: Seen) -> None:
-    pressed = seen_run.said["pressed"]
+def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: Seen) -> None:
+    said = seen_run.said
+    assert seen_run.console == [] == said["requests"]
+    assert said["width"] <= said["room"]
+    assert (float(said["address"]["t"]), said["address"]["slider"]) == (4.5, 4.5)
+    for when, t in (("early", 3.0), ("late", 9.0)):
+        # a tenth of a millimetre for packing, as much for four decimals
+        np.testing.assert_allclose(said[when]["bottom"], bottom(t), atol=2e-4)
+    assert said["early"]["path"] != said["late"]["path"]
+    assert said["cursor"][1] > said["cursor"][0] + 50.0
     # the middle of the picture lies right of the plot's middle by half the margins' difference, 20 px of at least 240
-    assert END / 2.0 - 1.2 < pressed["slider"] < END / 2.0
-    assert float(pressed["t"]) == pytest.approx(pressed["slider"], abs=1e-3)
+    assert END / 2.0 - 1.2 < said["pressed"]["slider"] < END / 2.0
+    assert float(said["pressed"]["t"]) == pytest.approx(said["pressed"]["slider"], abs=1e-3)
+    assert said["front"]["t"] == said["pressed"]["t"]
+    assert said["front"]["path"] != said["pressed"]["path"]
+    # at speed 1, a frame of 20 ms to begin with and one at the end
+    assert said["played"]["slider"] == pytest.approx(1.0, abs=0.05)
+    t, ticks = said["played"]["slider"], said["ticks"]
+    assert len(ticks) >= 2
+    assert all(t - 0.51 <= tick <= max(1.0, t + 0.51) for tick in ticks)
 
 
-def test_another_view_shows_the_same_instant_otherwise(seen_run: Seen) -> None:
-    front, pressed = seen_run.said["front"], seen_run.said["pressed"]
-    assert front["t"] == pressed["t"]
-    assert front["path"] != pressed["path"]
-
-
-def test_playing_at_speed_1_takes_a_second_for_a_second(seen_run: Seen) -> None:
-    # a frame of 20 ms to begin with, and one at the end
-    assert seen_run.said["played"]["slider"] == pytest.approx(1.0, abs=0.05)
-
-
-def test_every_recorded_quantity_has_its_plot(seen_run: Seen) -> None:
+def test_a_run_shows_what_was_recorded(seen_run: Seen) -> None:
+    said = seen_run.said
     expected = {"Height in the shaft", "Tension ratio on the sheave", "Pull on the conveyances"}
     expected |= {"Largest nominal stress of the rope", "Bending stress along the rope", "Tension along the rope"}
-    assert expected <= set(seen_run.said["titles"])
-    assert seen_run.said["curves"] >= 8
-
-
-def test_what_never_moves_is_a_number_and_no_plot(seen_run: Seen) -> None:
-    assert "Clearance between the legs (clearance 2.000 m)" in seen_run.said["quiet"]
-    assert "Clearance between the legs" not in seen_run.said["titles"]
-
-
-def test_bending_along_the_rope_is_dark_where_it_was_recorded(seen_run: Seen) -> None:
+    assert expected <= set(said["titles"])
+    assert said["curves"] >= 8
+    # what never moves, and what is zero all along, is a number and no plot
+    for title, number in (
+        ("Clearance between the legs", "clearance 2.000 m"),
+        ("Torsional stress along the rope", "0 MPa"),
+    ):
+        assert f"{title} ({number})" in said["quiet"]
+        assert title not in said["titles"]
     # at the start the left leg is 14 m long, the right one 104 m, and the half circle between them 3.1 m
     at = (14.0 + math.pi / 2.0) / (14.0 + 104.0 + math.pi)
-    assert seen_run.said["bending"]["at"] == pytest.approx(at, abs=1.0 / ROPE_ROWS)
-    assert seen_run.said["bending"]["scale"] == "040.00 MPa"
-
-
-def test_torsion_that_is_zero_all_along_is_a_number_and_no_picture(seen_run: Seen) -> None:
-    assert "Torsional stress along the rope (0 MPa)" in seen_run.said["quiet"]
-    assert "Torsional stress along the rope" not in seen_run.said["titles"]
-
-
-def test_slip_transformations_and_the_emergency_stop_are_marked(seen_run: Seen) -> None:
+    assert said["bending"] == {"at": pytest.approx(at, abs=1.0 / ROPE_ROWS), "scale": "040.00 MPa"}
     # a narrow plot has no room for both names
-    assert seen_run.said["marks"] in (["emergency stop", "reference at rest"], ["emergency stop +1"])
-    assert seen_run.said["transformations"] == 6
-    assert seen_run.said["slips"] == 1
-
-
-def test_the_loop_is_drawn_at_eight_instants(seen_run: Seen) -> None:
-    assert seen_run.said["instants"] == 8
-
-
-def test_numbers_at_the_cursor_are_those_recorded(seen_run: Seen) -> None:
-    assert float(seen_run.said["reading"]) == pytest.approx(42.0, abs=0.01)
-
-
-def test_a_swivel_that_cannot_turn_is_locked_and_does_not_stick(seen_run: Seen) -> None:
-    assert seen_run.said["swivels"] == ["sticks", "locked"]
-
-
-def test_the_limit_is_named_above_the_plot_and_no_name_lies_in_it(seen_run: Seen) -> None:
-    limit = Hoist().tension_ratio_limit
-    assert seen_run.said["limit"].startswith(f"ropes slip at exp(µα) = {limit:.2f}")
-
-
-def test_no_axis_has_a_single_tick(seen_run: Seen) -> None:
-    coarse, narrow, usual = seen_run.said["round"]
-    np.testing.assert_allclose(coarse, [2.0, 4.0, 6.0, 8.0])
-    np.testing.assert_allclose(narrow, [4.5, 5.0, 5.5])
-    np.testing.assert_allclose(usual, [0.0, 0.5, 1.0])
-
-
-def test_a_short_window_shows_a_second_around_the_cursor(seen_run: Seen) -> None:
-    t, ticks = seen_run.said["played"]["slider"], seen_run.said["ticks"]
-    assert all(t - 0.51 <= tick <= max(1.0, t + 0.51) for tick in ticks)
-    assert len(ticks) >= 2
+    assert said["marks"] in (["emergency stop", "reference at rest"], ["emergency stop +1"])
+    assert (said["transformations"], said["slips"], said["instants"]) == (6, 1, 8)
+    assert float(said["reading"]) == pytest.approx(42.0, abs=0.01)
+    assert said["swivels"] == ["sticks", "locked"]
+    assert f"{Hoist().tension_ratio_limit:.2f}" in said["limit"]
+    for found, ticks in zip(said["round"], ([2.0, 4.0, 6.0, 8.0], [4.5, 5.0, 5.5], [0.0, 0.5, 1.0]), strict=True):
+        np.testing.assert_allclose(found, ticks)
 
 
 def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
@@ -241,40 +174,78 @@ def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
     assert any("Content Security Policy" in line for line in seen.console)
 
 
-def test_every_run_of_a_study_is_a_line_and_the_best_is_marked(seen_study: Seen) -> None:
-    assert seen_study.said["lines"] == 4
-    assert seen_study.said["best"] == "3"
-
-
-def test_a_study_opens_with_what_was_varied_against_what_was_asked_for(seen_study: Seen) -> None:
-    assert seen_study.said["chosen"] == ["jerk", "swing"]
-    assert seen_study.said["axes"] == 3
-
-
-def test_what_the_packing_rounds_to_zero_reads_as_zero(seen_study: Seen) -> None:
-    low, zero, high = seen_study.said["unpacked"]
-    assert (low, zero) == (-1.0, 0.0)
-    assert high == pytest.approx(2.0)
-
-
-def test_ticks_that_lie_close_are_told_apart(seen_study: Seen) -> None:
-    assert seen_study.said["ticks"] == ["0.012320", "0.012322", "0.012324", "0.012326"]
-
-
-def test_failed_runs_are_listed_with_their_causes(seen_study: Seen) -> None:
-    assert "head rope <b>gone</b>" in seen_study.said["failed"]
-
-
-def test_the_table_sorts_by_number_both_ways_with_missing_ones_last(seen_study: Seen) -> None:
-    assert seen_study.said["up"] == ["1.000", "4.000", "12.00", "–"]
-    assert seen_study.said["down"] == ["12.00", "4.000", "1.000", "–"]
-
-
-def test_a_row_marks_its_run_in_the_pictures(seen_study: Seen) -> None:
-    assert seen_study.said["marked"] == ["2"]
-    assert seen_study.said["dots"] == 3
-
-
-def test_a_range_on_an_axis_keeps_the_runs_within(seen_study: Seen) -> None:
+def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Seen) -> None:
+    said = seen_study.said
+    assert seen_study.console == [] == said["requests"]
+    assert said["width"] <= said["room"]
+    assert (said["lines"], said["best"], said["axes"], said["dots"]) == (4, "3", 3, 3)
+    assert said["chosen"] == ["jerk", "swing"]
+    # what the packing rounds to zero reads as zero
+    assert said["unpacked"] == [-1.0, 0.0, pytest.approx(2.0)]
+    assert said["ticks"] == ["0.012320", "0.012322", "0.012324", "0.012326"]
+    assert "head rope <b>gone</b>" in said["failed"]
+    assert (said["up"], said["down"]) == (["1.000", "4.000", "12.00", "–"], ["12.00", "4.000", "1.000", "–"])
+    assert said["marked"] == ["2"]
     # jerks of 0.5 to 1.4: the first two; run 3 is marked and stays
-    assert sorted(seen_study.said["kept"]) == ["1", "2", "3"]
+    assert sorted(said["kept"]) == ["1", "2", "3"]
+
+
+def test_a_run_that_stopped_after_one_row_or_never_began_is_shown(tmp_path: Path) -> None:
+    only = {name: np.array([value]) for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))}
+    only |= {f"shape.{c}[{i + 1}]": curve(0.0)[i : i + 1, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    for k, (signals, probe, expected) in enumerate(
+        (
+            (only, 'document.getElementById("loop").dataset.bottom', "0.0000 -15.0000 0.0000"),
+            ({}, 'document.querySelector(".stopped").textContent', "no <shape>"),
+        )
+    ):
+        trajectory = SimpleNamespace(duration=9.0) if signals else None
+        result = SimpleNamespace(
+            recording=Recording(signals, {}), completed=False, cause="no <shape>", trajectory=trajectory
+        )
+        page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / f"run{k}.html")
+        seen = look(page, f"seen.found = {probe};", 800)
+        assert seen.console == []
+        assert expected in seen.said["found"]
+
+
+_SHAFT = """
+const slider = document.getElementById("slider"), loop = document.getElementById("loop");
+const at = (t) => {
+  slider.value = t; slider.dispatchEvent(new Event("input"));
+  const circle = loop.querySelector(".contact"), bottom = loop.querySelector(".bottom");
+  return {contacts: loop.dataset.contacts, tripped: loop.dataset.tripped,
+    label: loop.querySelector(".contact-label")?.textContent ?? "",
+    apart: circle && Math.hypot(...["cx", "cy"].map((c) => circle.getAttribute(c) - bottom.getAttribute(c)))};
+};
+[seen.free, seen.pressed] = [at(1), at(6)];
+seen.parts = ["lining", "floor", "divider", "guard"].map((kind) => loop.querySelectorAll("." + kind).length);
+const box = new Shaft(DATA.shaft, () => NaN).boxes([-1, 0, 0], [1, 90, 0]).find(({ kind }) => kind === "divider");
+seen.distance = distanceFrom(box, [0.5, -13, 7]);
+seen.stretch = document.getElementById("stretch").value;
+"""
+
+
+def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_path: Path) -> None:
+    t = np.linspace(0.0, END, STEPS)
+    shapes = np.array([curve(float(s)) for s in t])
+    late = (t > 4.0).astype(float)
+    signals = {"time": t, "contact.floor": 50.0 * late, "contact.lining": 0.0 * t, "loop.rise": 0.01 * t}
+    signals |= {"guard.tripped": late, "guard.cause": late, "guard.time": 4.0 * late}
+    signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    parameters = {"lining.width": 5.0, "lining.depth": 3.0, "lining.rounding": 0.5, "sump.level": -15.5}
+    parameters |= {"divider_2.size": 0.2, "divider_2.y": -13.0, "divider_2.rounding": 1.0, "guard.rise": 0.5}
+    result = SimpleNamespace(
+        recording=Recording(signals, {}), completed=True, cause="", trajectory=SimpleNamespace(duration=9.0)
+    )
+    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html", parameters=parameters)
+    seen = look(page, _SHAFT, 1000)
+    assert seen.console == []
+    assert seen.said["free"] == {"contacts": "", "tripped": "", "label": "", "apart": None}
+    assert seen.said["pressed"]["contacts"] == "floor"
+    assert seen.said["pressed"]["tripped"] == "rise"
+    assert seen.said["pressed"]["label"].startswith("floor 50.0")
+    assert seen.said["pressed"]["apart"] < 0.1  # the lowest point is the nearest to the floor
+    assert all(seen.said["parts"])
+    assert seen.said["distance"] == pytest.approx(0.4)
+    assert seen.said["stretch"] == "1"

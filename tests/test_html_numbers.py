@@ -1,28 +1,16 @@
 """What the HTML reports are made of: packed numbers, pictures, events, parameters with their units, the best run."""
 
-from __future__ import annotations
-
 import base64
-import json
 import math
-import re
-from dataclasses import dataclass, fields
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from hoist_demo.control.controller import Gains
-from hoist_demo.control.trajectory import s_curve
-from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report import events
-from hoist_demo.report.html import along, packing, page, panels, parameter_tables
-from hoist_demo.report.html.study import study_report
-from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.report.html import along, packing
 
 
 def unpack(packed: dict) -> np.ndarray:
@@ -44,10 +32,6 @@ def test_packing_errs_by_half_a_quantum_at_most_and_keeps_what_is_missing(kind: 
     # 1e-9: rounding of the few operations themselves
     allowed = np.ptp(values[there]) / packing.CODES[kind] / 2.0 * (1.0 + 1e-9)
     assert np.max(np.abs(back[there] - values[there])) <= allowed
-
-
-def test_a_constant_is_packed_exactly() -> None:
-    assert unpack(packing.pack(np.full(3, 0.1))).tolist() == [0.1, 0.1, 0.1]
 
 
 def test_numbers_that_16_bits_do_not_resolve_are_packed_as_floats() -> None:
@@ -84,14 +68,6 @@ def test_each_part_of_the_length_shows_the_largest_value_in_it() -> None:
     assert np.count_nonzero(picture) == 2
 
 
-@pytest.mark.filterwarnings("error")
-def test_a_frame_without_values_shows_none() -> None:
-    place = np.linspace(0.0, 50.0, 11)
-    picture = along.over_length(np.array([np.full(11, math.nan), np.ones(11)]), [place, place], 50.0)
-    assert np.isnan(picture[:, 0]).all()
-    assert np.all(picture[:, 1] == 1.0)
-
-
 def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
     picture = along.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
     upper_ends = 2.0 + 8.0 * np.arange(1, along.ROPE_ROWS + 1) / along.ROPE_ROWS
@@ -113,12 +89,6 @@ def test_quantities_along_the_rope_are_shown_in_their_units_over_its_length() ->
     assert {name: (unit, pytest.approx(hi), quiet) for name, (unit, hi, quiet) in kept.items()} == expected
     rows = unpack(shown["maps"][0]["values"]).reshape(along.ROPE_ROWS, 2)
     assert np.argmax(rows[:, 0]) in (along.ROPE_ROWS // 4 - 1, along.ROPE_ROWS // 4)
-
-
-def test_a_rope_without_these_outputs_is_named_as_the_cause() -> None:
-    shown = along.along(curved_rope(bending=[0.0, 3e7, 0.0]))
-    assert [m["id"] for m in shown["maps"]] == ["bending"]
-    assert "shape.torsion and shape.tension" in shown["note"]
 
 
 def recording(**signals: list[float]) -> Recording:
@@ -143,188 +113,3 @@ def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
     )
     found = events.marks(run, Winding(emergency_at=4.0))
     assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]
-
-
-def test_both_creeps_are_marked_where_they_begin() -> None:
-    winding = Winding(travel=20.0, creep_distance=3.0, departure_creep_distance=2.0, creep_speed=0.5, start_delay=1.0)
-    reference = s_curve(winding)
-    run = SimpleNamespace(
-        recording=recording(time=[10.0, 10.0 + reference.duration]), completed=True, cause="", trajectory=reference
-    )
-    times = [mark.t - 10.0 for mark in events.marks(run, winding) if mark.label == "creep"]
-    # the first after two ramps of jerk sqrt(0.5 / 0.5) s, in 0.5 m
-    assert times[0] == pytest.approx(1.0 + 2.0)
-    assert reference.at(times[1]).position == pytest.approx(17.0)
-    assert len(times) == 2
-
-
-def test_panels_hold_recorded_signals_only() -> None:
-    run = recording(time=[0, 1], left__fy=[-1.0, -2.0], stress__bending_max=[1e6, 2e6])
-    shown = panels.panels(run, Hoist())
-    assert [[line.signal for line in panel.lines] for panel in shown] == [["left.fy"], ["stress.bending_max"]]
-
-
-def test_parameters_show_the_unit_that_stands_behind_them() -> None:
-    rows = {name.split(",")[0]: (value, unit) for name, value, unit, _ in parameter_tables.rows(Hoist(), "hoist.", {})}
-    assert rows["hoist.conveyance_mass"] == ("10000", "kg")
-    assert rows["hoist.loss_viscous"] == ("200", "N s/m")
-    assert rows["hoist.friction_coefficient"] == ("0.25", "")
-    assert rows["hoist.payload_right"] == ("0", "kg")
-
-
-def test_every_parameter_has_a_unit_or_is_a_pure_number() -> None:
-    for data in (Hoist(), Winding(), Coupling()):
-        rows = {name.split(",")[0]: unit for name, _, unit, _ in parameter_tables.rows(data, "", {})}
-        assert set(rows) == {field.name for field in fields(data)}
-        numbers = {name for name, unit in rows.items() if not unit and isinstance(getattr(data, name), (int, float))}
-        assert numbers <= {
-            "head_rope_number",
-            "head_rope_modes",
-            "tail_rope_number",
-            "head_rope_damping",
-            "friction_coefficient",
-            "emergency_at",
-        }
-
-
-@dataclass(frozen=True)
-class Inner:
-    gap: float = quantity(2.0, "mm", "play of a guide")
-
-
-@dataclass(frozen=True)
-class Outer:
-    guide: Inner = Inner()
-    on: bool = quantity(True, "-", "it brakes")
-
-
-def test_parameters_of_parameters_are_shown_too() -> None:
-    assert parameter_tables.tables({"Car": Outer()}, {"car.guide.gap": "assumed"}) == [
-        (
-            "Car",
-            [("car.guide.gap, play of a guide", "2", "mm", "assumed"), ("car.on, it brakes", "yes", "", "")],
-        )
-    ]
-
-
-def test_parameters_are_shown_by_the_names_that_set_them() -> None:
-    data = {"Hoist": Hoist(), "Winding": Winding(), "Coupling": Coupling(), "Gains": Gains()}
-    shown = parameter_tables.tables(data, {})
-    names = {name.split(",")[0] for _, rows in shown for name, value, _, _ in rows if value != "none"}
-    assert "hoist.payload_left" in names
-    assert [name for name in names if name not in Catalogue({})] == []
-
-
-@pytest.mark.parametrize(
-    ("fmi", "shown"),
-    [("N.m2", "N m²"), ("m/s3", "m/s³"), ("m/s^2", "m/s²"), ("N m", "N m"), ("1/m", "1/m"), ("1", ""), ("", "")],
-)
-def test_units_read_as_people_write_them(fmi: str, shown: str) -> None:
-    assert page.unit_text(fmi) == shown
-
-
-def study() -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "jerk": [0.5, 1.0, 1.5],
-            "swing": [4.0, math.nan, 2.0],
-            "status": ["completed", "failed", "completed"],
-            "cause": ["", "overwind", None],
-        }
-    )
-
-
-def columns(table: pd.DataFrame, meta: dict, path: Path) -> dict[str, dict]:
-    text = study_report(table, {"jerk": "m/s3", "mass": "kg"}, meta, path).read_text(encoding="utf-8")
-    found = re.search(r'id="data">(.*?)</script>', text, re.DOTALL)
-    assert found is not None
-    return {column["name"]: column for column in json.loads(found[1])["columns"]}
-
-
-def test_only_what_differs_between_runs_has_an_axis_and_constants_are_data(tmp_path: Path) -> None:
-    table = study().assign(run=[1, 2, 3], key=["a1", "b2", "c3"], variant="", mass=7.5, limit=[1.0, 1.0, 1.0])
-    path = tmp_path / "study.html"
-    found = columns(table, {"parameters": ["jerk", "variant", "mass"]}, path)
-    assert {name for name, column in found.items() if column["axis"]} == {"jerk", "swing"}
-    assert list(found) == [
-        "jerk",
-        "swing",
-        "limit",
-        "key",
-    ]  # run is the page's own, a constant metric stays in the table
-    text = path.read_text(encoding="utf-8")
-    assert '<td>mass</td><td class="value">7.5</td><td class="unit">kg</td>' in text
-    assert "Assumed data." in text
-
-
-def test_a_study_of_one_run_still_shows_its_metrics(tmp_path: Path) -> None:
-    found = columns(study().iloc[:1].assign(key="a1"), {"parameters": ["jerk"]}, tmp_path / "study.html")
-    assert {name for name, column in found.items() if column["axis"]} == {"swing"}
-
-
-def test_without_a_metric_to_judge_by_the_page_tells_how_to_name_one(tmp_path: Path) -> None:
-    path = study_report(study(), {}, {}, tmp_path / "study.html")
-    assert "minimise or maximise in [study]" in path.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(("sense", "best"), [("min", "Best run: 3"), ("max", "Best run: 1")])
-def test_the_best_run_is_chosen_among_those_that_did_not_fail(tmp_path: Path, sense: str, best: str) -> None:
-    table = study()
-    table.loc[1, "swing"] = 1.0 if sense == "min" else 9.0  # a failed run's number does not count
-    path = study_report(table, {}, {"best": {"metric": "swing", "sense": sense}}, tmp_path / "study.html")
-    assert best in path.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("meta", "words"),
-    [
-        ({"parameters": ["jerc"]}, "'jerc', which is no column"),
-        ({"best": {"metric": "sing", "sense": "min"}}, "'sing', which is no column"),
-        ({"best": {"metric": "swing", "sense": "least"}}, "must be 'min' or 'max'"),
-    ],
-)
-def test_a_study_whose_names_do_not_fit_is_an_error(tmp_path: Path, meta: dict, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        study_report(study(), {}, meta, tmp_path / "study.html")
-    assert not (tmp_path / "study.html").exists()
-
-
-def outcome_of(table: pd.DataFrame, tmp_path: Path, **meta: object) -> str:
-    path = study_report(table, {"cycle_time": "s"}, meta, tmp_path / "study.html")
-    found = re.search(r'<p id="outcome">(.*?)</p>', path.read_text(encoding="utf-8"))
-    assert found
-    return found[1]
-
-
-@pytest.mark.parametrize(
-    ("times", "words"),
-    [
-        ([14.5, 14.08, 15.0], "Best run: 2, with the smallest cycle_time of 14.08 s."),
-        ([14.08, 14.0800001, 14.5], "Best run: 1, with the smallest cycle_time of 14.08 s."),
-        (
-            [14.08, 14.08 * (1.0 + 1e-15), 14.08],
-            "Best run: 1, with the smallest cycle_time of 14.08 s, the first of 3 with this value: also runs 2, 3.",
-        ),
-    ],
-)
-def test_the_best_run_has_a_unit_and_names_those_it_ties_with(tmp_path: Path, times: list[float], words: str) -> None:
-    table = study().assign(cycle_time=times, cause="", status="completed")
-    assert outcome_of(table, tmp_path, best={"metric": "cycle_time", "sense": "min"}).endswith(words)
-
-
-def test_a_failed_run_ties_with_none(tmp_path: Path) -> None:
-    table = study().assign(cycle_time=14.08, cause=["", "head rope gone", ""])
-    said = outcome_of(table, tmp_path, best={"metric": "cycle_time", "sense": "min"})
-    assert said.endswith("the first of 2 with this value: also run 3.")
-
-
-def test_a_cycle_shorter_than_its_trajectory_is_explained(tmp_path: Path) -> None:
-    table = study().assign(cycle_time=[14.08, 14.3, math.nan], trajectory_time=[14.2, 14.2, 14.2])
-    said = outcome_of(table, tmp_path)
-    assert "cycle_time is shorter than trajectory_time in run 1: the conveyances were within the band of" in said
-    assert "trajectory_time" not in outcome_of(table.iloc[1:], tmp_path)
-
-
-def test_the_same_study_gives_the_same_bytes(tmp_path: Path) -> None:
-    first, second = (study_report(study(), {}, {}, tmp_path / name).read_bytes() for name in "ab")
-    assert first == second

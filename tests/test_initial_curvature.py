@@ -1,17 +1,16 @@
 """Permanent curvature: its energy, rods with closed forms, the 45 degree bend, both forms of the rope that has it."""
 
-from __future__ import annotations
-
 import math
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import scenes
 from conftest import Chain, rotation
 from numpy.testing import assert_allclose, assert_array_equal
+from scenes import past_each_other
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
@@ -146,28 +145,6 @@ def test_a_bent_rod_that_is_turned_about_itself_stores_the_closed_form(part: flo
     assert R[:, 6].sum() == pytest.approx(ROD.EI * k * k0 * math.sin(turn) * L, abs=1e-3)
 
 
-def test_a_rod_held_straight_takes_the_moment_of_its_curvature() -> None:
-    q = arc(4, 0.0, ROD.length)
-    R, bending = at_rest(q)
-    moment = ROD.EI * ROD.initial_curvature
-    assert bending == pytest.approx(0.5 * moment * ROD.initial_curvature * ROD.length, rel=1e-12)
-    # r' is straight down: a moment about Z is a force on its x
-    expected = np.zeros_like(R)
-    expected[[0, -1], 3] = moment, -moment
-    assert_allclose(R, expected, atol=1e-9 * moment)
-
-
-def test_a_ring_is_at_rest() -> None:
-    """All forces vanish with the elements as the cubic comes near to a circle."""
-    sizes = []
-    for elements in (8, 16, 32):
-        R = at_rest(arc(elements, 0.4, 5 * math.pi), replace(ROD, length=5 * math.pi))[0]
-        sizes.append(float(np.abs(R[:, :3]).max()))
-    assert sizes[-1] < 1e-3 * ROD.Qa * ROD.initial_curvature * 5 * math.pi / 32
-    orders = np.log2(np.array(sizes[:-1]) / sizes[1:])
-    assert (orders > 2.8).all(), (sizes, orders)
-
-
 def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
     rope = replace(ROD, length=math.pi, initial_curvature=2.0)
     q, held = arc(12, 0.0, rope.length), np.zeros((13, 7), dtype=bool)
@@ -221,10 +198,7 @@ def rod_tip(load: float, shear: float = 0.0) -> Array:
 
 #: tip of the 45 degree bend, without the sense of the axes, from K.-J. Bathe and S. Bolourchi, Int. J. Numer. Methods
 #: Eng. 14 (1979), and J. C. Simo and L. Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
-PUBLISHED = {
-    300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)),
-    600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37)),
-}
+PUBLISHED = {300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)), 600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37))}
 
 
 @pytest.mark.parametrize("load", [300.0, 600.0])
@@ -250,26 +224,14 @@ def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
 
 
-def ends(t: float) -> tuple[EndMotion, EndMotion]:
-    """Past each other in 1 s, and to the side."""
-    s = min(t, 1.0)
-    y, v, a = s**3 * (10 - 15 * s + 6 * s * s), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
-    up, aside = {"y": 0.5 * y, "vy": 0.5 * v, "ay": 0.5 * a}, {"z": 0.2 * y, "vz": 0.2 * v, "az": 0.2 * a}
-    return EndMotion(**up, **aside), EndMotion(**{name: -x for name, x in up.items()})
+def wound(of: Scene, form: Any, steps: int, step: float = 0.01) -> BalanceRope:
+    return scenes.wound(balance_rope(of, form), past_each_other, steps, step)
 
 
 def hung(of: Scene, form: Any = "native", height: float = 0.0) -> BalanceRope:
     rope = balance_rope(of, form)
     status = rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=height))
     assert status.valid, status.message
-    return rope
-
-
-def wound(of: Scene, form: Any, steps: int, step: float = 0.01) -> BalanceRope:
-    rope = hung(of, form)
-    for k in range(1, steps + 1):
-        status = rope.advance_to(k * step, *ends(k * step))
-        assert status.valid, status.message
     return rope
 
 
@@ -284,18 +246,11 @@ def test_both_forms_agree(more: dict[str, float]) -> None:
 
 
 @pytest.mark.parametrize("form", ["python", "native"])
-def test_a_straight_rope_has_its_bits_wherever_a_curvature_would_lie(form: Any) -> None:
-    plain, same = (wound(scene(initial_curvature=0.0, initial_curvature_angle=a), form, 10).state for a in (0.0, 1.0))
-    assert_array_equal(plain.motion.q, same.motion.q)
-    assert plain.energy_balance == same.energy_balance
-
-
-@pytest.mark.parametrize("form", ["python", "native"])
 def test_a_saved_rope_goes_on_to_the_bit(form: Any) -> None:
     rope, other = wound(scene(), form, 6), balance_rope(scene(), form)
     other.restore(rope.state.to_bytes())
     for one in (rope, other):
-        assert one.advance_to(0.08, *ends(0.08)).valid
+        assert one.advance_to(0.08, *past_each_other(0.08)).valid
     assert_array_equal(rope.state.motion.q, other.state.motion.q)
 
 
@@ -312,14 +267,6 @@ def test_in_its_plane_a_clamped_rope_only_takes_the_moment() -> None:
     moment = K0 * curved.scene.rope.EI
     assert now["left.mz"] - before["left.mz"] == pytest.approx(-moment, rel=1e-4)
     assert now["right.mz"] - before["right.mz"] == pytest.approx(moment, rel=1e-4)
-
-
-def test_across_its_plane_it_turns_the_loop_either_way() -> None:
-    one, other = (hung(uncoupled(angle), height=2.0).signals() for angle in (1.0, -1.0))
-    assert one["loop.yaw"] == pytest.approx(-other["loop.yaw"], rel=1e-6)
-    assert abs(one["loop.yaw"]) > 0.03
-    for name in ("left.fx", "left.fy", "right.mz"):
-        assert one[name] == pytest.approx(other[name], rel=1e-6)
 
 
 def test_a_direction_is_a_turn_of_both_ends() -> None:
@@ -355,28 +302,3 @@ def test_a_transformed_mesh_keeps_the_direction() -> None:
         assert one[name] == pytest.approx(other[name], rel=0.01), name
     energy = tmn.state.energy_balance
     assert abs(energy.transformations) < 1e-3 * energy.strain
-
-
-def test_only_the_complete_model_has_it() -> None:
-    of = uncoupled(0.0)
-    rope = hung(of.with_(model=Model("auto")))
-    assert rope.fidelity == "torsional"
-    assert "permanent curvature of 0.3 1/m" in rope.fidelity_reason
-    assert "permanent" not in hung(uncoupled(0.0, 0.0).with_(model=Model("auto"))).fidelity_reason
-    planar = hung(of.with_(model=Model("planar")))
-    assert "no torsion and no permanent curvature" in planar.warnings()["neglected_effects"]
-    assert_allclose(
-        planar.state.motion.q, hung(uncoupled(0.0, 0.0).with_(model=Model("planar"))).state.motion.q, atol=0
-    )
-
-
-def test_a_loop_that_it_turns_far_says_so() -> None:
-    rope = hung(Scene(Rope(initial_curvature=0.2, initial_curvature_angle=3.0)), height=90.0)
-    assert "initial_curvature = 0.2 1/m" in rope.warnings()["yaw_at_rest"]
-
-
-@pytest.mark.parametrize("form", [pytest.param("python", marks=pytest.mark.slow), "native"])
-def test_a_curvature_at_which_there_is_no_rest_is_named(form: Any) -> None:
-    tight = Scene(Rope(length=10.0, initial_curvature=10.0), mesh=Mesh("eem", elements=10))
-    message = balance_rope(tight, form).initialize(0.0, EndMotion(), EndMotion()).message
-    assert re.match(r"at \S+ of initial_curvature = 10 1/m, which should be lowered .*: no equilibrium", message)

@@ -4,18 +4,15 @@ None of these changes is a thing that happens to the rope, so none may throw its
 step: a rope that is turned again and again must show it nowhere.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import Mesh, Model, Rope, Scene, at_level, rope_120, rope_240
+from rope_model.parameters import Model, Rope, Scene, at_level, rope_120, rope_240
 from rope_model.simulation.paths import EndMotion
 
 pytest.importorskip("rope_model.native.build")
@@ -93,25 +90,6 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
     # the motions last for seconds and bend the curve of 10 ms samples by a tenth of that
     assert smooth_ones[:, :6].max() < 1.0
     assert smooth_ones[:, 6:].max() < 0.05
-
-
-def test_force_out_of_plane_and_torque_follow_equal_elements_through_the_transformations() -> None:
-    motion, named = Turn(90.0, 0.0, 0.0, 1.0, 25.0), ["left.fz", "right.fz", "left.my", "right.my"]
-    loads = []
-    for mesh in (Mesh("auto"), Mesh("eem", elements=600)):
-        rope = NativeRope(rope_120().scene.with_(mesh=mesh))
-        assert rope.initialize(0.0, *motion(0.0, 90.0)).valid
-        record = []
-        for k in range(1, round(motion.duration / H) + 1):
-            assert rope.advance_to(k * H, *motion(k * H, 90.0)).valid
-            record.append([*rope.signals(named).values()])
-        loads.append(np.array(record))
-    # at rest the default elements err by a thousandth of the torque and of the force that balances it, and do so all
-    # along; what is left is the transformations'
-    at_rest = loads[0][0] / loads[1][0]
-    assert_allclose(at_rest, 1.0, rtol=2e-3)
-    left = loads[0] - at_rest * loads[1]
-    assert np.all(np.sqrt(np.mean(left**2, axis=0)) < 3e-3 * np.ptp(loads[1], axis=0))
 
 
 def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps_send_none() -> None:

@@ -1,7 +1,5 @@
 """The house: imports point down, no cycles, each third-party library has its rooms."""
 
-from __future__ import annotations
-
 import ast
 from functools import cache
 from pathlib import Path
@@ -11,215 +9,79 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 
-_BELOW = {"rope_model.parameters", "rope_model.shaft_parameters", "rope_model.physics", "rope_model.numerics"}
-#: package -> packages of ours that it may import from (itself always)
-MAY_IMPORT = {
-    "rope_model.parameter_table": set(),
-    "rope_model.parameters": {"rope_model.parameter_table", "rope_model.shaft_parameters"},
-    "rope_model.shaft_parameters": {"rope_model.parameter_table"},
-    "rope_model.catalogue": {"rope_model.parameter_table", "rope_model.parameters"},
-    "rope_model.physics": set(),
-    "rope_model.numerics": set(),
-    "rope_model.simulation": {
-        "rope_model.parameter_table",
-        "rope_model.parameters",
-        "rope_model.shaft_parameters",
-        "rope_model.physics",
-        "rope_model.numerics",
-    },
-    "rope_model.native": {
-        "rope_model.parameter_table",
-        "rope_model.parameters",
-        "rope_model.shaft_parameters",
-        "rope_model.physics",
-        "rope_model.numerics",
-        "rope_model.simulation",
-        "rope_model.texts",
-    },
-    "rope_model.public": {
-        "rope_model.catalogue",
-        "rope_model.parameters",
-        "rope_model.shaft_parameters",
-        "rope_model.numerics",
-        "rope_model.simulation",
-        "rope_model.native",
-    },
-    "rope_model.version": set(),
-    "rope_model.texts": set(),
-    "rope_model": {"rope_model.public", "rope_model.version"},
-    "fmu_src.native": {
-        "rope_model.parameters",
-        "rope_model.shaft_parameters",
-        "rope_model.simulation",
-        "rope_model.numerics",
-        "rope_model.native",
-        "fmu_src",
-        "rope_model.texts",
-    },
-    "fmu_src.export": {
-        "rope_model.parameters",
-        "rope_model.simulation",
-        "rope_model.version",
-        "fmu_src",
-        "fmu_src.native",
-    },
-    "fmu_src": {
-        "rope_model.parameter_table",
-        "rope_model.parameters",
-        "rope_model.shaft_parameters",
-        "rope_model.simulation",
-        "rope_model.version",
-        "rope_model.texts",
-    },
-    "hoist_demo.parameters": set(),
-    "hoist_demo.drive": {"hoist_demo.parameters", "rope_model.numerics"},  # CasADi functions compiled; it knows no rope
-    "hoist_demo.control": {"hoist_demo.parameters"},
-    "hoist_demo.recording": {"rope_model"},
-    "hoist_demo.design": {"hoist_demo.parameters", "hoist_demo.drive", "hoist_demo.control"},
-    "hoist_demo.drive_fmu": {
-        "hoist_demo.parameters",
-        "hoist_demo.drive",
-        "hoist_demo.control",
-        "hoist_demo.cases",
-        "rope_model.texts",
-    },
-    "hoist_demo.cases": {"hoist_demo.parameters", "hoist_demo.control", "rope_model.parameters"},
-    "hoist_demo.cosimulation.schemes": set(),
-    "hoist_demo.cosimulation.participants": {
-        "hoist_demo.parameters",
-        "hoist_demo.drive",
-        "hoist_demo.cases",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation.schemes",
-        "rope_model",
-    },
-    "hoist_demo.cosimulation": {
-        "hoist_demo.parameters",
-        "hoist_demo.drive",
-        "hoist_demo.control",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation.schemes",
-        "hoist_demo.cosimulation.participants",
-    },
-    "hoist_demo.report": {
-        "hoist_demo.parameters",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation",
-        "hoist_demo.cosimulation.participants",
-        "hoist_demo.study",
-        "rope_model.texts",
-    },
-    "hoist_demo.study": {
-        "hoist_demo.parameters",
-        "hoist_demo.control",
-        "hoist_demo.design",
-        "hoist_demo.cases",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation",
-        "hoist_demo.cosimulation.participants",
-        "rope_model",
-        "rope_model.texts",
-    },
-    "hoist_demo.duty": {
-        "hoist_demo.design",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation",
-        "hoist_demo.cosimulation.participants",
-        "hoist_demo.study",
-        "rope_model",
-    },
-    "hoist_demo.ropes": {
-        "hoist_demo.cases",
-        "hoist_demo.parameters",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation",
-        "hoist_demo.cosimulation.participants",
-        "hoist_demo.study",
-        "rope_model",
-    },
-    "hoist_demo.calibration": {
-        "hoist_demo.parameters",
-        "hoist_demo.control",
-        "hoist_demo.cases",
-        "hoist_demo.cosimulation.participants",
-        "hoist_demo.report",
-        "hoist_demo.study",
-        "rope_model",
-        "rope_model.catalogue",
-        "rope_model.physics",
-        "rope_model.simulation",
-        "rope_model.texts",
-    },
-    "hoist_demo.uncertainty": {
-        "hoist_demo.calibration",
-        "hoist_demo.cases",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation",
-        "hoist_demo.cosimulation.participants",
-        "hoist_demo.report",
-        "hoist_demo.study",
-        "rope_model",
-    },
-    "hoist_demo.command_line": {
-        "hoist_demo.parameters",
-        "hoist_demo.cases",
-        "hoist_demo.recording",
-        "hoist_demo.cosimulation",
-        "hoist_demo.cosimulation.participants",
-        "hoist_demo.cosimulation.schemes",
-        "hoist_demo.report",
-        "hoist_demo.study",
-        "hoist_demo.duty",
-        "hoist_demo.ropes",
-        "hoist_demo.calibration",
-        "hoist_demo.uncertainty",
-    },
-    "hoist_demo": set(),
-}
-#: library -> modules or packages in which it may be imported; numpy is welcome everywhere
-HOMES = {
-    "casadi": {
-        "rope_model.physics.element",
-        "rope_model.physics.air_element",
-        "rope_model.physics.wire_element",
-        "rope_model.physics.curved_element",
-        "rope_model.physics.bending_element",
-        "rope_model.physics.contact_element",
-        "rope_model.physics.elementary",
-        "rope_model.numerics",
-        "rope_model.native.elements",
-        "rope_model.native.cases",
-        "rope_model.native.formulas",
-        "rope_model.native.state_values",
-        "hoist_demo.design",
-        "hoist_demo.drive",
-        "hoist_demo.drive_fmu.kernels",
-    },
-    "scipy": {
-        "rope_model.simulation.modal",
-        "hoist_demo.design",
-        "hoist_demo.control.trajectory",
-        "hoist_demo.study.sampling",
-        "hoist_demo.calibration.fit",
-        "hoist_demo.uncertainty.spread",
-        "hoist_demo.recording.spectra",
-    },
-    "pythonfmu": {"fmu_src.slave", "fmu_src.export"},
-    "fmpy": {
-        "hoist_demo.cosimulation.participants.fmi_versions",
-        "hoist_demo.cosimulation.participants.fmu_parameters",
-    },
-    "matplotlib": {"hoist_demo.report.figures", "hoist_demo.report.exposure_figures"},
-    "rainflow": {"hoist_demo.recording.exposure"},
-    "tqdm": {
-        "hoist_demo.cosimulation.progress",
-        "hoist_demo.command_line.study",
-        "hoist_demo.command_line.uncertain",
-    },
-    "dask": {"hoist_demo.study.cluster"},
-    "pandas": {"hoist_demo.report.html.study", "hoist_demo.study.store"},
-    "pyarrow": {"hoist_demo.study.store"},
-}
+
+def rules(text: str) -> dict[str, set[str]]:
+    """Sets of names by the name before the colon; one that begins with a point is of the same package."""
+    found: dict[str, set[str]] = {}
+    for line in text.replace("\n    ", " ").split("\n"):
+        name, _, rest = line.partition(":")
+        found[name] = {name.partition(".")[0] + x if x.startswith(".") else x for x in rest.split()}
+    return found
+
+
+#: package: packages of ours that it may import from (itself always)
+MAY_IMPORT = rules(
+    """\
+rope_model.parameter_table:
+rope_model.parameters: .parameter_table .shaft_parameters
+rope_model.shaft_parameters: .parameter_table
+rope_model.catalogue: .parameter_table .parameters
+rope_model.physics:
+rope_model.numerics:
+rope_model.simulation: .parameter_table .parameters .shaft_parameters .physics .numerics
+rope_model.native: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts
+rope_model.public: .catalogue .parameters .shaft_parameters .numerics .simulation .native
+rope_model.version:
+rope_model.texts:
+rope_model: .public .version
+fmu_src.native: rope_model.parameters rope_model.shaft_parameters rope_model.simulation rope_model.numerics
+    rope_model.native rope_model.texts fmu_src
+fmu_src.export: rope_model.parameters rope_model.simulation rope_model.version fmu_src .native
+fmu_src: rope_model.parameter_table rope_model.parameters rope_model.shaft_parameters rope_model.simulation
+    rope_model.texts rope_model.version
+hoist_demo.parameters:
+hoist_demo.drive: .parameters rope_model.numerics
+hoist_demo.control: .parameters
+hoist_demo.recording: rope_model
+hoist_demo.design: .parameters .drive .control
+hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.texts
+hoist_demo.cases: .parameters .control rope_model.parameters
+hoist_demo.cosimulation.schemes:
+hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
+hoist_demo.cosimulation: .parameters .drive .control .recording .cosimulation.schemes .cosimulation.participants
+hoist_demo.report: .parameters .recording .cosimulation .cosimulation.participants .study rope_model.texts
+hoist_demo.study: .parameters .control .design .cases .recording .cosimulation .cosimulation.participants
+    rope_model rope_model.texts
+hoist_demo.duty: .design .recording .cosimulation .cosimulation.participants .study rope_model
+hoist_demo.ropes: .cases .parameters .recording .cosimulation .cosimulation.participants .study rope_model
+hoist_demo.calibration: .parameters .control .cases .cosimulation.participants .report .study rope_model
+    rope_model.catalogue rope_model.physics rope_model.simulation rope_model.texts
+hoist_demo.uncertainty: .calibration .cases .recording .cosimulation .cosimulation.participants .report .study
+    rope_model
+hoist_demo.command_line: .parameters .cases .recording .cosimulation .cosimulation.participants
+    .cosimulation.schemes .report .study .duty .ropes .calibration .uncertainty
+hoist_demo:"""
+)
+#: library: modules or packages in which it may be imported; numpy is welcome everywhere
+HOMES = rules(
+    """\
+casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
+    rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
+    rope_model.physics.elementary rope_model.numerics rope_model.native.elements rope_model.native.cases
+    rope_model.native.formulas rope_model.native.state_values rope_model.native.tables
+    hoist_demo.design hoist_demo.drive
+    hoist_demo.drive_fmu.kernels
+scipy: rope_model.simulation.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling
+    hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.spectra
+pythonfmu: fmu_src.slave fmu_src.export
+fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_parameters
+matplotlib: hoist_demo.report.figures hoist_demo.report.exposure_figures
+rainflow: hoist_demo.recording.exposure
+tqdm: hoist_demo.cosimulation.progress hoist_demo.command_line.study hoist_demo.command_line.uncertain
+dask: hoist_demo.study.cluster
+pandas: hoist_demo.report.html.study hoist_demo.study.store
+pyarrow: hoist_demo.study.store"""
+)
 
 
 @cache
@@ -314,3 +176,10 @@ def test_nothing_the_fmu_imports_needs_scipy() -> None:
             waiting += graph.get(name, ())
     assert "rope_model.simulation.simulator" in reached
     assert not any(name.split(".")[0] == "scipy" for name in reached)
+
+
+def test_no_test_of_the_product_imports_evidence_or_benchmarks() -> None:
+    paths = [p for p in sorted((ROOT / "tests").rglob("*.py")) if "evidence" not in p.relative_to(ROOT).parts]
+    assert len(paths) > 50
+    used = {path.name: {name.partition(".")[0] for name in imports("", path)} for path in paths}
+    assert [name for name, found in used.items() if found & {"evidence", "benchmarks"}] == []

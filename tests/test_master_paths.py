@@ -1,11 +1,8 @@
 """The rope's ends on a master's steps: what their path misses of the motion that the host meant."""
 
-from __future__ import annotations
-
 import numpy as np
 from end_paths import Follower
-from master_trip import JERK, MISSED
-from masters import random_steps
+from masters import JERK, MISSED, random_steps
 from numpy.testing import assert_allclose
 
 from rope_model.simulation.paths import EndMotion

@@ -9,22 +9,16 @@ end force errs by the mass of the rope's leg times the acceleration's error, at 
 as an undamped bar.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from fmpy.fmi1 import FMICallException
-from master_trip import DURATION, JERK, MISSED_ACCELERATION, TRAVEL
-from masters import LOOPS, Steps, random_steps
+from masters import DURATION, JERK, LOOPS, MISSED_ACCELERATION, TRAVEL, Steps
 from native_host import Host
 from numpy.testing import assert_allclose
 
@@ -104,15 +98,6 @@ def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, 
     run(host, LOOPS[loop](H, T), T)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("loop", LOOPS)
-def test_loops_of_masters_end_where_they_should_over_all_steps(host: Host, loop: str) -> None:
-    for H, T in itertools.product((1e-3, 5e-3, 1e-2, 2e-2), (5.0, 9.0, 10.0, 30.0)):
-        host.call("Reset")
-        host.start(**({"model.fidelity": 4} if is_rope(host) else {}))
-        run(host, LOOPS[loop](H, T), T)
-
-
 def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None:
     """In the middle of a trip, 4000 rests that are 2e-6 s together: the conveyances do 10 um in it."""
     t0, H, rest, rests = 8.0, 0.02, 5e-10, 4000
@@ -176,180 +161,9 @@ def test_restored_outputs_are_those_before_a_tunable_was_changed(host: Host) -> 
         host.restore(state)
 
 
-@rope_only
-def test_announced_stop_time_is_part_of_a_state(host: Host) -> None:
-    def at(stop: float | None) -> Any:
-        host.call("Reset")
-        host.enter(stop=stop)
-        host.fmu.exitInitializationMode()
-        assert host.step(0.0, 0.01) == ""
-        return host.state()
-
-    host.set(**{"model.fidelity": 4})
-    soon, late, never = at(0.02), at(5.0), at(None)
-    for state, reaches in ((soon, False), (late, True), (never, True), (soon, False)):
-        host.restore(state)
-        assert (host.step(0.01, 0.02) == "") == reaches
-    host.call("Reset")
-    host.restore(soon)
-    assert "goes beyond the stop time 0.02 s" in host.step(0.01, 0.02)
-
-
-@rope_only
-@pytest.mark.parametrize("start", [1e5, 1e9, 1e10])
-def test_step_that_was_made_already_is_refused_at_any_time(host: Host, start: float) -> None:
-    host.set(**{"model.fidelity": 4})
-    host.enter(start=start)
-    host.fmu.exitInitializationMode()
-    h = 0.01
-    assert host.step(start, h) == ""
-    assert host.step(start + h, h) == ""
-    state = host.state()
-    for t in (start, start + h):
-        assert "the host steps from t = " in host.step(t, h)
-        host.restore(state)
-    # a host that counts its steps is some roundings off
-    assert host.step(start + 2 * h, h) == ""
-
-
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.parametrize("host", ["python"], indirect=True)
-def test_output_that_cannot_be_computed_is_an_error_and_does_no_harm(
-    host: Host, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    host.start()
-    assert host.step(0.0, 0.01) == ""
-    before = host.get("left.fy", "count.steps")
-    assert host.step(0.01, 0.01) == ""
-
-    def fails(*arguments: Any) -> Any:
-        raise ArithmeticError("singular")
-
-    slave = next(module for name, module in sys.modules.items() if name.startswith("balance_rope_slave"))
-    with monkeypatch.context() as patch:
-        patch.setattr(slave, "group_of", fails)
-        for name in ("left.fy", "count.steps", "left.swivel.slipping"):
-            with pytest.raises(FMICallException):
-                host.get(name)
-            assert "singular" in host.error()
-        patch.setattr(slave.BalanceRope, "warning", fails)
-        with pytest.raises(FMICallException):
-            host.get("status.warning")
-    assert host.get("left.fy", "count.steps") != before
-    assert host.get("status.warning") == [""]
-
-
-def from_time(t0: float, steps: Steps) -> Steps:
-    return ((t0 + t, h) for t, h in steps)
-
-
-def even_error(host: Host, exact: np.ndarray, t0: float, T: float, at_end: bool) -> float:
-    """N, of steps of LONGEST, from t0 on."""
-    host.call("Reset")
-    host.start(inputs_at_step_end=at_end)
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
-    return error(forces(host, from_time(t0, LOOPS["counting"](LONGEST, T)), at_end), exact)
-
-
 def error(found: np.ndarray, exact: np.ndarray) -> float:
     """Largest difference of an end force, N."""
     return max(np.abs(found[:, k] - np.interp(found[:, 0], exact[:, 0], exact[:, k])).max() for k in (1, 2))
-
-
-@pytest.mark.parametrize("host", [name for name in FLAVOURS if name == "native-2"], indirect=True)
-@pytest.mark.parametrize("at_end", [False, pytest.param(True, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(
-    ("t0", "sequences"), [(8.0, 20), *(pytest.param(0.0, n, marks=pytest.mark.slow) for n in (20, 500))]
-)
-@pytest.mark.slow
-def test_random_steps_are_never_refused_and_err_as_the_extrapolation_allows(
-    host: Host, t0: float, sequences: int, at_end: bool
-) -> None:
-    """From rest, and in the middle of the trip."""
-    T = 0.24
-    host.start(inputs_at_step_end=True, **{"solver.step_max": 2.5e-3, "solver.tolerance": 1e-5})
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end=True)
-    exact = forces(host, from_time(t0, LOOPS["counting"](5e-4, T + LONGEST)), at_end=True)
-    integration = even_error(host, exact, t0, T, at_end=True)
-    even = even_error(host, exact, t0, T, at_end)
-    host.call("Reset")
-    host.start(inputs_at_step_end=at_end)
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
-    begin, worst, steps = host.state(), 0.0, 0
-    # what steps of LONGEST leave in the state: axial vibrations that they do not resolve and short steps show
-    left = error(forces(host, from_time(t0, LOOPS["counting"](5e-4, T)), at_end), exact)
-    for seed in range(sequences):
-        host.restore(begin)
-        found = forces(host, from_time(t0, random_steps(seed, T, 1e-8, LONGEST)), at_end)
-        worst, steps = max(worst, error(found, exact)), steps + len(found)
-    print(f"{sequences} sequences, {steps} steps: {worst:.2f} N; even steps of {LONGEST} s: {even:.2f} N")
-    # the integration's own error is that of uneven steps, at most twice that of even ones of either length
-    assert worst <= (0.0 if at_end else extrapolation_error()) + 2 * max(integration, left)
-
-
-@native_only
-@pytest.mark.parametrize("at_end", [False, True])
-@pytest.mark.parametrize("fidelity", [1, 4])
-def test_trip_after_a_long_step_of_rest_has_the_forces_of_even_steps(host: Host, fidelity: int, at_end: bool) -> None:
-    # steps as long as the host's: what a rest takes of the accuracy asked would end in others
-    parameters = {"model.fidelity": fidelity, "inputs_at_step_end": at_end}
-    parameters |= {"solver.tolerance": 1e6, "solver.newton_tolerance": 1e-7}
-    H = 0.01
-
-    def trip_after(rests: Steps) -> np.ndarray:
-        host.call("Reset")
-        host.start(**parameters)
-        rest = 0.0
-        for t, h in rests:
-            give(host, 0.0)
-            assert host.step(t, h) == ""
-            rest = t + h
-        rows = []
-        for t, h in LOOPS["counting"](H, 0.5):
-            give(host, t + h if at_end else t)
-            assert host.step(rest + t, h) == ""
-            rows.append(host.get(*FORCES))
-        return np.array(rows)
-
-    even = trip_after(LOOPS["counting"](0.1, 0.1))
-    for rest in (5.0, 20.0, 60.0):
-        found = trip_after(iter([(0.0, rest)]))
-        # what Newton's method leaves of the equilibrium dies away in the rest: 1e-7 of the end force
-        assert_allclose(found, even, rtol=0, atol=1e-3)
-
-
-@rope_only
-@pytest.mark.parametrize("at_end", [False, True])
-def test_event_found_by_bisection(host: Host, at_end: bool) -> None:
-    """A host that looks for the instant at which the left end's pull passes a value, by restoring and shorter steps."""
-    t0, least = 0.4, 1e-8
-    # one step of the rope in each: where their number changes with h, forces jump by what steps err, 0.05 N here
-    host.start(inputs_at_step_end=at_end, **{"solver.tolerance": 1e6})
-    forces(host, LOOPS["counting"](LONGEST, t0), at_end)
-    start = host.state()
-
-    def pull(h: float) -> float:
-        """Of a step of h from t0 on."""
-        host.restore(start)
-        return float(forces(host, iter([(t0, h)]), at_end)[-1, 1])
-
-    low, high = least, LONGEST
-    bounds = pull(low), pull(high)
-    event = 0.3 * bounds[0] + 0.7 * bounds[1]
-    for _ in range(20):
-        middle = 0.5 * (low + high)
-        beyond = (pull(middle) - event) * (bounds[1] - bounds[0]) > 0
-        low, high = (low, middle) if beyond else (middle, high)
-    assert high - low < 1e-7
-    # it is one instant, inside the step
-    assert least < low
-    assert high < LONGEST
-    assert abs(pull(low) - event) < 1e-3 * abs(bounds[1] - bounds[0])
-    # from the event on: the rest of the step, and even ones
-    host.restore(start)
-    steps = [(t0, high), (t0 + high, least), (t0 + high + least, LONGEST - high - least)]
-    found = forces(host, iter(steps), at_end)
-    assert_allclose(found[-1, 1], bounds[1], rtol=0, atol=2 * extrapolation_error())
 
 
 def extrapolation_error() -> float:

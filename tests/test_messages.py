@@ -1,21 +1,14 @@
 """Messages have one text: C says what Python says."""
 
-from __future__ import annotations
-
 import ctypes as ct
 import inspect
-import subprocess
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
+from native_parts import compiled
 
-from rope_model.native.build import generate
 from rope_model.native.messages import SPOKEN
-from rope_model.numerics.kernels import find_compiler
 
-NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
-FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared")
 TEXTS: dict[str, Callable[..., str]] = {
     name: text for module in SPOKEN for name, text in inspect.getmembers(module, inspect.isfunction)
 }
@@ -34,21 +27,12 @@ def kinds(name: str) -> list[str]:
 
 @pytest.fixture(scope="module")
 def spoken(tmp_path_factory: pytest.TempPathFactory) -> ct.CDLL:
-    if (compiler := find_compiler()) is None:
-        pytest.skip("no C compiler")
-    folder = tmp_path_factory.mktemp("messages")
-    for file, text in generate().items():
-        (folder / file).write_text(text, encoding="ascii")
     code = ['#include "messages.h"']
     for name in TEXTS:
         declared = "".join(f", {TYPES[kind][0]} x{k}" for k, kind in enumerate(kinds(name)))
         arguments = "".join(f", x{k}" for k in range(len(kinds(name))))
         code.append(f"int of_{name}(char *room{declared}) {{ return say_{name}(room{arguments}); }}")
-    (folder / "all.c").write_text("\n".join(code) + "\n", encoding="ascii")
-    files = [str(folder / "all.c"), str(NATIVE / "text.c")]
-    made = folder / "messages.so"
-    subprocess.run([*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *files, "-o", str(made), "-lm"], check=True)
-    return ct.CDLL(str(made))
+    return compiled(tmp_path_factory.mktemp("messages"), {"all.c": "\n".join(code) + "\n"}, ["text.c"])
 
 
 @pytest.mark.parametrize("name", TEXTS)

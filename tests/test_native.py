@@ -1,11 +1,7 @@
 """The native rope against RopeSimulator: the same steps, the same events, the same numbers."""
 
-from __future__ import annotations
-
 import math
 import os
-import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -14,25 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scenes import fixed_steps
 
-from benchmarks.kinematic import fixed_steps
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model.native.build import library
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import (
-    FidelityChoice,
-    Mesh,
-    Model,
-    Rope,
-    Scene,
-    Solver,
-    Swivel,
-    rope_120,
-    rope_240,
-)
+from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.signal_table import SIGNALS
@@ -270,25 +255,6 @@ def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
             ends.append(rope.native_state())
         assert ends[0] == ends[1]
     assert {"transformation", "left swivel slips -", "left swivel sticks"} <= happened
-
-
-def test_memory_comes_from_the_host_alone() -> None:
-    """What the library asks of others: mathematics and text, no memory, no files, no time."""
-    if (nm := shutil.which("nm")) is None:
-        pytest.skip("nm is not here to list the library's symbols")
-    listed = subprocess.run([nm, "-D", "--undefined-only", str(library())], capture_output=True, text=True, check=True)
-    asked = {line.split()[-1].partition("@")[0] for line in listed.stdout.splitlines()}
-    assert "snprintf" in asked or "__snprintf_chk" in asked
-    assert not {name for name in asked if re.search("alloc|free|open|write|print(?!f_chk$|f$)|time|exit|abort", name)}
-
-
-@pytest.mark.parametrize("fidelity", ["planar", "spatial"])
-def test_what_a_fidelity_leaves_out_stays_as_it_was(fidelity: FidelityChoice) -> None:
-    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), model=Model(fidelity))
-    for rope in (RopeSimulator(scene), NativeRope(scene)):
-        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-        assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
-        assert rope.state.motion.q[-1, 6] == 1.0
 
 
 def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter_one() -> None:

@@ -1,43 +1,12 @@
 """The command line that exports native FMUs."""
 
-from __future__ import annotations
-
-import math
 from pathlib import Path
 
 import fmpy
 import pytest
-from native_host import Host
-from stand_in import VERSIONS, stand_in
+from stand_in import stand_in
 
 from balance_rope import main
-from fmu_src.native.build import host_platform
-
-
-def test_command_line_lists_what_it_made(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    arguments = ["export", "--native", "--fmi", "2", "3", "--platform", host_platform(), "--out", str(tmp_path)]
-    assert main(arguments) == 0
-    rows = capsys.readouterr().out.splitlines()[1:]
-    assert [row.split()[1:4] for row in rows] == [["native", f"{fmi}.0", host_platform()] for fmi in VERSIONS]
-    assert all(Path(row.split()[0]).exists() for row in rows)
-
-
-def test_python_flavour_of_fmi_3_is_refused_with_the_cure(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["export", "--fmi", "3"]) == 2
-    assert "comes with --native" in capsys.readouterr().err
-
-
-def test_an_installed_case_is_exported_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    path = tmp_path / "monopol.fmu"
-    options = ["--case", "monopol-1000", "--level", "draft", "--native", "--platform", "host", "--out", str(path)]
-    assert main(["export", *options]) == 0
-    starts = {v.name: v.start for v in fmpy.read_model_description(str(path)).modelVariables}
-    assert [float(starts[name]) for name in ("rope.length", "right.y")] == [1040.0, 1000.0]
-    assert math.isclose(float(starts["rope.EI"]), 300.0 * (14.25 / 8.0) ** 2)
 
 
 def test_start_values_are_set_on_the_command_line(
@@ -59,33 +28,6 @@ def test_start_values_are_set_on_the_command_line(
 
 
 @pytest.mark.parametrize(
-    ("options", "named"),
-    [
-        (["--outputs", "loop"], {"loop.x", "left.fy", "status.valid"}),
-        (["--outputs", "all"], {"shape.x", "mesh.counts", "energy.total", "left.fy"}),
-        (["--outputs", "all", "--scalar"], {"shape.x[81]", "mesh.counts[5]", "energy.total", "left.fy"}),
-    ],
-)
-def test_outputs_and_their_form_are_chosen_on_the_command_line(
-    options: list[str], named: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    path = tmp_path / "rope.fmu"
-    assert main(["export", "--native", "--fmi", "3", "--platform", "host", "--out", str(path), *options]) == 0
-    host = Host(path, fmpy.extract(str(path), str(tmp_path / "unzipped")))
-    known = {"shape.x", "shape.x[81]", "mesh.counts[5]", "energy.total", "loop.x", "left.fy", "status.valid"}
-    assert known & set(host.variables) >= named - {"mesh.counts"}
-    assert ("energy.total" in host.variables) == ("energy.total" in named)
-    assert ("shape.x" in host.variables) == ("shape.x" in named)
-    host.start()
-    host.run(0, 2)
-    for name in named:
-        value = host.get(name)[0]
-        assert len(value) == host.variables[name].dimensions[0].start if isinstance(value, list) else True
-    host.call("FreeInstance")
-
-
-@pytest.mark.parametrize(
     ("options", "words"),
     [
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
@@ -102,32 +44,3 @@ def test_an_export_that_cannot_be_meant_is_refused_before_anything_is_built(
     assert main(["export", *options]) == 2
     assert words in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
-
-
-def test_a_folder_that_is_there_takes_the_fmu_under_its_own_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    assert main(["export", "--native", "--platform", "host", "--out", str(tmp_path)]) == 0
-    assert (tmp_path / "balance_rope_native.fmu").is_file()
-
-
-def test_compilation_is_announced_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path))
-    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    announced = [f"compiling BalanceRope for {host_platform()}, FMI {fmi}.0, some 10 s" for fmi in (2, 3)]
-    for expected in (announced, []):
-        caplog.clear()
-        assert main(["export", "--native", "--fmi", "2", "3", "--platform", "host", "--out", str(tmp_path)]) == 0
-        lines = [r.getMessage() for r in caplog.records]
-        assert [line for line in lines if line.startswith("compiling BalanceRope")] == expected
-
-
-def test_verbose_is_understood_on_either_side_of_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[bool] = []
-    monkeypatch.setattr("balance_rope._export", lambda options: told.append(options.verbose) or 0)
-    for arguments in (["-v", "export"], ["export", "-v"], ["export"]):
-        assert main(arguments) == 0
-    assert told == [True, True, False]

@@ -4,46 +4,30 @@ Both do the same operations in the same order.  Numbers may differ by what libm 
 the quantities' size where nothing else is said; texts may not differ at all.
 """
 
-from __future__ import annotations
-
 import ctypes as ct
 import dataclasses
 import math
-import random
-import subprocess
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any, get_args, get_type_hints
+from collections.abc import Iterator
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from end_paths import NO_LIMITS, Follower, led
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from native_parts import compiled
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
+from scenes import CHOICES as WINDINGS
+from scenes import Choice
 
-from evidence.choice.scenes import CASES, Case
 from fmu_src.interface import scene_of, variables
-from rope_model.native.build import generate
 from rope_model.native.layout import FollowingStructure
-from rope_model.native.structures import (
-    EndStructure,
-    SceneStructure,
-    end_structure,
-    scene_structure,
-)
-from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
-from rope_model.parameters import CHOICES, FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
+from rope_model.native.structures import EndStructure, SceneStructure, end_structure, scene_structure
+from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
-from rope_model.shaft_parameters import Divider
-from rope_model.simulation.ends import HangingEnds, frozen, nominal_points, refusal
-from rope_model.simulation.fidelity import (
-    FIDELITIES,
-    choose_fidelity,
-    lowest_sufficient,
-    unsupported_motion,
-)
+from rope_model.simulation.ends import frozen, refusal
+from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
 from rope_model.simulation.following import Following, Limits
 from rope_model.simulation.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.rigid import rigid_rope
@@ -53,15 +37,8 @@ from rope_model.simulation.statics import StaticsError
 Array = NDArray[np.float64]
 Ends = tuple[EndMotion, EndMotion]
 
-NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
-FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
 PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameters.c", "shape.c", "mesh.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
-#: a generated function has no name in a library
-FRICTION = """
-#include "cases.h"
-double friction_of(const Swivel *swivel, double mu, double tension) { return swivel_friction(swivel, mu, tension); }
-"""
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)
 FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
@@ -70,22 +47,9 @@ FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
 @pytest.fixture(scope="module")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """The library with the parts under test."""
-    compiler = find_compiler()
-    if compiler is None:
-        pytest.skip("no C compiler")
-    folder = tmp_path_factory.mktemp("native")
-    made = folder / f"data{LIBRARY_SUFFIX}"
-    for name, text in generate().items():
-        (folder / name).write_text(text, encoding="ascii")
-    (folder / "friction.c").write_text(FRICTION, encoding="ascii")
-    sources = [*(str(NATIVE / part) for part in PARTS), str(folder / "friction.c")]
-    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *sources, "-o", str(made), "-lm"]
-    result = subprocess.run(command, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    library = ct.CDLL(str(made))
+    library = compiled(tmp_path_factory.mktemp("native"), {}, PARTS)
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
-    library.friction_of.restype = ct.c_double
     return library
 
 
@@ -123,23 +87,6 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
     room = ct.create_string_buffer(40)
     assert native.text_number(room, ct.c_double(x), digits).decode() == f"{x:.{digits}g}"
     assert native.text_exact(room, ct.c_double(x)).decode() == repr(x)
-
-
-def test_numbers_at_the_borders_of_their_forms_are_written_as_python_writes_them(native: Any) -> None:
-    powers = [math.ldexp(sign, k) for sign in (1.0, -1.0) for k in range(-1074, 1024)]
-    for x in (2.0, 1e-5, 1e-4, 9.9999e-5, 1e15, 1e16, 123456789012345.6, 9007199254740992.0, -0.0, 0.1, *powers):
-        assert native.text_exact(ct.create_string_buffer(40), ct.c_double(x)).decode() == repr(x)
-
-
-def test_codes_are_those_of_the_interface() -> None:
-    for name, words in CHOICES.items():
-        group, field = name.split(".")
-        kind = Swivel if group == "swivel" else get_type_hints(Scene)[group]
-        assert get_args(get_type_hints(kind)[field]) == tuple(words)
-
-
-def test_names_of_the_fidelities_follow_their_codes(native: Any) -> None:
-    assert tuple(native.fidelity_name(code).decode() for code in range(5)) == FIDELITY_NAMES
 
 
 def end_message(native: Any, target: EndMotion, limits: Limits, side: int) -> str:
@@ -181,21 +128,6 @@ def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
         message = text_of(native.end_frozen, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
         assert message == frozen(Inputs(), t, following, "right")
     assert "inputs.hold_max" in message
-
-
-@pytest.mark.parametrize("mode", ["locked", "free", "coulomb"])
-def test_friction_of_a_swivel_is_the_same(native: Any, mode: Any) -> None:
-    swivel = Swivel(mode=mode, seal_moment=1.7)
-    scene = Scene(left=swivel, right=swivel)
-    state: Any = None
-    ends = HangingEnds(nominal_points(2.0), (state, state), (swivel, swivel), (state, state), (0.0, 0.0))
-    structure = scene_structure(scene)
-    for tension in (-30.0, 0.0, 4711.0):
-        reaction = np.zeros((3, 7))
-        reaction[-1, 1] = tension
-        for kinetic, mu in ((True, swivel.mu_kinetic), (False, swivel.mu_static)):
-            ours = native.friction_of(ct.byref(structure.swivels[1]), ct.c_double(mu), ct.c_double(tension))
-            assert ours == ends.friction(1, reaction, kinetic)
 
 
 def values_of(scene: Scene) -> dict[str, Any]:
@@ -245,25 +177,6 @@ def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, na
         assert text_of(native.check_scene, ct.byref(structure)) == message
         refused += bool(message)
     assert refused
-
-
-@pytest.mark.parametrize("make", [lambda x: Rope(initial_curvature_angle=x), lambda x: Divider(direction=x)])
-def test_a_direction_in_degrees_is_refused_with_the_cure(make: Callable[[float], Any]) -> None:
-    make(math.radians(-360))
-    with pytest.raises(ValueError, match=r"= 45\.0 is .* in \[-6\.2832, 6\.2832\] rad; give it in radians: 45 degrees"):
-        make(45.0)
-
-
-def test_first_of_several_parameters_out_of_range_is_named(native: Any) -> None:
-    chance = random.Random(7)
-    seen = set()
-    for _ in range(300):
-        names = chance.sample(sorted(PARAMETERS), 3)
-        values = {n: chance.choice(REALS if isinstance(PARAMETERS[n], float) else INTEGERS) for n in names}
-        message = message_of(PARAMETERS | values)
-        assert text_of(native.check_scene, ct.byref(with_values(Scene(), values))) == message
-        seen.add(message.split(" = ")[0])
-    assert len(seen) > 20
 
 
 def scenes() -> Iterator[Any]:
@@ -322,10 +235,10 @@ def test_fidelity_by_name_is_the_same(native: Any, fidelity: FidelityChoice) -> 
         assert_same_fidelities(native, Scene(model=Model(fidelity=fidelity, force_tolerance=0.1)), ends, 2)
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, id=case.title) for case in CASES])
-def test_fidelities_along_the_windings_of_the_choice_are_the_same(native: Any, case: Case) -> None:
+@pytest.mark.parametrize("case", WINDINGS, ids=[case.title for case in WINDINGS])
+def test_fidelities_along_the_windings_of_the_choice_are_the_same(native: Any, case: Choice) -> None:
     for t in np.arange(0.0, case.until, 0.25):
-        assert_same_fidelities(native, case.scene, case.ends(case.trip, case.travel, float(t)))
+        assert_same_fidelities(native, case.scene, case.ends(float(t)))
 
 
 def uneven_lengths(nodes: int, length: float, seed: int) -> Array:
@@ -373,21 +286,3 @@ def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, 
     for ours, python in ((q, theirs.motion.q), (v, theirs.motion.v), (a, theirs.motion.a)):
         same(ours, python, length)
     same(reaction, theirs.motion.reaction, weight)
-
-
-def test_slack_rope_has_the_same_message(native: Any) -> None:
-    ends = EndMotion(ay=-15.0), EndMotion(y=1.0)
-    s, room = np.linspace(0.0, 120.0, 61), np.zeros((4, 61, 7))
-    message = text_of(
-        native.rigid_rope,
-        ct.byref(scene_structure(Scene())),
-        ends_of(ends),
-        ct.c_double(1.0),
-        61,
-        *map(pointer, (s, *room)),
-        ct.byref(ct.c_double()),
-        ct.byref(ct.c_double()),
-    )
-    with pytest.raises(ValueError, match="goes slack") as error:
-        rigid_rope(Scene(), ends, 1.0, s)
-    assert message == str(error.value)

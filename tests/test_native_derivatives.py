@@ -1,7 +1,5 @@
 """The native rope's derivatives and added mass are those of its steps and of the Python rope."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,13 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from rope_model.native.engine import NativeRope
-from rope_model.parameters import (
-    FidelityChoice,
-    Model,
-    Rope,
-    Scene,
-    Solver,
-)
+from rope_model.parameters import FidelityChoice, Model, Rope, Scene, Solver
 from rope_model.simulation.paths import SIDES, EndMotion
 from rope_model.simulation.sensitivity import load_derivative
 from rope_model.simulation.simulator import RopeSimulator
@@ -69,7 +61,7 @@ def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityC
 
 
 def test_added_mass_is_the_derivative_along_an_acceleration_held_over_the_last_step() -> None:
-    # of y, vy and ay together, as docs/interface.md says
+    # of y, vy and ay together, as docs/reference/variables.md says
     rope, h = NativeRope(Scene(rope=Rope(length=60.0))), 0.01
     rope.initialize(0.0, EndMotion(), EndMotion())
     assert rope.advance_to(h, EndMotion(), EndMotion()).valid

@@ -1,14 +1,11 @@
-"""The native rope's frame, shape and signals give what the Python functions give.
+"""The native rope's frame and shape give what the Python functions give.
 
 Both do the same operations in the same order; tests/native_parts.py says how they may differ.
 """
 
-from __future__ import annotations
-
 import ctypes as ct
 import math
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,15 +14,9 @@ from hypothesis import strategies as st
 from native_parts import ROUNDING, Array, CLoopBottom, message
 from numpy.testing import assert_allclose
 
-from rope_model.native.structures import PathStructure, path_structure, scene_structure
-from rope_model.numerics.generalized_alpha import Motion
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel, SwivelMode
-from rope_model.physics.guard import GuardState
+from rope_model.parameters import Mesh
 from rope_model.physics.outline import heading
-from rope_model.physics.shaft import KINDS as KINDS_OF_BODIES
-from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.adaptation import nearest_turn
-from rope_model.simulation.audit import Audit
 from rope_model.simulation.diagnostics import (
     LoopBottom,
     direction,
@@ -36,37 +27,15 @@ from rope_model.simulation.diagnostics import (
     shape,
     shape_places,
 )
-from rope_model.simulation.ends import HangingEnds, Phase, SwivelState, nominal_points
-from rope_model.simulation.fidelity import FIDELITIES, Fidelity
-from rope_model.simulation.following import Following
-from rope_model.simulation.mesh import (
-    Partition,
-    partition,
-)
-from rope_model.simulation.paths import EndPath
+from rope_model.simulation.mesh import partition
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.self_contact import overlap_of
-from rope_model.simulation.signal_table import SIGNALS
-from rope_model.simulation.signals import added_mass_signals, contact_signals, group_of
-from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest, RopeState
-from rope_model.simulation.statics import StaticsError, hanging_guess
-
-MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
-FIDELITY_NAMES = ("auto", "torsional", "spatial", "planar", "rigid")
-#: in the order of their numbers in C
-GROUPS_OF_SIGNALS = tuple(dict.fromkeys(map(group_of, SIGNALS)))
-#: groups that are computed where the equations are
-ELSEWHERE = (added_mass_signals, contact_signals)
+from rope_model.simulation.statics import hanging_guess
 
 
 @given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))
 def test_angle_counted_on_is_the_same(parts: SimpleNamespace, angle: float, last: float) -> None:
     assert parts.shape_nearest_turn(angle, last) == nearest_turn(angle, last)
-
-
-def test_angle_half_a_turn_away_is_rounded_to_even_turns(parts: SimpleNamespace) -> None:
-    for halves in range(-7, 8):
-        assert parts.shape_nearest_turn(0.0, halves * math.pi) == nearest_turn(0.0, halves * math.pi)
 
 
 hangings = st.tuples(
@@ -93,32 +62,6 @@ def test_hanging_guess_is_the_same(parts: SimpleNamespace, hanging: tuple[float,
     assert text.value == b""
     # sine and cosine of an angle that two large arc lengths leave over
     assert_allclose(q, hanging_guess(s, left, right), rtol=ROUNDING, atol=ROUNDING * s[-1])
-
-
-@pytest.mark.parametrize("spacing", [0.02, 2.0, 9.0])
-def test_hanging_guess_on_few_elements_is_the_same(parts: SimpleNamespace, spacing: float) -> None:
-    for middle_at in np.linspace(-3.0, 3.0, 13):  # over the middles of all elements and beyond
-        s, left, right = (
-            np.array([0.0, 9.0, 13.0, 24.0]),
-            np.array([0.0, middle_at, 0.0]),
-            np.array([spacing, 0.0, 1.0]),
-        )
-        q, text = np.empty((4, 7)), message()
-        parts.shape_hanging_guess(4, s, left, right, q, text)
-        assert_allclose(q, hanging_guess(s, left, right), rtol=ROUNDING, atol=ROUNDING)
-
-
-@pytest.mark.parametrize(("spacing", "height"), [(60.0, 0.0), (2.0, 49.5), (2.0, -49.5), (2.0, 61.25)])
-def test_rope_too_short_to_hang_is_refused_in_the_same_words(
-    parts: SimpleNamespace, spacing: float, height: float
-) -> None:
-    s, left, right = np.linspace(0.0, 50.0, 41), np.array([0.0, height, 0.0]), np.array([spacing, 0.0, 0.0])
-    q, text = np.empty((41, 7)), message()
-    parts.shape_hanging_guess(41, s, left, right, q, text)
-    with pytest.raises(StaticsError) as expected:
-        hanging_guess(s, left, right)
-    assert text.value.decode() == str(expected.value)
-    assert f"a height difference of {abs(height):g} m" in str(expected.value)
 
 
 def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
@@ -212,17 +155,6 @@ def test_legs_that_lie_apart_have_not_turned(
         assert round(yaw / (2 * math.pi) - loop_turns(q, lengths, bottom).number) == 0
 
 
-@pytest.mark.parametrize("lean", [-0.3, 0.0, 0.3])
-def test_legs_of_a_loop_that_swings_are_told_apart(parts: SimpleNamespace, lean: float) -> None:
-    """A hanging rope 2 m wide, sheared so that its legs lean by many times that."""
-    s = np.linspace(0.0, 120.0, 121)
-    q, lengths = hanging_guess(s, np.zeros(3), np.array([2.0, 0.0, 0.0])), np.diff(s)
-    q[:, 0] += lean * (q[:, 1] - q[:, 1].min())
-    q[:, 3] += lean * q[:, 4]
-    assert legs_apart(q, lengths, 0.05, 2.0)
-    assert in_c(parts, q, lengths, s, 0.05, 2.0)
-
-
 def test_legs_that_touch_between_their_nodes_are_not_told_apart(parts: SimpleNamespace) -> None:
     """Straight legs 1 m apart, and an element of each that bulges by phi l / 4 towards the other."""
     s, phi, q = np.linspace(0.0, 120.0, 17), 0.3, np.zeros((17, 7))
@@ -259,132 +191,3 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
         == leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0)
         == math.inf
     )
-
-
-def any_rope(
-    hanging: tuple[float, ...],
-    seed: int,
-    phases: tuple[Phase, Phase],
-    modes: tuple[SwivelMode, SwivelMode],
-    fidelity: Fidelity = "torsional",
-) -> Any:
-    """What a RopeSimulator shows of itself, with any numbers in it that belong to no motion."""
-    q, lengths, s = sway(hanging, seed)
-    random = np.random.default_rng(seed + 1)
-    swivels = tuple(Swivel(mode, 0.1, 0.3, 0.2, 0.7) for mode in modes)
-    states = tuple(SwivelState(phase, *random.normal(size=2)) for phase in phases)
-    paths = tuple(
-        EndPath(start, start + 1.0, tuple(map(tuple, random.normal(size=(4, 6))))) for start in random.uniform(0, 2, 2)
-    )
-    v, a, b, a_rate, reaction = random.normal(size=(5, *q.shape))
-    offsets = tuple(random.normal(size=2))
-    state = RopeState(
-        motion=Motion(2.0, q, v, a, b, a_rate, 0.01, 100 * reaction),
-        partition=Partition(lengths),
-        offsets=offsets,
-        swivels=states,
-        following=(Following(), Following()),
-        paths=paths,
-        step_next=0.01,
-        calm_since=0.0,
-        last_interval=0.1,
-        force_mean=tuple(random.normal(size=2)),
-        loop_yaw=20 * random.normal(),
-        fidelity=fidelity,
-        fidelity_reason="",
-        energy_balance=EnergyBalance(*random.normal(size=11)),
-        given_up_since=random.normal(),
-        audit=Audit()._replace(**dict(zip(Audit._fields[5:], random.uniform(0, 3, 7), strict=True))),
-        counts=Counts(*map(int, random.integers(0, 2**40, 6))),
-        nearest=tuple(Nearest(*random.normal(size=5)) for _ in KINDS_OF_BODIES),
-        crossing=Crossing(*random.normal(size=4)),
-        guard=GuardState(*random.normal(size=3)),
-    )
-    shaft = Shaft(
-        Lining(8.0, 6.0, 0.3, *random.normal(size=2)),
-        Conveyance(*random.uniform(0.5, 2.0, 4)),
-        HeadRopes(0.05, 0.9),
-        *(
-            Divider(random.uniform(0.1, 0.5), y, random.normal(), random.normal(), part)
-            for y, part in zip(random.normal(-5.0, 10.0, 4), (0.0, 0.3, 0.7, 1.0), strict=True)
-        ),
-        Sump(-20.0),
-    )
-    scene = Scene(Rope(Qb=2.4e5, Qc=2.1e5), Layout(hanging[0]), *swivels, shaft=shaft)
-    strains = random.normal(size=(lengths.size, 3))
-    return SimpleNamespace(
-        scene=scene,
-        state=state,
-        loop=loop_bottom(q, lengths),
-        ends=HangingEnds(nominal_points(hanging[0]), paths, swivels, states, offsets),
-        system=SimpleNamespace(strains=lambda _: strains),
-        s=s,
-    )
-
-
-def group_values(parts: SimpleNamespace, group: int, rope: Any) -> Array:
-    """Values at their signals' numbers; NaN where the group leaves them alone."""
-    state, m, bottom = rope.state, rope.state.motion, CLoopBottom.of(rope.loop)
-    phases = (ct.c_int * 2)(*(x.phase.value for x in state.swivels))
-    signs, offsets, means = (np.array(x) for x in ([x.sign for x in state.swivels], state.offsets, state.force_mean))
-    paths = (PathStructure * 2)(*map(path_structure, state.paths))
-    audit = np.concatenate([np.ravel(x) for x in state.audit])
-    nearest, crossing = np.ravel(state.nearest), np.array(state.crossing)
-    guard = np.array([*state.guard[:3], *state.guard.since])
-    energy_balance, counts = np.array(state.energy_balance), np.array(state.counts, dtype=float)
-    arrays, values = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10), np.full(len(SIGNALS) + 1, np.nan)
-    parts.arrays_of(m.q, m.v, m.a, m.reaction, state.partition.lengths, rope.s, len(m.q), arrays)
-    parts.signals_by_members(
-        group, scene_structure(rope.scene), FIDELITY_NAMES.index(state.fidelity), m.t, state.loop_yaw, offsets,
-        means, phases, signs, paths, energy_balance, counts, state.given_up_since, audit, nearest, crossing, guard,
-        arrays, rope.system.strains(m.q), bottom, values
-    )  # fmt: skip
-    assert np.isnan(values[-1])
-    return values[:-1]
-
-
-@given(
-    hanging=hangings,
-    seed=st.integers(0, 1000),
-    phases=st.tuples(*[st.sampled_from(Phase)] * 2),
-    modes=st.tuples(*[st.sampled_from(MODES)] * 2),
-    fidelity=st.sampled_from(FIDELITIES),
-)
-@settings(max_examples=60, deadline=None)
-def test_signals_are_the_same(
-    parts: SimpleNamespace,
-    hanging: tuple[float, ...],
-    seed: int,
-    phases: tuple[Phase, Phase],
-    modes: tuple[SwivelMode, SwivelMode],
-    fidelity: Fidelity,
-) -> None:
-    assume(hanging[-1] > 15 * hanging[3])
-    rope = any_rope(hanging, seed, phases, modes, fidelity)
-    computed = (function(rope) for function in GROUPS_OF_SIGNALS if function not in ELSEWHERE)
-    expected, ours = {name: value for values in computed for name, value in values.items()}, {}
-    for group in range(len(GROUPS_OF_SIGNALS)):
-        values = group_values(parts, group, rope)
-        ours |= {name: x for name, x in zip(SIGNALS, values, strict=True) if not np.isnan(x)}
-    assert ours.keys() == expected.keys()
-    # points along the rope: of the largest one's size, because invented values jump from element to element
-    size = {name.partition("[")[0]: rope.s[-1] for name in expected}
-    for name, value in expected.items():
-        if name.startswith(("shape.", "station.")):
-            size[name.partition("[")[0]] = max(abs(value), size[name.partition("[")[0]])
-    for name, value in expected.items():
-        atol = ROUNDING * size[name.partition("[")[0]]
-        assert_allclose(ours[name], value, rtol=ROUNDING, atol=atol, err_msg=name)
-
-
-def test_group_of_a_signal_holds_it(parts: SimpleNamespace) -> None:
-    rope = any_rope((2.0, 3.0, 0.1, 2.0, 120.0), 1, (Phase.SLIP, Phase.STICK), ("coulomb", "locked"))
-    for group, function in enumerate(GROUPS_OF_SIGNALS):
-        members = [name for k, name in enumerate(SIGNALS) if parts.signal_group(k) == group]
-        assert members == [name for name in SIGNALS if group_of(name) is function]
-        computed = ~np.isnan(group_values(parts, group, rope))
-        assert [name for name, is_there in zip(SIGNALS, computed, strict=True) if is_there] == (
-            [] if function in ELSEWHERE else members
-        )
-    for signal in (-1, len(SIGNALS), 10**6):
-        assert math.isnan(parts.rope_signal(parts.signals_rope(), signal))

@@ -1,7 +1,5 @@
 """The native FMU with the rope in it, mistreated: many at once, in threads, without memory, any calls."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import os
@@ -16,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
-from native_libraries import HOSTILE, VERSIONS, hostile
+from native_libraries import HOSTILE, hostile
 from native_raw import ERROR, OK, SMALL, Instance, Library, reseal
 
 from fmu_src.native.build import available_platforms
@@ -42,23 +40,6 @@ def live(rope: Instance, steps: int) -> list[tuple[float, ...]]:
 
 
 # many of them
-
-
-@pytest.mark.slow
-def test_a_hundred_instances_in_one_process_are_equal(libraries: dict[int, Library]) -> None:
-    start = {"right.y": 0.0, "inputs_at_step_end": 1}
-    for fmi, number in ((2, 100), (3, 10)):
-        ropes = [Instance(libraries[fmi]) for _ in range(number)]
-        assert [rope.hang(start) for rope in ropes] == [OK] * number
-        records: list[list[tuple[float, ...]]] = [[] for _ in ropes]
-        for k in range(3):
-            for rope, record in zip(ropes, records, strict=True):
-                assert rope.move(0.02 * k, 0.02) == OK
-                record.append(rope.forces())
-        for rope in ropes:
-            rope.free()
-        assert all(record == records[0] for record in records)
-        assert len(set(records[0])) == 3
 
 
 def test_eight_threads_step_eight_instances_as_one_alone(libraries: dict[int, Library]) -> None:
@@ -140,39 +121,8 @@ def compile_sources(folder: Path, files: dict[str, str], *flags: str) -> None:
     subprocess.run(["cc", "-std=gnu99", "-DHAS_WIDE_FORM=0", *flags, *sources, "-lm"], cwd=folder, check=True)
 
 
-@pytest.mark.slow
-def test_no_source_has_data_that_can_be_written(tmp_path: Path) -> None:
-    """Neither global nor static; what the compiler's own start-up code brings is not in the objects."""
-    if not LINUX or not all(shutil.which(x) for x in ("cc", "nm")):
-        pytest.skip("needs Linux, a C compiler and nm")
-    symbols = []
-    headers = {name: text for name, text in rope_sources().items() if not name.endswith(".c")}
-    for part in (rope_sources(), *(headers | own_sources(fmi) for fmi in VERSIONS)):
-        folder = tmp_path / str(len(symbols))
-        folder.mkdir()
-        compile_sources(folder, part, "-O0", "-fno-pic", "-c")
-        objects = sorted(p.name for p in folder.glob("*.o"))
-        listed = subprocess.run(["nm", "-A", *objects], cwd=folder, capture_output=True, text=True, check=True)
-        symbols += [line.split(":", 1)[1].split()[-2:] for line in listed.stdout.splitlines()]
-    assert any(kind in "Rr" for kind, _ in symbols)
-    assert [name for kind, name in symbols if kind in "BbDdCcSsGg"] == []
-
-
 #: what is freed is filled, and what is written beside a block aborts when that is freed
 CHECKED_HEAP = {"MALLOC_PERTURB_": "165", "MALLOC_CHECK_": "3", "LD_PRELOAD": "libc_malloc_debug.so.0"}
-
-
-def test_a_checked_heap_finds_what_is_written_beside_a_block(tmp_path: Path) -> None:
-    if not LINUX or not shutil.which("cc"):
-        pytest.skip("needs Linux and a C compiler")
-    (tmp_path / "beside.c").write_text(
-        "#include <stdlib.h>\nint main(void) { volatile char *p = malloc(24); p[24] = 7; free((void *)p); return 0; }\n"
-    )
-    subprocess.run(["cc", "-O0", "-o", "beside", "beside.c"], cwd=tmp_path, check=True)
-    done = subprocess.run([tmp_path / "beside"], env=os.environ | CHECKED_HEAP, capture_output=True, check=False)
-    if b"cannot be preloaded" in done.stderr:
-        pytest.skip("this C library has no heap that checks itself")
-    assert done.returncode != 0
 
 
 @pytest.mark.parametrize(
@@ -358,8 +308,3 @@ def fuzz(library: Library, examples: int, calls: int) -> None:
 
 def test_any_calls_in_any_order_neither_crash_nor_hang_and_a_reset_helps(library: Library) -> None:
     fuzz(library, 20, 40)
-
-
-@pytest.mark.slow
-def test_many_more_calls_in_any_order_neither_crash_nor_hang(library: Library) -> None:
-    fuzz(library, 1000, 60)

@@ -1,11 +1,8 @@
 """Start values and token written into finished libraries, macOS's signature, and libraries that a package brings."""
 
-from __future__ import annotations
-
 import hashlib
 import struct
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 
 import fmpy
@@ -13,16 +10,12 @@ import pytest
 from native_host import Host
 from stand_in import stand_in
 
-from balance_rope import main
 from fmu_src.native import build
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, missing_platforms
-from fmu_src.native.export import export_native, native_table, shell_sources
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library
+from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
-from fmu_src.native.table import start_values
-from rope_model.native import build as rope_build
 from rope_model.native.platforms import prebuilt_file
-from rope_model.parameters import rope_120
 
 pytestmark = pytest.mark.skipif(host_platform() not in available_platforms(), reason="needs a C compiler")
 SOURCES = {
@@ -71,15 +64,6 @@ def test_every_platform_has_one_place_for_start_values_and_takes_them(name: str)
     assert place % 8 == 0  # as the doubles need it
 
 
-def test_other_numbers_of_start_values_and_long_tokens_are_refused() -> None:
-    with pytest.raises(RuntimeError, match=r"takes 4 start values, not 3; delete it"):
-        with_start(fill(START), Start("", (0.0,) * 3))
-    with pytest.raises(RuntimeError, match="no one place"):
-        with_start(fill(START) + START.block(), START)
-    with pytest.raises(ValueError, match="65 bytes"):
-        with_start(fill(START), START._replace(token=65 * "x"))
-
-
 def signature(library: bytes) -> tuple[int, int, int, int, int]:
     """Place of the code directory, of its first hash, their number, the code limit and the size of a page."""
     at = library.index(struct.pack(">I", 0xFADE0C02), library.index(struct.pack(">I", 0xFADE0CC0)))
@@ -96,17 +80,6 @@ def page_hashes(library: bytes) -> tuple[bytes, bytes]:
 
 
 needs_zig = pytest.mark.skipif("aarch64-darwin" not in available_platforms(), reason="needs ziglang")
-
-
-@needs_zig
-@pytest.mark.slow
-def test_the_linkers_own_page_hashes_are_computed_again() -> None:
-    made = small(START, "aarch64-darwin")
-    _, first, slots, _, _ = signature(made)
-    right, there = page_hashes(made)
-    assert right == there
-    spoilt = made[:first] + bytes(32 * slots) + made[first + 32 * slots :]
-    assert with_page_hashes(spoilt) == made
 
 
 @needs_zig
@@ -160,26 +133,6 @@ def test_exports_with_other_start_values_compile_once(
     assert len(list((tmp_path / "cache").glob("fmu-*"))) == 1
 
 
-def test_without_arrays_every_scalar_of_one_is_a_variable(tmp_path: Path) -> None:
-    path, table = tmp_path / "rope.fmu", native_table(rope_120())
-    export_native(path, fmi=3, platforms=(host_platform(),), rope=stand_in())
-    names = [v.name for v in table]
-    second = names.index("mesh.counts[2]")
-    for arrays in (True, False):
-        folder = tmp_path / str(arrays)
-        fmpy.extract(str(path), str(folder))
-        binary = next((folder / "binaries").rglob(f"*{PLATFORMS[host_platform()].suffix}"))
-        binary.write_bytes(with_start(binary.read_bytes(), Start("token", start_values(table, 3), arrays)))
-        host = Host(path, str(folder), token="token")
-        if arrays:
-            with pytest.raises(fmpy.fmi1.FMICallException):
-                host.fmu.getInt32([second])
-        else:
-            host.fmu.setInt32([second], [7])
-            assert list(host.fmu.getInt32([second - 1, second])) == [int(table[second - 1].start or 0), 7]
-        host.call("FreeInstance")
-
-
 # what a package brings
 
 
@@ -202,51 +155,3 @@ def test_a_library_of_the_package_is_taken_for_its_own_sources_only(no_compiler:
     for other in ({"a.c": "int b;"}, {"b.c": "int a;"}):
         with pytest.raises(ValueError, match=r"'x86_64-windows' cannot be built here.*'balance-rope\[compiler\]'"):
             library(other, "rope", "x86_64-windows")
-
-
-def test_without_compiler_and_libraries_the_cure_is_named(no_compiler: Path) -> None:
-    with pytest.raises(ValueError, match=r"no platform.*pip install 'balance-rope\[compiler\]'"):
-        export_native(no_compiler / "rope.fmu", rope=stand_in())
-
-
-def test_the_export_tells_which_platforms_it_left_out_and_why(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    monkeypatch.setattr(build, "_compilable", lambda: {host_platform()})
-    monkeypatch.setattr(build, "find_compiler", lambda: ("/usr/bin/cc",))
-    options = ["export", "--native", "--out", str(tmp_path / "rope.fmu")]
-    assert main(options) == 0
-    others = ", ".join(name for name in PLATFORMS if name != host_platform())
-    said = f"left out: {others}: cc builds for this machine only; ziglang builds for all: pip install"
-    assert said in capsys.readouterr().out
-    assert main([*options, "--platform", "host"]) == 0
-    assert "left out" not in capsys.readouterr().out
-    monkeypatch.setattr(build, "_compilable", lambda: set(PLATFORMS))
-    assert missing_platforms() == ""
-
-
-@pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], Path]:
-    """A rope that would have to be compiled, without a compiler, in a package folder of its own."""
-    monkeypatch.setattr(rope_build, "_FOLDER", tmp_path)
-    monkeypatch.setattr(rope_build, "find_compiler", lambda: None)
-    monkeypatch.setattr(rope_build, "sources", lambda: {"rope.c": "int rope;"})
-    return rope_build.library.__wrapped__
-
-
-def test_the_rope_in_process_is_the_packages_where_it_fits(package: Callable[[], Path], tmp_path: Path) -> None:
-    with pytest.raises(RuntimeError, match=r"pip install 'balance-rope\[compiler\]'"):
-        package()
-    path = prebuilt_file(tmp_path, {"rope.c": "int rope;"}, "rope", host_platform())
-    path.parent.mkdir()
-    path.write_bytes(b"")
-    assert package() == path
-
-
-def test_the_shell_knows_no_start_values() -> None:
-    """Else each export would have its own library."""
-    other = native_table(rope_120("draft"))
-    assert start_values(other, 3) != start_values(native_table(rope_120()), 3)
-    for fmi in (2, 3):
-        assert shell_sources(other, fmi) == shell_sources(native_table(rope_120()), fmi)

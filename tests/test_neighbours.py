@@ -1,19 +1,16 @@
 """Ropes side by side that press each other: the law, action and reaction, balances, a wall midway, groups."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 import pytest
+from contact_scenes import GAP, SCENE, STIFFNESS, Alone, against_a_wall, exact_force, off_the_wall, striking, swinging
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
-from evidence.contact.crossed import exact_force
-from evidence.contact.neighbours import GAP, SCENE, STIFFNESS, Alone, against_a_wall, off_the_wall, striking, swinging
 from rope_model import BalanceRope, EndMotion, Neighbours
-from rope_model.parameters import Model, Rope, Scene, Solver
+from rope_model.parameters import Rope, Scene, Solver
 from rope_model.physics.contact import ONSET
 from rope_model.physics.outline import enclosing_box
 from rope_model.shaft_parameters import Air, Contact, Shaft
@@ -135,26 +132,6 @@ def crossing(scenes: list[Scene], apart: float) -> tuple[list[BalanceRope], Neig
     neighbours = Neighbours(scenes, [(0.0, 0.0, 0.0), (0.3, 0.0, apart)])
     neighbours.begin(0.0, ropes)
     return ropes, neighbours
-
-
-@pytest.mark.parametrize(
-    ("first", "second", "told"),
-    [
-        ({"rope_stiffness": 0.0}, {}, "contact.rope_stiffness = 0.0 .* above 0"),
-        ({}, {"friction": 0.5}, "that of the first rope"),
-        ({}, {"fidelity": "planar"}, "model.fidelity = 'planar' .* auto, torsional or spatial"),
-    ],
-)
-def test_ropes_that_cannot_press_each_other_are_refused(first: Any, second: Any, told: str) -> None:
-    scenes = [
-        SCENE.with_(
-            shaft=Shaft(contact=Contact(**{"rope_stiffness": K} | {k: x for k, x in of.items() if k != "fidelity"})),
-            model=Model(of.get("fidelity", "auto")),
-        )
-        for of in (first, second)
-    ]
-    with pytest.raises(ValueError, match=told):
-        Neighbours(scenes, [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)])
 
 
 # where they begin, and what is kept

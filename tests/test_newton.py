@@ -1,7 +1,5 @@
 """Newton's verdicts, and what it says is left of the error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 
@@ -10,10 +8,7 @@ import numpy as np
 import pytest
 from integrated_systems import soft_rope, verdict_on
 
-from rope_model.numerics.generalized_alpha import (
-    Coefficients,
-    step,
-)
+from rope_model.numerics.generalized_alpha import Coefficients, step
 from rope_model.numerics.newton import NewtonStatus, newton, report
 
 # Newton

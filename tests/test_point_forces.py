@@ -1,7 +1,5 @@
 """Forces that a host puts on places of the rope: what they do, in both forms."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -11,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import BalanceRope, EndMotion, balance_rope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
-from rope_model.simulation.point_forces import NO_FORCES, PointForces
+from rope_model.simulation.point_forces import PointForces
 
 LENGTH, STEP, FORMS = 6.0, 0.01, ("python", "native")
 
@@ -111,61 +109,6 @@ def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_
     other = hung(form)
     other.restore(saved)
     assert_array_equal(push(other, 5, 10).state.motion.q, push(one, 5, 10).state.motion.q)
-
-
-@pytest.mark.parametrize(
-    ("changed", "told"),
-    [
-        ({"s": np.array([2.0, 1.0])}, "s goes back"),
-        ({"stop": 0.0}, "start = 0 s must be before stop = 0 s"),
-        ({"at_stop": np.zeros((1, 3))}, "both must be"),
-    ],
-)
-def test_forces_that_cannot_be_are_refused(changed: dict[str, Any], told: str) -> None:
-    given = {"s": np.array([1.0, 2.0]), "at_start": np.zeros((2, 3)), "at_stop": np.zeros((2, 3))}
-    with pytest.raises(ValueError, match=told):
-        PointForces(**({**given, "start": 0.0, "stop": 0.1} | changed))
-
-
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("place", [-0.5, LENGTH + 0.5])
-def test_places_off_the_rope_are_refused(form: Any, place: float) -> None:
-    rope, force = hung(form), np.ones((1, 3))
-    forces = PointForces(np.array([place]), force, force, 0.0, STEP)
-    for take in (rope.apply, rope.displacement):
-        with pytest.raises(ValueError, match="between 0 and the rope's length = 6 m"):
-            take(forces)
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_whole_numbers_are_numbers(form: Any) -> None:
-    moved = []
-    for kind in (int, float):
-        rope, force = hung(form), np.array([[0, 0, 50]], dtype=kind)
-        forces = PointForces(np.array([3], dtype=kind), force, force, 0.0, STEP)
-        rope.apply(forces)
-        assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
-        moved.append((*rope.rows()[5], *rope.displacement(forces)[0]))
-    assert moved[0] == moved[1]
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_a_planar_rope_is_audited_with_what_it_feels(form: Any) -> None:
-    """Half of each force goes across its plane."""
-    audit = push(hung(form, model=Model("planar")), 60).state.audit
-    # of some 30 N, and of moments that these have about the middle between the ends
-    assert 0.0 < audit.missing_force < 0.03
-    assert 0.0 < audit.missing_moment < 0.1
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_a_rigid_rope_refuses_forces_that_it_would_not_feel(form: Any) -> None:
-    rope = hung(form, model=Model("rigid"))
-    rope.apply(pushing(0.0, STEP))
-    for status in (rope.advance_to(STEP, EndMotion(), EndMotion()), rope.initialize(0.0, EndMotion(), EndMotion())):
-        assert "the rigid model cannot follow forces that are applied to places of the rope" in status.message
-    rope.apply(NO_FORCES)
-    assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
 
 
 @pytest.mark.parametrize("form", FORMS)

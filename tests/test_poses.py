@@ -1,13 +1,11 @@
 """Ropes in any pose find their rest: the one that slow turning leads to, and stable."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest
 from numpy.testing import assert_allclose
+from random_poses import KINDS, NO_REASON, Pose, hang, poses
 
-from benchmarks.poses import KINDS, NO_REASON, Pose, hang, poses
 from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope, rope_120
 from rope_model.public import Form
 from rope_model.simulation.modal import natural_modes

@@ -1,7 +1,5 @@
 """Every number that a run rests on has a status, and every command shows it."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 
@@ -9,13 +7,10 @@ import pytest
 
 from balance_rope import main
 from hoist_demo.cases.table import NAMED, find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters, scene_parameters
-from hoist_demo.report.provenance import told
-from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
 from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses
-from hoist_demo.study.reading import read_statuses, read_values
+from hoist_demo.study.reading import read_statuses
 from hoist_demo.study.run import build
-from hoist_demo.uncertainty.definition import read_uncertain
 
 SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2\n"
 
@@ -47,11 +42,6 @@ def test_the_published_pair_is_published_and_what_is_ours_is_assumed() -> None:
     assert statuses(known("kiruna-355", {}))["hoist.sheave_radius"] == "published"
 
 
-def test_a_value_of_the_fmu_that_is_not_the_case_s_is_exported_with_it() -> None:
-    rope = scene_parameters(rope_data({"rope.EI": 123.0}))
-    assert statuses(of_rope(find_case("rope-120"), rope, {}))["rope.EI"] == "exported"
-
-
 def test_what_is_set_is_given_or_what_its_file_says(tmp_path: Path) -> None:
     file = tmp_path / "rope.toml"
     file.write_text(
@@ -63,22 +53,6 @@ def test_what_is_set_is_given_or_what_its_file_says(tmp_path: Path) -> None:
     assert found == wanted
     data = statuses(known("rope-120", found))
     assert wanted.items() <= data.items()
-
-
-def test_a_status_that_is_none_is_refused() -> None:
-    problems: list[str] = []
-    read_values(Catalogue(rope_parameters()), "[fixed]", {"rope.EI": {"value": 3.0, "status": "sure"}}, problems)
-    assert problems == [
-        "[fixed]: rope.EI has status = 'sure', which must be one of measured, published, derived, calibrated, "
-        "contradicted, assumed: choose one"
-    ]
-
-
-def test_few_are_told_by_name_and_many_by_their_number() -> None:
-    data = [Known("rope.EI", 1.0, "N.m2", "calibrated")]
-    data += [Known(f"hoist.x{k}", 1.0, "m", "assumed") for k in range(20)]
-    data += [Known("solver.step_max", 0.02, "s", "setting")]
-    assert [(row.quantity, row.value) for row in told(data)] == [("calibrated", "rope.EI"), ("assumed", "20 of hoist")]
 
 
 _FILES = {
@@ -114,30 +88,3 @@ def test_every_command_says_where_its_numbers_come_from(
     assert set(rows.values()) <= {*STATUSES}
     if command in ("uncertain", "identify"):
         assert "Data that this rests on, by status" in (out / "report.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(("own", "status"), [("", "published"), ("length = 120.5\n", "given")])
-def test_a_length_that_is_the_case_s_is_not_said_to_be_given(tmp_path: Path, own: str, status: str) -> None:
-    file = tmp_path / "uncertain.toml"
-    file.write_text(_FILES["uncertain"].replace("[known]", f"{own}[known]"))
-    found = statuses(read_uncertain(file, rope_parameters()).provenance())
-    assert (found["rope.length"], found["hoist.tail_rope_length"]) == (status, status)
-
-
-@pytest.mark.slow
-def test_a_report_says_which_datum_yaws_a_rope_at_rest(tmp_path: Path) -> None:
-    turned = [
-        "--set",
-        "rope.installed_twist=3",
-        "--set",
-        "model.fidelity=1",
-        "--set",
-        "winding.settle=0.1",
-        "--level",
-        "draft",
-    ]
-    assert main(["demo", "--in-process", "--quick", "--travel", "0.5", "--out", str(tmp_path), *turned]) == 0
-    report = (tmp_path / "report.md").read_text(encoding="utf-8")
-    assert "turned mostly by installed_twist = 3 rad" in report
-    assert "| rope.installed_twist | 3 | rad | given |" in report
-    assert "| rope.EI | 300 | N m² | assumed |" in report

@@ -1,17 +1,13 @@
 """What a user imports from rope_model: documented, typed, quick to load, and the same for both forms of the rope."""
 
-from __future__ import annotations
-
 import copy
-import inspect
-import logging
 import os
 import pickle
 import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +16,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import rope_model
-from rope_model import EndMotion, Mesh, Model, Rope, Scene, Solver, at_level, balance_rope, public, rope_120
+from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public
 from rope_model.native.build import library
 from rope_model.numerics.kernels import find_compiler
 
@@ -34,34 +30,11 @@ WEIGHT = 8.0 * 9.81
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
 
-def members(kind: type[Any]) -> Iterator[tuple[str, Any]]:
-    """What a class shows of its own: methods and properties."""
-    for name in vars(kind):
-        member = inspect.getattr_static(kind, name)
-        if not name.startswith("_") and (isinstance(member, DESCRIBED) or inspect.isfunction(member)):
-            yield f"{kind.__name__}.{name}", member
-
-
 def test_every_public_name_is_imported_from_the_package() -> None:
     assert {*public.__all__} <= {*dir(rope_model)}
     assert all(getattr(rope_model, name) is getattr(public, name) for name in public.__all__)
     with pytest.raises(AttributeError, match="has no attribute 'rope_simulator'"):
         rope_model.rope_simulator  # type: ignore[attr-defined]  # noqa: B018
-
-
-def test_every_public_name_has_a_docstring() -> None:
-    objects = {name: getattr(public, name) for name in public.__all__}
-    classes = {name: x for name, x in objects.items() if isinstance(x, type)}
-    objects |= {name: member for kind in classes.values() for name, member in members(kind)}
-    assert "RopeSimulator.advance_to" in objects
-    for name, value in objects.items():
-        if isinstance(value, DESCRIBED) or inspect.isfunction(value):
-            text = inspect.getdoc(value)
-            # a dataclass without a text shows its signature
-            assert text, name
-            assert not text.startswith(f"{name}("), name
-        else:
-            assert re.search(rf"\b{name}\b", public.__doc__ or ""), name
 
 
 def readme_example(folder: Path) -> Path:
@@ -139,25 +112,6 @@ def form(request: pytest.FixtureRequest) -> public.Form:
     return chosen
 
 
-def test_a_rope_that_is_not_initialised_has_no_state(form: public.Form) -> None:
-    rope = balance_rope(SMALL, form)
-    calls: tuple[Callable[[], object], ...] = (
-        lambda: rope.state,
-        lambda: rope.time,
-        lambda: rope.fidelity,
-        lambda: rope.fidelity_reason,
-        lambda: rope.signals(),
-        lambda: rope.added_mass(),
-        lambda: rope.warnings(),
-        lambda: rope.save(),
-        lambda: rope.advance_to(1.0, EndMotion(), EndMotion()),
-    )
-    for call in calls:
-        with pytest.raises(RuntimeError, match="call initialize first"):
-            call()
-    assert (rope.scene, rope.elements) == (SMALL, 20)
-
-
 def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> None:
     rope = balance_rope(SMALL, form)
     assert rope.initialize(2.0, EndMotion(), EndMotion(y=10.0)).valid
@@ -175,18 +129,6 @@ def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> N
     assert rope.signals(names)["count.steps"] > some["count.steps"]
 
 
-@needs_compiler
-def test_both_forms_warn_of_the_same_in_the_same_words() -> None:
-    scene = SMALL.with_(model=Model("planar"))
-    told = []
-    for rope in (balance_rope(scene, "native"), balance_rope(scene, "python")):
-        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-        told.append(rope.warnings())
-    assert [*told[0]] == ["neglected_effects"]
-    assert "the planar model computes no torsion" in told[0]["neglected_effects"]
-    assert told[0] == told[1]
-
-
 def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> None:
     ends = EndMotion(), EndMotion()
     choices = [SMALL, SMALL.with_(solver=Solver())] if find_compiler() else [SMALL]
@@ -195,28 +137,6 @@ def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> No
     assert [rope.form for rope in ropes] == ["portable", "native"][: len(ropes)]
     with pytest.raises(ValueError, match="form = 'compiled' must be"):
         balance_rope(SMALL, "compiled")  # type: ignore[arg-type]
-
-
-def test_auto_takes_the_python_form_where_the_native_one_cannot_be_had(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    causes: list[Exception] = [
-        subprocess.CalledProcessError(1, ["cc"], stderr="rope.c:1: error: no room\n"),
-        RuntimeError("the native rope needs a C compiler; install one, or the ziglang package"),
-    ]
-
-    def missing(scene: Scene) -> None:
-        raise causes[0]
-
-    monkeypatch.setattr(public, "NativeRope", missing)
-    # a compiler that fails is a fault and told, none is not
-    assert isinstance(balance_rope(SMALL.with_(solver=Solver())), public.RopeSimulator)
-    assert ["no room" in r.getMessage() for r in caplog.records if r.levelname == "WARNING"] == [True]
-    del causes[0]
-    assert isinstance(balance_rope(SMALL.with_(solver=Solver())), public.RopeSimulator)
-    assert len([r for r in caplog.records if r.levelname == "WARNING"]) == 1
-    with pytest.raises(RuntimeError, match="needs a C compiler"):
-        balance_rope(SMALL, "native")
 
 
 @needs_compiler
@@ -233,21 +153,3 @@ def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any
     expected = rope.signals()
     del rope
     assert other.signals() == expected
-
-
-def test_what_is_no_scene_and_what_is_no_level_is_told_with_the_cure() -> None:
-    with pytest.raises(TypeError, match=r"scene is a RopeCase and must be a Scene; .* rope_120\(\)\.scene"):
-        balance_rope(rope_120())  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="level = 'drafty' must be one of draft, standard, reference"):
-        at_level(rope_120().scene, "drafty")  # type: ignore[arg-type]
-
-
-def test_the_form_that_runs_is_logged(form: public.Form, caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.INFO, public.__name__):
-        balance_rope(rope_120().scene, form)
-    assert f"the rope runs in its {form} form" in caplog.text.replace("Python", "python")
-
-
-def test_a_number_in_quotation_marks_is_refused_with_name_and_cure() -> None:
-    with pytest.raises(ValueError, match=r"EI = '300' is out of range: it must be a number; give it without quotation"):
-        Rope(EI="300")  # type: ignore[arg-type]

@@ -1,12 +1,8 @@
 """What the FMU of each flavour says of results that are valid and yet not a real rope's."""
 
-from __future__ import annotations
-
-import json
 import math
 import random
-import subprocess
-import sys
+import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
@@ -14,22 +10,21 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from warning_driver import RUNS
+from native_host import Host
+from scenes import ends_at
 
-from benchmarks.kinematic import Array, ends_at
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants import rope_plant
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model import balance_rope
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
 from rope_model.shaft_parameters import Air, Shaft
 from rope_model.simulation import warning_messages
-from rope_model.simulation.audit import FEWEST_ELEMENTS, FEWEST_STEPS
 from rope_model.simulation.cases import first_text
 from rope_model.simulation.following import Following
 from rope_model.simulation.paths import SIDES, EndMotion
@@ -37,21 +32,62 @@ from rope_model.simulation.result_warnings import WARNINGS
 from rope_model.simulation.state import Crossing, RopeState
 from rope_model.simulation.warning_cases import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
 
-DRIVER = Path(__file__).with_name("warning_driver.py")
+WARNING = 1
+OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
 
 
-@pytest.fixture(
-    scope="module",
-    params=[pytest.param(name, marks=[] if f.native else pytest.mark.slow) for name, f in FLAVOURS.items()],
-)
+#: name -> parameters, and communication steps
+RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
+    "plain": ({}, (0.01, 0.02)),
+    "passed": ({"rope.installed_twist": 7.0}, (0.01, 0.01)),
+    "touching": ({"rope.installed_twist": 5.5, "rope.diameter": 0.9, "layout.spacing": 1.0}, (0.01, 0.01)),
+    "yawed by its coupling": (
+        {
+            "rope.length": 690.0,
+            "rope.mass_per_length": 8.2,
+            "rope.EI": 450.0,
+            "layout.spacing": 1.8,
+            "left.y": 0.0,
+            "right.y": 650.0,
+        },
+        (),
+    ),
+    "yawed by its twist": ({"rope.installed_twist": 3.0}, (0.01, 0.01)),
+    "yawed by its ends": ({"left.yaw": 2.0, "right.yaw": 1.5}, (0.01, 0.01)),
+    "yawed, then wound": ({"rope.installed_twist": 3.0, "right.ay": -1.0}, (0.01,)),
+    "spatial": ({"model.fidelity": 2}, (0.01,)),
+    "planar": ({"model.fidelity": 3}, (0.01,)),
+    "rigid": ({"model.fidelity": 4}, (0.01,)),
+    "planar in a cross wind": (
+        {"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0, "air.density": 1.2, "air.vz": 5.0},
+        (0.01,),
+    ),
+    "planar without torque": ({"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}, (0.01,)),
+    "long steps": ({}, (0.05, 0.05)),
+    "steps of the bound": ({}, (0.02, 0.02)),
+    "a long step, then a short one": ({}, (0.05, 0.01)),
+    "long steps, motion at their end": ({"inputs_at_step_end": True}, (0.05, 0.05)),
+    "large step_max, no step yet": ({"solver.step_max": 0.04}, ()),
+}
+
+
+@pytest.fixture(scope="module", params=sorted(FLAVOURS))
 def results(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[str, Any]:
-    path = fmu_of(request.param)
-    done = subprocess.run([sys.executable, str(DRIVER), str(path)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[-2000:]
-    line = next(line for line in done.stdout.splitlines() if line.startswith("RESULT "))
-    result: dict[str, Any] = json.loads(line.removeprefix("RESULT "))
-    assert all(run["status.valid"] for run in result.values())
-    return result
+    """Log warnings and outputs at the end of each run of an FMU."""
+    path, out = fmu_of(request.param), {}
+    folder = fmpy.extract(str(path))
+    for name, (parameters, steps) in RUNS.items():
+        host, t = Host(path, folder), 0.0
+        host.start(**parameters)
+        for h in steps:
+            assert host.step(t, h) == ""
+            t += h
+        warnings = [message for status, message in host.log if status == WARNING]
+        out[name] = {"warnings": warnings, **dict(zip(OUTPUTS, host.get(*OUTPUTS), strict=True))}
+        host.call("FreeInstance")
+    shutil.rmtree(folder)
+    assert all(run["status.valid"] for run in out.values())
+    return out
 
 
 def scene_of(run: str) -> Scene:
@@ -103,11 +139,6 @@ def test_an_fmu_says_of_a_turned_loop_what_the_rope_in_process_says(
     assert words in expected[0]
 
 
-def test_the_yaw_at_rest_is_told_of_ropes_at_rest(results: dict[str, Any]) -> None:
-    run = results["yawed, then wound"]
-    assert (len(run["warnings"]), run["status.warning"]) == (1, "")
-
-
 @pytest.mark.parametrize(("twist", "said"), [(1.5, False), (2.1, True)])
 def test_thirty_degrees_at_rest_are_the_bound(twist: float, said: bool) -> None:
     scene = rope_120().scene
@@ -146,14 +177,6 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
     assert rope.initialize(0.0, left, right).valid
     assert rope.state.loop_yaw > math.pi
     assert rope.warnings() == {}
-
-
-def test_rope_in_process_logs_each_thing_once(caplog: pytest.LogCaptureFixture) -> None:
-    rope = InProcessRope(scene_of("passed"))
-    left, right = rope_plant.EndMotion(), rope_plant.EndMotion(y=90.0)
-    assert rope.initialize(0.0, left, right).valid
-    assert all(rope.step(k * 0.01, 0.01, left, right).valid for k in range(3))
-    assert [r.levelname for r in caplog.records if "passed through" in r.getMessage()] == ["WARNING"]
 
 
 ROPES = {
@@ -229,21 +252,6 @@ def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
     assert len(yawed) >= 2 or name == "plain"
 
 
-def test_a_number_just_below_its_bound_does_not_look_like_it() -> None:
-    scene = rope_120().scene.with_(mesh=Mesh(kind="eem", elements=16))
-    rope = NativeRope(scene)
-    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
-    bend = 4.0 * math.sin(0.5 * math.pi / (FEWEST_ELEMENTS - 1e-6)) ** 2
-    share = 1.0 / (FEWEST_STEPS - 1e-6)
-    rope.restore(
-        rope.state._replace(audit=rope.state.audit._replace(force=1e4, force_change=1e3, share=share, bend=bend))
-    )
-    told = rope.warnings()
-    assert told == {subject: text for subject, warn in WARNINGS.items() if (text := warn(scene, rope.state))}
-    assert "has 3.99 elements in half a turn (bound 4)" in told["unresolved_bend"]
-    assert "longer leg has 2.99 (bound 3)" in told["unresolved_waves"]
-
-
 @pytest.mark.parametrize("start", [0.0, 1.7e9])
 def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
     """Between instants in s since 1970 it is 2e-7 s longer or shorter."""
@@ -270,7 +278,7 @@ def test_end_forces_of_extrapolated_motions_are_off_by_what_the_interface_says(
         assert np.abs(errors).max() == pytest.approx(part * largest, rel=0.05)
 
 
-def end_forces(trip: Winding, h: float, extrapolated: bool) -> Array:
+def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:
     """(steps, 2), N: vertical end forces of the 120 m rope after each step ``h`` of a winding."""
     reference, rope, found = s_curve(trip), NativeRope(rope_120().scene), []
     assert rope.initialize(0.0, *ends_at(reference, trip.travel, 0.0)).valid

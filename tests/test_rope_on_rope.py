@@ -1,25 +1,21 @@
 """Contact of the rope with itself: the law, the coupled Newton's method, both forms of the rope in it."""
 
-from __future__ import annotations
-
 import math
-from copy import copy
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from contact_scenes import crossing, force_error
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
-from evidence.contact.crossed import crossing, force_error
 from rope_model import BalanceRope, EndMotion, Status, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.contact import ONSET
-from rope_model.shaft_parameters import Air, Contact, Shaft
-from rope_model.simulation.self_contact import RopeTouches, SelfTouchingRope, touches_of
-from rope_model.simulation.simulator import RopeSimulator
+from rope_model.shaft_parameters import Contact, Shaft
+from rope_model.simulation.self_contact import RopeTouches, touches_of
 
 Array = NDArray[np.float64]
 D, K = Rope().diameter, 1e6
@@ -256,73 +252,6 @@ def test_a_rope_saved_as_its_legs_press_each_other_goes_on_bit_by_bit(form: Any)
     assert_array_equal(after.motion.q, straight.motion.q)
     assert after.energy_balance == straight.energy_balance
     assert after.energy_balance.contact > 0.1
-
-
-@pytest.mark.slow
-def test_both_forms_agree_where_wires_rub_legs_press_each_other_and_the_air_drags() -> None:
-    scene = twisted(
-        rope=Rope(length=6.0, EI=100.0, EI_stick=1000.0, slip_moment=2.0),
-        shaft=Shaft(contact=Contact(rope_stiffness=K), air=Air(density=1.2, vz=5.0)),
-        solver=Solver(step_max=STEP, tolerance=1e3, kernels="portable"),
-    )
-    # until the legs press each other in the faster form alone
-    native, python = wind(begun(scene, "native"), 0, 80), balance_rope(scene, "python")
-    python.restore(native.state)
-    one, other = wind(python, 80, 4).state, wind(native, 80, 4).state
-    energy = other.energy_balance
-    assert min(energy.dissipated_wires, energy.dissipated_contact, energy.given_to_air) > 1.0
-    # rounding, as above
-    assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
-    assert_allclose(one.hysteresis, other.hysteresis, atol=1e-9)
-    assert one.counts == other.counts
-    assert_allclose(one.energy_balance, energy, atol=1e-6)
-    # what steps of 10 ms dissipate: 0.5 % of the kinetic energy, 0.01 % at 1 ms
-    assert abs(energy.residual) < 0.01 * energy.kinetic
-
-
-@pytest.mark.parametrize(("h", "most"), [(1e-2, 0.2), (1e-3, 0.02)])
-def test_newtons_corrections_shrink_with_friction_and_more_slowly_where_the_other_leg_stands_still(
-    h: float, most: float
-) -> None:
-    """Full corrections at a step of ``h``, while the legs press each other; friction makes the order one."""
-    rope = wind(begun(twisted(), "python"), 0, 84)
-    assert isinstance(rope, RopeSimulator)
-    model, m = rope.model, rope.state.motion
-    system, method = model.system(rope.state), model.method
-    assert isinstance(system, SelfTouchingRope)
-    c = method.newton(h)
-    past = np.array((m.q, m.v, m.a, m.b, m.a_rate)).reshape(5, -1)
-    start = (method.prediction(h, 0.0, 0.0) @ past).reshape(3, *m.q.shape)
-    np.copyto(start, system.prescribed_motion(m.t + h), where=~system.free)
-
-    def corrections() -> list[float]:
-        x, R, sizes = start.copy(), m.reaction, []
-        for _ in range(5):
-            dx, R = system.newton_step(*x, R, c)
-            x += c[:, None, None] * dx
-            sizes.append(system.norm(dx))
-        return sizes
-
-    coupled = corrections()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(RopeTouches, "times", times_of_each_side)
-        apart = corrections()
-    assert coupled[4] < most**4 * coupled[0]
-    assert apart[4] > 5.0 * coupled[4]
-
-
-def times_of_each_side(touches: RopeTouches, x: Array) -> Array:
-    """The tangent's product with x, each place moving against one that stands still."""
-    shares, y = touches._shares, np.zeros_like(x)
-    for side in (slice(0, 2), slice(2, 4)):
-        part = copy(touches)
-        part._shares = np.zeros_like(shares)
-        part._shares[:, side] = shares[:, side]
-        y += TIMES(part, x)
-    return y
-
-
-TIMES = RopeTouches.times
 
 
 def test_legs_that_turn_about_each_other_lie_against_each_other_and_keep_the_balances() -> None:

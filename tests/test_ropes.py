@@ -1,7 +1,5 @@
 """Several ropes in one hoist: forces and moments add up, neighbours are near where they are, a broken rope falls."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -14,7 +12,7 @@ from rope_groups import CASE, KNOWN, Weight, rope
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant
+from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope, between
 from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.recording.neighbours import polygon_distance
@@ -134,21 +132,6 @@ def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -
 # neighbours
 
 
-def test_sides_that_pass_each_other_crosswise_are_as_far_as_their_planes() -> None:
-    one = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 5.0, 0.0]])
-    other = np.array([[0.25, -3.0, 0.3], [0.25, 3.0, 0.3]])
-    distance, place = polygon_distance(one, other)
-    assert distance == pytest.approx(0.3, abs=1e-15)
-    assert_allclose(place, [0.25, 0.0, 0.15], rtol=0.0, atol=1e-15)
-
-
-def test_parallel_ropes_are_as_far_apart_as_they_hang() -> None:
-    leg = np.array([[0.0, 0.0, 0.0], [0.0, -7.0, 0.0], [0.0, -9.0, 0.0]])
-    assert polygon_distance(leg, leg + np.array([0.0, 3.0, 0.4]))[0] == pytest.approx(0.4, abs=1e-15)
-    # beyond one another's ends
-    assert polygon_distance(leg, leg + np.array([0.0, 12.0, 4.0]))[0] == pytest.approx(5.0, abs=1e-12)
-
-
 def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> None:
     rng = np.random.default_rng(3)
     for _ in range(6):
@@ -177,49 +160,6 @@ def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
     assert_allclose(rates[[*range(6), 9]], at[[*range(3, 9), 10]], atol=1e-5)
 
 
-def crowded() -> tuple[RopeGroup, Reader, float]:
-    """Two ropes that press each other, of which the second breaks after 0.8 s; how to read them, and when it is."""
-    pair = rope(contact_rope_stiffness=1e6), rope(-KNOWN, contact_rope_stiffness=1e6)
-    ropes = touching(pair[0], BreakingRope(pair[1], 8.0, 120.0, Break(0.795, 30.0)), apart=0.03)
-    read, t = ropes.reader(["neighbours.rope1.rope2.force", "left.fy", "rope1.loop.yaw"]), 0.0
-    assert ropes.initialize(0.0, *at_height(0.0)).valid
-    while read()[0] < 1.0:
-        t = wait(ropes, t, 1)
-        assert t < 0.7
-    return ropes, read, t
-
-
-def wait(ropes: RopeGroup, t: float, steps: int) -> float:
-    for k in range(steps):
-        status = ropes.step(t + 0.02 * k, 0.02, *at_height(0.0))
-        assert status.valid, status.message
-    return t + 0.02 * steps
-
-
-@pytest.mark.slow
-def test_ropes_that_touch_go_back_to_a_snapshot_bit_by_bit() -> None:
-    ropes, read, t = crowded()
-    kept, before = ropes.save(), read()
-    wait(ropes, t, 3)
-    after = read()
-    ropes.restore(kept)
-    assert_array_equal(read(), before)
-    wait(ropes, t, 3)
-    assert_array_equal(read(), after)
-
-
-@pytest.mark.slow
-def test_a_rope_that_breaks_leaves_its_neighbour_alone() -> None:
-    ropes, read, t = crowded()
-    while t < 0.85:
-        t = wait(ropes, t, 1)
-    force, pull, yaw = read()
-    assert force == 0.0
-    assert math.isfinite(yaw)
-    # one leg of 15 m, and what is left of the other rope: as much, for its break is below the loop
-    assert pull == pytest.approx(-2 * 8.0 * 15.0 * GRAVITY, rel=0.2)
-
-
 # a rope that breaks
 
 
@@ -235,16 +175,6 @@ def test_a_piece_that_falls_gives_the_conveyance_all_the_momentum_of_its_weight(
     assert impulse == pytest.approx(mass * length * GRAVITY * T, rel=1e-6)
     assert force[0] == pytest.approx(-mass * leg * GRAVITY)
     assert piece.force(T + 0.01, EndMotion(y=0.0))[0] == pytest.approx(-mass * length * GRAVITY)
-
-
-def test_a_piece_that_is_no_longer_than_its_leg_hangs() -> None:
-    piece = Piece.of(0.0, 8.0, 30.0, 60.0, EndMotion(y=0.0), EndMotion(y=-10.0))
-    assert piece.force(0.5, EndMotion(y=1.0, ay=2.0)) == (-8.0 * 30.0 * (GRAVITY + 2.0), 30.0)
-
-
-def test_a_piece_falls_by_the_gravity_of_its_rope() -> None:
-    piece = Piece.of(0.0, 8.0, 30.0, 60.0, EndMotion(y=0.0), EndMotion(y=-10.0), gravity=1.62)
-    assert piece.force(0.5, EndMotion(ay=2.0)) == (-8.0 * 30.0 * (1.62 + 2.0), 30.0)
 
 
 def test_a_hoist_with_a_rope_that_breaks_runs_through() -> None:

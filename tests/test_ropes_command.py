@@ -1,12 +1,6 @@
 """`balance-rope ropes`: its file, what it leaves, what it refuses."""
 
-from __future__ import annotations
-
 import csv
-import os
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +8,10 @@ import pytest
 from rope_groups import Weight
 
 import balance_rope
-from hoist_demo.command_line import ropes
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_parameters
-from hoist_demo.cosimulation.participants.rope_plant import RopeStatus
-from hoist_demo.recording.fidelity import code_of
-from hoist_demo.recording.time_series import Recording, read_csv
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+from hoist_demo.recording.time_series import read_csv
 from hoist_demo.ropes.definition import read_ropes
-from hoist_demo.ropes.table import outcome, without_neglected
 from hoist_demo.study.reading import StudyError
 
 ROPES = """
@@ -70,35 +60,6 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: p
     assert (tmp_path / "signals.csv").is_file()
 
 
-@pytest.mark.parametrize("part", [0.0, 0.5])
-def test_an_interrupted_run_shows_how_far_it_is_and_leaves_what_was_recorded(
-    part: float, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    shown = list[float]()
-
-    @contextmanager
-    def impatient() -> Iterator[Callable[[float, float], bool]]:
-        def advance(fraction: float, t: float) -> bool:
-            shown.append(t)
-            if fraction >= part:
-                os.kill(os.getpid(), signal.SIGINT)
-            return True
-
-        yield advance
-
-    monkeypatch.setattr(ropes, "progress_bar", impatient)
-    path = tmp_path / "ropes.toml"
-    path.write_text(ROPES, encoding="utf-8")
-    assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 130
-    said = capsys.readouterr()
-    assert said.err == f"balance-rope: stopped: t = {shown[-1]:.6g} s: stopped by the user\n"
-    assert "ropes.csv, neighbours.csv, signals.csv" in said.out
-    time = read_csv(tmp_path / "signals.csv").time
-    np.testing.assert_allclose(time, [0.0, *shown[:-1]], atol=1e-9)
-    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
-        assert [row["rope"] for row in csv.DictReader(file)] == ["one", "two"]
-
-
 def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
     path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
@@ -124,55 +85,6 @@ def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsy
         assert np.isnan(signals[name]).all(), name
     for name in ("one.loop.yaw", "one.left.my", "two.left.fy", "left.mz", "left.fy"):
         assert np.isfinite(signals[name]).all(), name
-
-
-def test_that_a_rope_did_not_break_is_not_said_of_a_run_that_was_stopped(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fails(*_: object) -> RopeStatus:
-        return RopeStatus(False, "it fails")
-
-    monkeypatch.setattr(InProcessRope, "step", fails)
-    path = tmp_path / "ropes.toml"
-    path.write_text(ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 2\nbreaks_s = 30'), encoding="utf-8")
-    assert balance_rope.main(["ropes", str(path), "--out", str(tmp_path)]) == 1
-    said = capsys.readouterr()
-    assert "it fails" in said.err
-    assert "was to break" not in said.out
-
-
-def test_a_plane_rope_without_torque_has_no_yaw_as_a_result() -> None:
-    nothing = np.zeros(2)
-    signals = {"time": np.arange(2.0), "left.my": nothing + 5.0, "one.left.my": nothing, "one.loop.yaw": nothing}
-    signals["one.status.fidelity"] = np.full(2, code_of("planar"))
-    recording = Recording(signals, {})
-    assert not np.isnan(without_neglected(recording, {"one": True})["one.loop.yaw"]).any()
-    masked = without_neglected(recording, {"one": False})
-    assert all(np.isnan(masked[name]).all() for name in ("left.my", "one.left.my", "one.loop.yaw"))
-
-
-def test_the_status_tells_of_each_rope_what_it_struck_and_that_it_passed_through_itself() -> None:
-    nothing, later = np.zeros(3), np.array([0.0, 1.0, 1.0])
-    broken = np.array([0.0, 1.0, np.nan])
-    signals = {
-        "time": np.arange(3.0),
-        "one.loop.y": nothing,
-        "one.loop.crossings": later,
-        "one.loop.crossed_at": 7.0 * later,
-        "one.loop.crossed_y": -12.0 * later,
-        "two.loop.y": broken,
-        "two.nearest.divider.clearance": 0.5 - broken,
-        "two.nearest.divider.touched_at": 6.0 * broken,
-        "two.nearest.divider.y": -13.0 * broken,
-        "two.contact.divider": 1e3 * broken,
-    }
-    assert outcome(True, Recording(signals, {}), ["one", "two"]) == (
-        "completed, but rope one passed through its other leg or what hangs above that (t = 7 s, around y = -12 m), "
-        "and rope two struck a divider (from t = 6 s on, deepest at y = -13 m); rope two broke by t = 2 s; of its "
-        "loop, torques and clearances what was before is told"
-    )
-    idle = {name: signals[name] for name in ("time", "one.loop.y")} | {"one.loop.crossings": nothing}
-    assert outcome(True, Recording(idle, {}), ["one"]) == "completed"
 
 
 def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:
@@ -221,17 +133,6 @@ def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: s
     path.write_text(ROPES.replace(wrong, right), encoding="utf-8")
     with pytest.raises(StudyError, match=told):
         read_ropes(path, rope_parameters())
-
-
-def test_contact_that_the_case_has_set_is_named_as_the_case_s(tmp_path: Path) -> None:
-    path = tmp_path / "ropes.toml"
-    auto = ROPES.replace("rope-120", "slack-rope").replace("torsional", "auto").replace("travel = 4", "travel = 90")
-    path.write_text(auto, encoding="utf-8")
-    told = r"with contact.rope_stiffness = 1e\+07, of the case slack-rope, for .* or set contact.rope_stiffness = 0 in"
-    with pytest.raises(StudyError, match=told):
-        read_ropes(path, rope_parameters())
-    path.write_text(auto.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 0"), encoding="utf-8")
-    assert not read_ropes(path, rope_parameters()).touching
 
 
 def test_a_break_beyond_the_rope_is_refused() -> None:

@@ -1,7 +1,5 @@
 """A guard of the rope's loop that trips stops the hoist, by the law of its winding, at the first sample to see it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,17 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from hoist_demo.control.safety import Course
-from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import Coupling, EmergencyLaw, Hoist, Winding
 from hoist_demo.parameters.components import Brake
-from hoist_demo.recording.guards import guard_trip, told
-from hoist_demo.report.events import marks
-from hoist_demo.report.summary import summarize
-from hoist_demo.study.metrics import Arrival, measure
+from hoist_demo.recording.guards import guard_trip
 
 WINDING = Winding(travel=20.0, settle=1.0)
 BRAKED = Hoist(brake=Brake(torque=3e5))
@@ -61,20 +54,6 @@ def test_until_the_trip_the_run_is_that_without_the_guard() -> None:
     assert free.winding.emergency_at is None
 
 
-def test_reports_and_studies_tell_the_trip() -> None:
-    result = wound()
-    trip = guard_trip(result.recording)
-    assert trip is not None
-    assert told(result.recording) == f"; its guard tripped at t = {trip.t:.4g} s (window)"
-    assert [m.label for m in marks(result, result.winding)][:2] == ["guard: window", "emergency stop"]
-    rows = {row.quantity: row for row in summarize(result, BRAKED, result.winding, Coupling())}
-    assert rows["tripped at"].value == trip.t
-    assert float(rows["largest distance of the loop from midway between the ends"].value) >= WINDOW
-    assert "emergency stop, way to standstill at the rim" in rows
-    found = measure(result, BRAKED, result.winding, Arrival())
-    assert (found["guard_tripped"], found["guard_cause"], found["guard_time"]) == (1.0, 2.0, trip.t)
-
-
 def test_a_run_that_goes_on_stops_at_the_same_sample(tmp_path: Path) -> None:
     result, file = wound(), tmp_path / "good.npz"
     trip = guard_trip(result.recording)
@@ -90,12 +69,3 @@ def test_a_run_that_goes_on_stops_at_the_same_sample(tmp_path: Path) -> None:
         resumed = host().run(resume=stopped.checkpoint)
         assert resumed.winding == result.winding
         assert_array_equal(resumed.recording["conveyance.left.y"], result.recording["conveyance.left.y"])
-
-
-def test_a_stop_under_way_or_a_trip_that_is_over_stays_as_it_is() -> None:
-    stopping = replace(WINDING, emergency_at=4.0)
-    course = Course(s_curve(stopping), stopping)
-    assert course.stopped(5.0) is course
-    assert course.stopped(3.0).winding.emergency_at == 3.0
-    arrived = Course(s_curve(WINDING), WINDING)
-    assert arrived.stopped(arrived.trajectory.duration) is arrived

@@ -1,7 +1,5 @@
 """A controller that samples within the communication step does what it does in shorter steps, repeated or not."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,30 +1,20 @@
 """What goes wrong in a shaft, by name: each scenario shows what it is named for, by one number."""
 
-from __future__ import annotations
-
-import argparse
-from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hoist_demo.cases.scenarios import SCENARIOS
-from hoist_demo.cases.table import CASES, find_case
-from hoist_demo.command_line.demo import _winding, add_demo
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.parameters import GRAVITY, Coupling
-from hoist_demo.parameters.components import Jam, Lining
-from hoist_demo.recording.jams import jams, slack_ropes
+from hoist_demo.parameters.components import Jam
+from hoist_demo.recording.jams import jams
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.slip import slip
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.report.events import marks
-from hoist_demo.report.rows import WARNING
-from hoist_demo.report.summary import summarize
 
 
 @cache
@@ -37,21 +27,6 @@ def wound(name: str) -> Result:
 
 def recorded(name: str) -> Recording:
     return wound(name).recording
-
-
-def test_no_scenario_takes_the_name_of_a_case() -> None:
-    assert not SCENARIOS.keys() & CASES.keys()
-    with pytest.raises(ValueError, match=r"must be one of rope-120, .*caught-rope"):
-        find_case("jam")
-
-
-@pytest.mark.parametrize("name", ["rope-120", *SCENARIOS])
-def test_a_quick_run_leaves_a_scenario_its_trip(name: str) -> None:
-    parser = argparse.ArgumentParser()
-    add_demo(parser.add_subparsers(), Path())
-    asked = _winding(parser.parse_args(["demo", "--quick", "--case", name]))
-    assert asked["winding.settle"] == 2.0
-    assert asked.get("winding.travel") == (None if name in SCENARIOS else 10.0)
 
 
 def test_an_overwound_loop_comes_within_4_m_of_the_end() -> None:
@@ -76,27 +51,6 @@ def test_a_rope_braked_harder_than_gravity_goes_slack() -> None:
     assert run["loop.overlap"][-1] > 0.0
     assert run["loop.touched_at"][-1] <= run.time[pressed]
     assert passages(run).startswith("the rope struck its other leg (from t = ")
-
-
-@pytest.mark.slow
-def test_head_ropes_that_slip_keep_the_rope_taut_under_the_same_brake() -> None:
-    case = find_case("slack-rope")
-    hoist = replace(case.hoist, lining=Lining())
-    run = Host(rope_in_process("slack-rope"), hoist, case.winding, Coupling(), case.gains).run().recording
-    slid = slip(run)
-    assert slid is not None
-    assert slid.way == pytest.approx(2.0, abs=0.05)
-    assert np.min(run["conveyance.left.ay"]) > -GRAVITY
-    assert max(np.max(run["left.fy"]), np.max(run["right.fy"])) < 0.0
-    assert not slack_ropes(run)
-    assert passages(run) == ""
-
-
-@pytest.mark.slow
-def test_a_seized_swivel_holds_the_torque_that_a_healthy_one_lets_go() -> None:
-    seized = recorded("seized-swivel")
-    assert np.max(np.abs(np.diff(seized["left.swivel.angle"]))) == 0.0
-    assert np.ptp(seized["right.swivel.angle"]) > 1.0
 
 
 @pytest.mark.slow
@@ -139,27 +93,3 @@ def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() 
     assert slid is not None
     assert run.time[seen] - 0.2 < slid.t < run.time[seen]
     assert slid.way > np.max(rises)
-
-
-@pytest.mark.slow
-def test_summary_and_report_tell_how_a_conveyance_jammed() -> None:
-    case, run = find_case("jammed-conveyance"), wound("jammed-conveyance")
-    rows = {(row.group, row.quantity): row for row in summarize(run, case.hoist, run.winding, Coupling())}
-    told, jam, slack = rows["Outcome", "status"].text, jams(run.recording)[0], slack_ropes(run.recording)[0]
-    assert f"; the right conveyance jammed at t = {jam.t:.4g} s; " in told
-    assert f"; the head ropes of the right conveyance were slack from t = {slack.t:.4g} s on" in told
-    assert "; the head ropes slipped " in told
-    # slack legs fall against each other, and do not pass through each other
-    assert "but the rope struck its other leg (from t = " in told
-    assert "passed" not in told
-    seen = float(rows["Slack head ropes", "seen by the safety circuit at"].value)
-    assert seen == pytest.approx(run.winding.emergency_at)
-    assert ("After the jam, 10 s", "largest pull on a conveyance") in rows
-    push = float(rows["Balance rope", "slack, it pushes the right conveyance up by (a real one gives way)"].value)
-    assert push == pytest.approx(1e-3 * np.max(run.recording["right.fy"]))
-    marked = marks(run, run.winding)
-    labels, times = [mark.label for mark in marked], [mark.t for mark in marked]
-    assert labels[:4] == ["right conveyance jams", "head ropes slip", "emergency stop", "right head ropes slack"]
-    assert ("Head ropes that slipped", "way on the sheave") in rows
-    assert not [row for row in rows if row[1] == WARNING and "slip" in rows[row].text]
-    assert times == sorted(times)

@@ -1,7 +1,5 @@
 """How near the rope is to the bodies of its shaft, and how often it is turned about itself: exact geometry."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache
@@ -15,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
-from short_run import stations
+from scenes import stations
 
-from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages, without_absent
-from hoist_demo.recording.time_series import TIME, Recording
+from hoist_demo.recording.passages import PASSAGE_SIGNALS, passages
+from hoist_demo.recording.time_series import Recording
 from rope_model import (
     SIGNALS,
     BalanceRope,
@@ -301,58 +299,11 @@ def struck() -> BalanceRope:
     return rope
 
 
-def test_what_the_rope_passed_into_is_told_first() -> None:
-    rope = struck()
-    other = RopeSimulator(rope.scene)
-    other.restore(rope.save())
-    assert other.warnings() == rope.warnings()
-    assert [*rope.warnings()][:2] == ["passed_bodies", "passed_sides"]
-    assert "passed into a divider from t = 1.5 s on" in rope.warnings()["passed_bodies"]
-
-
 def test_turns_are_the_yaw_but_for_what_passed_through() -> None:
     values = struck().signals(("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at"))
     assert values["loop.crossings"] == 1.0
     assert values["loop.crossed_at"] == 1.5
     assert_allclose(values["loop.yaw"] / (2 * math.pi) - values["loop.turns"], 1.0, atol=1e-9)
-
-
-def test_no_run_is_completed_without_the_word() -> None:
-    signals = {name: np.array([value]) for name, value in struck().signals(sorted(PASSAGE_SIGNALS)).items()}
-    passed = passages(Recording(signals, {}))
-    assert "a divider (from t = 1.5 s on" in passed
-    assert "its other leg" in passed
-    assert outcome_of(True, passed) == f"completed, but {passed}"
-    assert outcome_of(True, passages(Recording({}, {}))) == "completed"
-
-
-@pytest.mark.parametrize(
-    ("seen", "told"),
-    [
-        # by less than the clearance errs by, or where none is measured
-        ({"contact.rope": [0, 9, 0], "energy.dissipated_contact": [0, 1, 2]}, "struck itself (from t = 1 s on)"),
-        # between two rows
-        ({"contact.rope": [0, 0, 0], "energy.dissipated_contact": [0, 0, 2]}, "struck itself (from t = 2 s on)"),
-        ({"nearest.divider.clearance": [9, 9, -1], "energy.dissipated_contact": [0, 0, 2]}, "struck a divider"),
-        ({"nearest.divider.clearance": [9, 9, -1], "energy.dissipated_contact": [0, 0, 0]}, "passed into a divider"),
-        ({"contact.divider": [0, 9, 0], "energy.dissipated_contact": [0, 1, 1]}, "struck a divider (from t = 1 s on)"),
-    ],
-)
-def test_contact_is_told_by_its_force_and_by_what_it_dissipated(seen: dict[str, list[float]], told: str) -> None:
-    signals = {"time": np.arange(3.0)} | {name: np.array(values, dtype=float) for name, values in seen.items()}
-    assert passages(Recording(signals, {})).removeprefix("the rope ").startswith(told)
-
-
-def test_bodies_that_are_not_there_are_left_out_of_a_record() -> None:
-    names = ("clearance.divider", "clearance.floor", "nearest.floor.y", "loop.turns")
-    values = {name: np.array([value]) for name, value in struck().signals(names).items()}
-    kept = without_absent(Recording(values | {TIME: np.array([1.5])}, {})).signals
-    assert [name for name in names if np.isnan(kept[name][0])] == ["clearance.floor", "nearest.floor.y"]
-
-
-def test_every_kind_of_body_has_its_outputs() -> None:
-    assert [f"clearance.{kind}" for kind in KINDS] == [name for name in SIGNALS if name.startswith("clearance.")]
-    assert {name for name in SIGNALS if name in PASSAGE_SIGNALS} == PASSAGE_SIGNALS
 
 
 #: m: landings of the ends below
@@ -377,19 +328,3 @@ def test_a_body_that_leaves_the_ends_no_room_is_named(shaft: Shaft, told: str) -
     assert no_room(scene, "torsional", *APART).removeprefix("no equilibrium: ").startswith(told)
     assert bool(no_room(scene, "torsional", *APART)) == bool(told)
     assert no_room(scene, "rigid", *APART) == ""
-
-
-def test_a_rope_whose_ends_hang_behind_the_lining_is_not_said_to_be_twisted() -> None:
-    scene = rope_120().scene.with_(shaft=Shaft(lining=Lining(1.0, 3.0)))
-    status = balance_rope(scene, "native").initialize(0.0, *APART)
-    assert status.message == no_room(scene, "torsional", *APART)
-    assert "lining.width" in status.message
-
-
-def test_both_forms_name_a_lining_that_is_thinner_than_the_rope() -> None:
-    short = Scene(Rope(length=30.0, Qb=0.0, Qc=0.0), mesh=Mesh("eem", elements=16))
-    scene = short.with_(shaft=Shaft(lining=Lining(3.0, 0.01)))
-    ends = EndMotion(y=0.0), EndMotion(y=6.0)
-    python, native = (rope.initialize(0.0, *ends) for rope in (RopeSimulator(scene), balance_rope(scene, "native")))
-    assert python == native
-    assert "the shaft's lining" in native.message

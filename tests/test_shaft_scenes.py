@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_shafts import Case, depths, draw, run, windings
 
-from benchmarks.shafts import Case, depths, draw, run, windings
 from rope_model import Contact, Divider, Shaft, Sump
 from rope_model.numerics.kernels import find_compiler
 

@@ -1,7 +1,5 @@
 """Hoist drive and rope as one SSP, wound in tools from the package index (see ssp_driver for what each tool does)."""
 
-from __future__ import annotations
-
 import functools
 import json
 import subprocess
@@ -11,22 +9,20 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 import ssp_driver
-import tool_driver
 from exports import FLAVOURS
 from fmpy.ssp.ssd import read_ssd
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from test_tools import IMPORTS, environment, require
+from test_tools import IMPORTS, INPUTS, environment, require
 
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
-from fmu_src.ssp import OMS, OSP, SSC, SSD, Component, export_ssp
+from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
@@ -120,31 +116,11 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
 
 def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> None:
     description = read_ssd(str(ssp))  # against the schema of SSP 1.0
-    assert {c.startConnector for c in description.system.connections} == {
-        *tool_driver.INPUTS,
-        "left.fy_mean",
-        "right.fy_mean",
-    }
+    assert {c.startConnector for c in description.system.connections} == {*INPUTS, "left.fy_mean", "right.fy_mean"}
     with zipfile.ZipFile(ssp) as archive:
         assert archive.namelist() == ["SystemStructure.ssd", "resources/drive.fmu", "resources/rope.fmu"]
         text = archive.read("SystemStructure.ssd").decode()
     assert '<ssd:DefaultExperiment startTime="0.0" stopTime="35.0">' in text
-
-
-def test_step_and_master_are_annotated_as_the_tools_read_them(ssp: Path) -> None:
-    with zipfile.ZipFile(ssp) as archive:
-        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
-    annotations = {
-        str(one.get("type")): one
-        for where in ("System", "DefaultExperiment")
-        for one in root.findall(f"{{{SSD}}}{where}/{{{SSD}}}Annotations/{{{SSC}}}Annotation")
-    }
-    master = annotations["org.openmodelica"].find("Annotations/SimulationInformation/FixedStepMaster", {"": OMS})
-    algorithm = annotations["com.opensimulationplatform"].find("Algorithm/FixedStepAlgorithm", {"": OSP})
-    assert master is not None
-    assert algorithm is not None
-    assert (master.get("description"), float(master.get("stepSize", ""))) == ("oms-ma", ssp_driver.H)
-    assert float(algorithm.get("baseStepSize", "")) == ssp_driver.H
 
 
 def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
@@ -152,11 +128,3 @@ def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
         archive.extractall(tmp_path)
     rope, drive = tmp_path / "resources" / "rope.fmu", tmp_path / "resources" / "drive.fmu"
     assert system(tmp_path, rope, drive).read_bytes() == ssp.read_bytes()
-
-
-def test_parameter_that_there_is_not_is_refused(ssp: Path, tmp_path: Path) -> None:
-    with zipfile.ZipFile(ssp) as archive:
-        archive.extractall(tmp_path)
-    wrong = Component("rope", tmp_path / "resources" / "rope.fmu", {"rope.lenght": 3.0})
-    with pytest.raises(ValueError, match=r"no parameter rope\.lenght"):
-        export_ssp(tmp_path / "a.ssp", "a", [wrong], 1.0, 0.01)

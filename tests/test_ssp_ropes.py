@@ -1,7 +1,5 @@
 """A hoist with several ropes that differ as one SSP: what is connected, how it moves, and what is refused."""
 
-from __future__ import annotations
-
 import functools
 import json
 import subprocess
@@ -19,11 +17,8 @@ from numpy.typing import NDArray
 from test_tools import environment, require
 
 from balance_rope import main
-from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
-from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.drive_fmu.interface import Tail
 from hoist_demo.parameters import Coupling
 from hoist_demo.ropes.definition import read_ropes
 
@@ -116,29 +111,3 @@ def test_system_of_ropes_moves_as_their_group_in_process(ssp: Path) -> None:
 def test_tool_winds_the_ropes_as_a_loop_over_what_fmpy_read(ssp: Path, tool: str, oracle: str) -> None:
     require(tool)
     assert_allclose(wind(tool, ssp), wind(oracle, ssp), rtol=1e-13, atol=0.0)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "more", "said"),
-    [
-        ("z = 0.2", "z = 0.2\nbreaks_at = 3.0\nbreaks_s = 30.0", ["--ssp"], "breaks_at of short must be left out"),
-        ('"short"', '"drive"', ["--ssp"], "name = 'drive' must be another"),
-        ("z = 0.2", "z = 0.2", [], "is for systems, and an FMU has one rope: add --ssp"),
-        ('"rope-120"', '"caught-rope"', ["--ssp"], "emergency_at = 12 s must be None: export a trip without a stop"),
-    ],
-)
-def test_what_a_system_cannot_have_is_refused(
-    old: str, new: str, more: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert export(tmp_path, ROPES.replace(old, new), *more) == 2
-    assert said in capsys.readouterr().err
-
-
-def test_ropes_that_would_press_each_other_are_said_not_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert export(tmp_path, ROPES.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 1e6"), "--ssp") == 0
-    assert "contact.rope_stiffness lets each rope of the system press itself alone" in capsys.readouterr().err
-
-
-def test_a_hoist_whose_conveyances_have_play_takes_one_rope() -> None:
-    with pytest.raises(ValueError, match=r"play = Play.* must be None where ropes hang at places of their own"):
-        drive_model(CASES["monopol-1000"], [Tail("one", 8.0, 1000.0), Tail("other", 8.0, 1000.0)])

@@ -1,7 +1,5 @@
 """The hanging shape is found from any data set; what cannot hang is refused by name."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
@@ -99,23 +97,3 @@ def test_a_search_without_success_says_what_is_left_and_what_to_check() -> None:
     system = portable_system(np.diff(s), parameter_vector(rod, 0.0), chain)
     with pytest.raises(StaticsError, match=r"N are left unbalanced; .* elements may be too long"):
         find_equilibrium(system, chain.values, max_iterations=50)
-
-
-def test_an_equilibrium_stays_where_it_is() -> None:
-    system, e = hang(Rope(), tmn_lengths(0.0), 2.0, 0.0)
-    where_it_is = Chain(~system.free, e.q, np.zeros_like(e.q))
-    again = find_equilibrium(system.with_boundary(where_it_is), e.q)
-    # the step of pseudo-time has to grow from 0.1 s to 1e8 s by 1.5 each
-    assert again.iterations < 60
-    np.testing.assert_allclose(again.q, e.q, atol=1e-7)
-
-
-def test_the_guess_has_the_ropes_length_and_vertical_ends() -> None:
-    s = np.linspace(0.0, 120.0, 961)
-    left, right = np.array([-1.0, 40.0, 0.5]), np.array([1.0, -40.0, -0.5])
-    q = hanging_guess(s, left, right)
-    np.testing.assert_allclose(q[[0, -1], POSITION], [left, right], atol=1e-12)
-    np.testing.assert_allclose(q[[0, -1], 3:6], [[0, -1, 0], [0, 1, 0]], atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(q[:, 3:6], axis=1), 1.0, rtol=1e-12)
-    # chords against a circle of 1.1 m: (l/r)^2/24 on 3 % of the length
-    np.testing.assert_allclose(np.linalg.norm(np.diff(q[:, POSITION], axis=0), axis=1).sum(), 120.0, rtol=1e-4)

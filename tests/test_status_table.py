@@ -1,7 +1,5 @@
 """What each call returns in each state: one table, of the Python flavour and of the native one alike."""
 
-from __future__ import annotations
-
 import copy
 import ctypes
 import math

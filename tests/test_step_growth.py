@@ -1,7 +1,5 @@
 """When a rope makes its steps longer again: where nothing errs, after so many steps, whatever the clock shows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

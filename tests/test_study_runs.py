@@ -1,16 +1,10 @@
 """What is measured of a study's runs, how they are recorded at once, and how they survive a dead worker."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
 import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -18,7 +12,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from dask.distributed import Client
-from studies import Read, reader
+from test_study import Read
+from test_study import read as read
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.partners import Stopwatch
@@ -27,9 +22,9 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study
-from hoist_demo.study.metrics import UNITS, Arrival, measure
-from hoist_demo.study.perform import perform, write_what_is_there
-from hoist_demo.study.run import Outcome, build, execute
+from hoist_demo.study.metrics import Arrival, measure
+from hoist_demo.study.perform import perform
+from hoist_demo.study.run import Outcome
 from hoist_demo.study.store import Store, read_results
 
 SHORT = """
@@ -39,19 +34,6 @@ winding.settle = 0.3
 winding.start_delay = 0.1
 arrival.window = 0.2
 """
-
-
-@pytest.fixture
-def read(tmp_path: Path, fmu_of: Callable[[str], Path]) -> Read:
-    return reader(tmp_path, fmu_of("draft"))
-
-
-def test_a_drive_that_takes_the_rope_for_another_is_warned_of(read: Read, fmu_of: Callable[[str], Path]) -> None:
-    (sample,) = read(SHORT + "rope.mass_per_length = 12\n").samples
-    outcome = execute(sample.data, fmu_of("draft"))
-    assert (outcome.status, outcome.cause) == ("completed", "")
-    told = "rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other"
-    assert [text.startswith(told) for text in outcome.warnings if "tail_rope" in text] == [True]
 
 
 # metrics
@@ -138,37 +120,7 @@ def test_cycle_time_waits_for_the_creep_that_is_no_swing() -> None:
     assert found["swing_right"] < 1e-12
 
 
-def test_stopped_run_has_the_metrics_up_to_there() -> None:
-    result, hoist, winding = invent_trip(swing=0.01)
-    found = measure(replace(result, completed=False, cause="the loop has turned over"), hoist, winding, Arrival())
-    assert math.isnan(found["cycle_time"])
-    assert math.isnan(found["swing_right"])
-    assert found["torque_peak"] == pytest.approx(5e3)
-    assert list(found) == list(UNITS)
-
-
 # the store
-
-
-def outcome(status: str = "completed", cause: str = "") -> Outcome:
-    return Outcome(status, cause, dict.fromkeys(UNITS, 1.25), {"loop.x": [0.0, 1.0]}, {"all": 3.0})
-
-
-def test_store_knows_what_needs_no_run_any_more(tmp_path: Path) -> None:
-    store, run = Store(tmp_path), build("rope-120", {})
-    store.write("a", run, outcome(), "w")
-    store.write("b", run, outcome("stopped", "the loop has turned over"), "w")
-    store.write("c", run, outcome("error", "worker died"), "w")
-    assert store.finished_keys(["a", "b", "c", "d"]) == {"a", "b"}
-    assert store.signals("a")["loop.x"].tolist() == [0.0, 1.0]
-
-
-def test_write_that_fails_leaves_no_record(tmp_path: Path) -> None:
-    store = Store(tmp_path)
-    broken = Outcome("completed", "", {"x": object()}, {}, {})  # type: ignore[dict-item]
-    with pytest.raises(TypeError):
-        store.write("a", build("rope-120", {}), broken, "w")
-    assert list((tmp_path / "runs").iterdir()) == []
 
 
 def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[Sample]], list[str]]:
@@ -218,55 +170,6 @@ def test_search_is_resumed_without_a_run(read: Read, tmp_path: Path) -> None:
     assert ran == []
 
 
-def test_a_search_keeps_its_bounds_and_tells_where_none_can(read: Read, tmp_path: Path) -> None:
-    text = (
-        "[vary]\ngains.speed = { low = 1e5, high = 4e5 }\n[tune]\nminimise = { cycle_time = 1 }\nsample = 4\n"
-        "steps = 20\nsubject_to = { cycle_time = { above = 0.25, unit = 's' } }"
-    )
-    study, store = read(text), Store(tmp_path / "out")
-    found = perform(study, store, counting(study, store, []))
-    assert found.best is not None
-    assert abs(found.best["gains.speed"] / 2e5 - 1.0) == pytest.approx(0.25, abs=0.02)
-    table = pd.read_parquet(found.table)
-    assert (table["cost"].isna() == (table["excess"] > 0.0)).all()
-    assert table["excess"].max() > 0.0
-    study = read(text.replace("above = 0.25", "above = 2"))
-    found = perform(study, store, counting(study, store, []))
-    assert found.best is None
-    assert "cycle_time is 50 % below 2" in found.nearest
-
-
-def test_causes_and_warnings_are_told_with_the_run_s_name(read: Read, tmp_path: Path) -> None:
-    study = read("[[variant]]\nname = 'gentle'\nvalues = { winding.jerk = 0.3 }\n[vary]\ngains.speed = [1e5, 2e5]")
-    store = Store(tmp_path / "out")
-    keys = counting(study, store, [])(study.samples)
-    store.write(
-        keys[1], study.samples[1].data, Outcome("stopped", "slack", {}, {}, {}, warnings=("slips at 3 s",)), "w"
-    )
-    found = perform(study, store, lambda samples: keys)
-    assert found.causes == {"run 2 (gentle, gains.speed = 2e+05)": "slack"}
-    assert found.warnings == {"slips at 3 s": ["run 2 (gentle, gains.speed = 2e+05)"]}
-    assert pd.read_parquet(found.table)["warnings"].tolist() == ["", "slips at 3 s"]
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "[vary]\ngains.speed = [1e5]",
-        "[vary]\ngains.speed = { low = 1e5, high = 4e5 }\n[tune]\nminimise = { cycle_time = 1 }",
-    ],
-)
-def test_an_interrupted_study_tells_what_it_keeps_and_nothing_where_nothing_was_run(
-    read: Read, tmp_path: Path, text: str
-) -> None:
-    study, store = read(text), Store(tmp_path / "out")
-    assert write_what_is_there(study, store) is None
-    assert not (tmp_path / "out" / "results.parquet").exists()
-    counting(study, store, [])(study.samples[:1])
-    kept = write_what_is_there(study, store)
-    assert kept == (tmp_path / "out" if study.tuning else tmp_path / "out" / "results.parquet")
-
-
 # on workers
 
 
@@ -309,13 +212,6 @@ def test_failed_run_is_recorded_with_its_cause_and_stops_no_other(read: Read, tm
     assert len(performed.causes) == 1
 
 
-def test_scheduler_may_be_elsewhere(read: Read, tmp_path: Path, client: Client) -> None:
-    study, store = read(SHORT), Store(tmp_path / "out")
-    with cluster(None, client.scheduler.address) as other:
-        keys = run_samples(other, study, study.samples, store)
-    assert store.finished_keys(keys) == set(keys)
-
-
 def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Client) -> None:
     study = read(f"study.signals = ['left.fy', 'right.fy']\n{SHORT}")
     store = Store(tmp_path / "out")
@@ -334,37 +230,3 @@ def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Clien
     assert table["fidelity"][0] == "planar"
     record = json.loads((tmp_path / "out" / "runs" / f"{table['key'][0]}.json").read_text())
     assert record["data"]["winding"]["travel"] == 0.2
-
-
-COMMAND = """
-import argparse, sys
-from hoist_demo.command_line.study import add_study
-
-parser = argparse.ArgumentParser()
-add_study(parser.add_subparsers())
-options = parser.parse_args()
-sys.exit(options.run(options))
-"""
-
-
-@pytest.mark.slow
-def test_killed_study_goes_on_where_it_was(tmp_path: Path, fmu_of: Callable[[str], Path]) -> None:
-    file, out = tmp_path / "STUDY.toml", tmp_path / "out"
-    file.write_text(
-        f'study.fmu = "{fmu_of("draft")}"\n{SHORT}[vary]\ngains.speed = {[1e5 + 1e4 * k for k in range(12)]}'
-    )
-    command = [sys.executable, "-c", COMMAND, "study", str(file), "--out", str(out), "--workers", "2"]
-    process = subprocess.Popen(command, start_new_session=True)
-    while process.poll() is None and len(list(out.glob("runs/*.json"))) < 4:
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-    before = {path.name: path.stat().st_mtime_ns for path in out.glob("runs/*.json")}
-    assert 4 <= len(before) < 12
-
-    again = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert f"{len(before)} of 12 runs are there already" in again.stdout
-    after = {path.name: path.stat().st_mtime_ns for path in out.glob("runs/*.json")}
-    assert len(after) == 12
-    assert {name: after[name] for name in before} == before
-    assert pd.read_parquet(out / "results.parquet")["status"].tolist() == ["completed"] * 12

@@ -1,7 +1,5 @@
 """Swivels: friction law, stick without creep, located switching, energy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 
@@ -15,7 +13,6 @@ from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends import HangingEnds, Phase, SwivelState
-from rope_model.simulation.events import locate
 from rope_model.simulation.model import RopeModel
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
@@ -63,15 +60,6 @@ def test_stick_does_not_creep() -> None:
         # exact but for the rounding of theta = offset + yaw + b
         assert abs(angle) < 1e-12
         assert abs(rate) < 1e-12
-
-
-def test_free_swivel_carries_no_moment_and_has_no_events() -> None:
-    free = Swivel(mode="free")
-    rope, events = twist(scene(left=free, right=free))
-    # both leave their locked phase at once, and nothing follows
-    assert {event.t for event in events} <= {0.0}
-    assert rope.ends.moment(0, rope.state.motion.reaction) == 0.0
-    assert rope.ends.moment(1, rope.state.motion.reaction) == 0.0
 
 
 class Phased:
@@ -185,25 +173,6 @@ def test_release_at_its_time_and_not_before() -> None:
     assert all(event.t >= 0.5 for event in events)
 
 
-def test_a_search_for_an_event_that_fails_is_taken_up_again_with_a_shorter_step(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    data, trial, found = scene(left=STIFF_BEARING, right=Swivel()), RopeModel.trial, iter([1e-7] * 3)
-    _, expected = twist(data)
-
-    def fail(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
-        result = trial(model, system, old, h)
-        return replace(result, motion=None) if h == 1e-7 else result
-
-    monkeypatch.setattr(RopeModel, "trial", fail)
-    monkeypatch.setattr("rope_model.simulation.switching.locate", lambda *search: next(found, None) or locate(*search))
-    rope, events = twist(data)
-    assert rope.state.counts.rejections == 3
-    assert [event.what for event in events] == [event.what for event in expected]
-    # found on other steps
-    assert_allclose([event.t for event in events], [event.t for event in expected], rtol=0, atol=1e-4)
-
-
 @pytest.mark.parametrize("start", [0.0, 0.3, 3600.3])
 def test_a_search_for_an_event_that_always_fails_ends_with_its_cause(
     monkeypatch: pytest.MonkeyPatch, start: float
@@ -221,14 +190,3 @@ def test_a_search_for_an_event_that_always_fails_ends_with_its_cause(
     status = rope.advance_to(start + YAWED, EndMotion(), EndMotion(yaw=YAW))
     assert "the step to a swivel event fails" in status.message
     assert rope.state.motion.t == start  # nothing is lost
-
-
-@pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_limits_follow_the_tension_at_the_end(factor: float) -> None:
-    # a rope twice as heavy holds twice the torque
-    heavy = replace(SOFT, mass_per_length=SOFT.mass_per_length * factor)
-    rope = RopeSimulator(replace(scene(left=STIFF_BEARING, right=STIFF_BEARING), rope=heavy))
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    weight = 0.5 * heavy.mass_per_length * 9.81 * heavy.length
-    expected = 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter * weight
-    assert_allclose(rope.ends.friction(0, rope.state.motion.reaction, kinetic=False), expected, rtol=1e-9)

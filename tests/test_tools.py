@@ -1,38 +1,36 @@
-"""The rope's FMUs wound in tools from the package index (see tool_driver for what each tool does)."""
-
-from __future__ import annotations
+"""The rope's FMUs in tools from the package index; ssp_driver winds hoist and rope as a system in ecos and libcosim."""
 
 import ctypes.util
-import functools
 import importlib.util
-import json
 import os
 import shutil
 import subprocess
 import sys
 import sysconfig
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import fmpy
 import numpy as np
 import pytest
-import tool_driver
 from exports import FLAVOURS, Flavour
 from freed_blocks import freed_blocks
-from numpy.typing import NDArray
+from scenes import ends_at, fixed_steps
 
 from balance_rope import main
-from benchmarks.kinematic import fixed_steps
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.parameters import Winding
 from rope_model.native.engine import NativeRope
 from rope_model.parameters import rope_120
-from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
-WINDING = tool_driver.STEPS
-SCENE = rope_120().scene.with_(solver=fixed_steps(tool_driver.H))
-PART = 350  # steps, with two transformations
-DRIVER = Path(tool_driver.__file__)
+H, TRAVEL = 0.01, 90.0
+REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
+PART, WINDING = 350, round((REFERENCE.duration + 1.0) / H)  # steps; two transformations in the part
+FORCES = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz")]
+INPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("y", "vy", "ay")]
 PACKAGES = {"fmpy": "fmpy", "libcosim": "libcosimpy", "ecos": "ecospy"}
 #: versions of FMI that the tool imports
 IMPORTS = {"fmpy": {2, 3}, "libcosim": {2}, "ecos": {2, 3}}
@@ -48,72 +46,46 @@ def require(tool: str) -> None:
         pytest.skip(f"{PACKAGES[tool]} is not installed; it has no wheel for this platform or Python")
 
 
-def wind(tool: str, fmu: Path, reading: str, steps: int) -> NDArray[np.float64]:
-    """(steps, 12) end forces and moments."""
-    command = [sys.executable, str(DRIVER), tool, str(fmu), reading, str(steps)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
-    said = done.stdout[-2000:] + done.stderr[-2000:]
-    line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
-    assert line is not None, said
-    assert done.returncode == 0, said
-    return np.array(json.loads(line.removeprefix("RESULT ")))
-
-
-@functools.cache
-def in_process(native: bool, tool: str, reading: str, steps: int, lift: float = 0.0) -> NDArray[np.float64]:
-    """The same by the rope in process, with the tool's clock, all of it ``lift`` (m) higher."""
-    rope, rows = (NativeRope if native else RopeSimulator)(SCENE), []
-    rope.initialize(0.0, *motions(0.0, lift))
-    for k, (t, h) in enumerate(tool_driver.clock(tool, steps)):
-        at_end = reading == "end"
-        status = rope.advance_to(t + h, *motions((k + at_end) * tool_driver.H, lift), t + h if at_end else t)
-        assert status.valid, status.message
-        values = rope.signals(tool_driver.FORCES)
-        rows.append([values[name] for name in tool_driver.FORCES])
-    assert rope.state.counts.transformations > 0
-    return np.array(rows)
-
-
-def motions(t: float, lift: float = 0.0) -> list[EndMotion]:
-    values = tool_driver.inputs(t)
-    return [EndMotion(y=y + lift, vy=v, ay=a) for y, v, a in (values[:3], values[3:])]
-
-
-def rounding(tool: str, reading: str, steps: int) -> NDArray[np.float64]:
-    """(12,) what the last bits of the heights do to each force, as another compiler's may: the same higher up."""
-    here, there = (in_process(True, tool, reading, steps, lift) for lift in (0.0, 7.3))
-    return np.abs(here - there).max(axis=0)
-
-
 @pytest.fixture(scope="module", params=sorted(FLAVOURS))
 def exported(request: Any, fmu_of: Callable[[str], Path]) -> tuple[Flavour, Path]:
     return FLAVOURS[request.param], fmu_of(request.param)
 
 
-@pytest.mark.parametrize(
-    ("tool", "reading", "steps"),
-    [
-        ("fmpy", "start", PART),
-        pytest.param("libcosim", "start", PART, marks=pytest.mark.slow),
-        ("libcosim", "end", PART),
-        ("ecos", "start", PART),
-        pytest.param("ecos", "end", PART, marks=pytest.mark.slow),
-        *(pytest.param(tool, "start", WINDING, marks=pytest.mark.slow) for tool in PACKAGES),
-    ],
-)
-def test_forces_in_the_tool_are_those_of_the_rope_in_process(
-    exported: tuple[Flavour, Path], tool: str, reading: str, steps: int
-) -> None:
+def in_process(native: bool, steps: int, lift: float = 0.0) -> np.ndarray:
+    """(steps, 12) end forces and moments of the rope in process, all of it ``lift`` (m) higher."""
+    rope, rows = (NativeRope if native else RopeSimulator)(rope_120().scene.with_(solver=fixed_steps(H))), []
+
+    def ends(t: float) -> list:
+        return [replace(end, y=end.y + lift) for end in ends_at(REFERENCE, TRAVEL, t)]
+
+    rope.initialize(0.0, *ends(0.0))
+    for k in range(steps):
+        h = (k + 1) * H - k * H
+        status = rope.advance_to(k * H + h, *ends(k * H), k * H)
+        assert status.valid, status.message
+        rows.append([*rope.signals(FORCES).values()])
+    assert rope.state.counts.transformations > 0
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("steps", [PART, pytest.param(WINDING, marks=pytest.mark.slow)])
+def test_forces_in_fmpy_are_those_of_the_rope_in_process(exported: tuple[Flavour, Path], steps: int) -> None:
+    """simulate_fmu sets the inputs of t_k and steps to t_k + H: it has no inputs of a step's end."""
     flavour, fmu = exported
-    require(tool)
-    if flavour.fmi not in IMPORTS[tool]:
-        pytest.skip(f"{tool} does not import FMI {flavour.fmi}")
-    expected, found = in_process(flavour.native, tool, reading, steps), wind(tool, fmu, reading, steps)
-    assert found.shape == expected.shape
-    allowed = flavour.tolerance * np.maximum(np.abs(expected).max(axis=0), 1.0)
+    times = H * np.arange(steps + 1)
+    motions = [[getattr(end, key) for end in ends_at(REFERENCE, TRAVEL, t) for key in ("y", "vy", "ay")] for t in times]
+    signals = np.rec.fromarrays([times, *np.array(motions).T], names=["time", *INPUTS])
+    start = {"solver.step_max": H, "solver.tolerance": 1e6}
+    result = fmpy.simulate_fmu(
+        str(fmu), stop_time=steps * H, output_interval=H, start_values=start, input=signals, output=FORCES
+    )
+    found, expected = np.array([list(row)[1:] for row in result[1:]]), in_process(flavour.native, steps)
+    largest = np.maximum(np.abs(expected).max(axis=0), 1.0)
+    allowed = flavour.tolerance * largest
     if flavour.native:
-        allowed = np.maximum(allowed, 3 * rounding(tool, reading, steps))
-        assert (allowed < 1e-7 * np.maximum(np.abs(expected).max(axis=0), 1.0)).all()
+        # what the last bits of the heights do to each force, as another compiler's may: the same higher up
+        allowed = np.maximum(allowed, 3 * np.abs(expected - in_process(True, steps, 7.3)).max(axis=0))
+        assert (allowed < 1e-7 * largest).all()
     assert (np.abs(found - expected).max(axis=0) < allowed).all()
 
 
@@ -168,7 +140,7 @@ def test_tool_without_python_ends_without_use_of_freed_memory(exported: tuple[Fl
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 def test_worked_programs_of_the_tools_page_print_what_it_says(tmp_path: Path) -> None:
-    page = (Path(__file__).parent.parent / "docs" / "tools.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parent.parent / "docs" / "howto" / "import.md").read_text(encoding="utf-8")
     programs = [block.partition("```")[0] for block in page.split("```python\n")[1:]]
     assert len(programs) == 2
     (tmp_path / "build").mkdir()

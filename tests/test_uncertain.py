@@ -1,8 +1,5 @@
 """`balance-rope uncertain`: windings over ranges, and the datum that causes the spread."""
 
-from __future__ import annotations
-
-import re
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +9,10 @@ from numpy.testing import assert_allclose
 from balance_rope import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.report.rows import render
 from hoist_demo.study.reading import StudyError
 from hoist_demo.uncertainty.definition import read_uncertain
-from hoist_demo.uncertainty.page import summary, too_few, write_page
-from hoist_demo.uncertainty.spread import Spread, draw, remarks_of
+from hoist_demo.uncertainty.page import too_few
+from hoist_demo.uncertainty.spread import Spread, draw
 
 SCENE = """
 [uncertain]
@@ -56,23 +52,6 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
 
 
-def test_the_rope_of_a_file_has_the_file_s_length_unless_another_is_given(tmp_path: Path) -> None:
-    file = tmp_path / "rope.toml"
-    file.write_text('[rope]\nconstruction = "34x7"\ndiameter = 0.044\nlength = 150.0\n', encoding="utf-8")
-    asked = SCENE.replace('construction = "34x7"\ndiameter = 0.044\n', f"from = '{file}'\n")
-    for text, length in ((asked, 150.0), (asked.replace("from =", "length = 160.0\nfrom ="), 160.0)):
-        read = read_uncertain(written(tmp_path, text), PARAMETERS)
-        run = read.run({name: datum.middle for name, datum in read.data.items()})
-        assert run.fmu["rope.length"] == run.hoist.tail_rope_length == length
-
-
-def test_friction_of_the_swivels_varies_where_their_bearing_is_named(tmp_path: Path) -> None:
-    text = SCENE.replace("samples = 8", 'samples = 8\nbearing = "rolling"')
-    asked = read_uncertain(written(tmp_path, text), PARAMETERS)
-    run = asked.run({name: datum.high for name, datum in asked.data.items()})
-    assert_allclose([run.fmu["left.swivel.mu_kinetic"], run.fmu["right.swivel.mu_static"]], [0.0025, 0.005])
-
-
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
     asked = read_uncertain(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), PARAMETERS)
     samples = draw(asked)
@@ -86,32 +65,6 @@ def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
     assert too_few(Spread(asked, columns)) == ""
 
 
-def test_shares_that_a_small_sample_spoils_are_told(tmp_path: Path) -> None:
-    asked = read_uncertain(written(tmp_path, SCENE), PARAMETERS)
-    u, v = np.arange(8.0), np.array([6.0, 7.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0])
-    # against each other but for one pair, so that their sum is what little differs
-    columns = dict(zip(asked.data, (u, v), strict=True)) | {"left_swivel_torque": u + v, "rope_force_ripple": u}
-    found = Spread(asked, columns)
-    assert re.search(r"told of left_swivel_torque [\d.]+: so many times .* 8 windings are too few", too_few(found))
-    assert found.causes("left_swivel_torque") == {}
-    assert "caused by" not in render([row for row in summary(found) if row.group.startswith("left_swivel_torque")])
-
-
-def test_windings_too_few_for_any_cause_are_told_with_how_many_are_needed(tmp_path: Path) -> None:
-    asked = read_uncertain(written(tmp_path, SCENE), PARAMETERS)
-    u, v = np.arange(8.0), np.array([6.0, 7.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0])
-    stopped = np.where(u < 3, u, np.nan)
-    columns = dict(zip(asked.data, (u, v), strict=True)) | {"left_swivel_torque": stopped, "rope_force_ripple": u}
-    found = Spread(asked, columns)
-    assert found.causes("left_swivel_torque") == {}
-    text = (
-        "no causes are told of left_swivel_torque 3: 2 data that vary need 4 windings that end and 64 for a first look"
-    )
-    assert text in too_few(found)
-    columns["left_swivel_torque"] = np.where(u < 4, u, np.nan)
-    assert too_few(Spread(asked, columns)) == ""
-
-
 def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, SCENE + TRIP)
     assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 0
@@ -121,48 +74,6 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     held = table["torque_factor"] * 0.044 * 7.7 * 9.81 * (15**2 + 105**2) / 240
     assert_allclose(table["left_swivel_torque"], held, rtol=0.05)
     assert "bending stiffness" in (tmp_path / "report.html").read_text(encoding="utf-8")
-
-
-def test_what_the_rope_s_model_does_not_compute_is_no_result(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = written(tmp_path, SCENE + TRIP + 'model.fidelity = "planar"\n')
-    assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 0
-    said = capsys.readouterr()
-    assert "8 of 8" in said.out
-    assert ("left_swivel_torque" in said.out, "rope_force_ripple" in said.out) == (False, True)
-    assert "no winding shows left_swivel_torque: the rope's model does not compute it" in said.err
-    assert np.isnan(read_csv(tmp_path / "windings.csv")["left_swivel_torque"]).all()
-
-
-def test_why_windings_stopped_is_told_and_no_result_without_a_winding(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = written(tmp_path, SCENE.replace("[known]", "length = 50.0\n[known]"))
-    assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 1
-    said = capsys.readouterr()
-    assert "in 8 of 8 windings: stopped: rope, at the start: the rope of 50 m cannot hang" in said.err
-    assert "nan" not in said.out
-    assert "nan" not in (tmp_path / "report.html").read_text(encoding="utf-8").lower().split("<body")[-1]
-
-
-def test_numbers_in_what_is_told_stand_where_they_are_the_same_for_all_ropes() -> None:
-    told = [["the 34x7 rope of 50 m: -1.5e-3 rad. Lower it", "other"], ["the 34x7 rope of 50 m: 2 rad. Lower it"], []]
-    assert remarks_of(told) == {"the 34x7 rope of 50 m: … rad. Lower it": 2, "other": 1}
-    # two of one winding are one winding
-    assert remarks_of([["over 1 m", "over 2 m"], ["over 1 m"]]) == {"over … m": 2}
-
-
-def test_angles_are_told_in_degrees_as_everywhere(tmp_path: Path) -> None:
-    text = SCENE.replace('"left_swivel_torque"', '"loop_yaw"')
-    asked = read_uncertain(written(tmp_path, text), PARAMETERS)
-    yaw = np.radians([1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 3.0])
-    columns = {name: np.arange(8.0) for name in asked.data} | {"loop_yaw": yaw, "rope_force_ripple": yaw}
-    found = Spread(asked, columns)
-    (half,) = (row for row in summary(found) if row.group.startswith("loop_yaw") and row.quantity.startswith("half"))
-    assert (half.text, half.unit) == ("2", "deg")
-    page = write_page(found, tmp_path / "report.html").read_text(encoding="utf-8")
-    assert re.search(r"loop_yaw</t[dh]>.*?<td[^>]*>2</td>.*?deg", page)
 
 
 @pytest.mark.parametrize(

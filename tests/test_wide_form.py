@@ -1,7 +1,5 @@
 """The rope with four elements at a time, where the processor can, has the bits of the form for any processor."""
 
-from __future__ import annotations
-
 import ctypes
 import platform
 import subprocess

@@ -1,25 +1,24 @@
 """Friction between the wires of a bent rope: the law, the element that has it, and both forms of the rope with it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+import scenes
 from numpy.testing import assert_allclose, assert_array_equal
+from scenes import past_each_other
 
-from rope_model import EndMotion, balance_rope
-from rope_model.parameters import Mesh, Model, Rope, Scene, Solver
+from rope_model import balance_rope
+from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions
 from rope_model.physics.wire_element import LATEST, wire_functions
 from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
 from rope_model.simulation.balance_rope import BalanceRope
-from rope_model.simulation.events import locate
 from rope_model.simulation.rope_system import parameter_vector
 from rope_model.simulation.state import RopeState
-from rope_model.simulation.wires import carry, history, slip
+from rope_model.simulation.wires import carry, history
 
 #: 1/m
 K0 = 0.02
@@ -85,12 +84,6 @@ def test_a_steady_cycle_loses_what_the_closed_form_says(amplitude: float) -> Non
     expected = -(K0**2) * (largest**2 + math.log1p(-(largest**2)))
     # turning points lie within steps no longer than 0.06 K0
     assert loss[-1] - loss[-401] == pytest.approx(expected, rel=1e-5)
-
-
-def test_large_cycles_lose_four_friction_moments_times_the_amplitude_less_what_sticks() -> None:
-    _, loss = path(cycles(10 * K0, 3, 4000))
-    sticks = 0.75 + 0.5 * math.log(2.0)
-    assert loss[-1] - loss[-4001] == pytest.approx(4 * K0**2 * (10 - sticks), rel=1e-6)
 
 
 def test_below_slip_next_to_nothing_is_lost() -> None:
@@ -211,36 +204,6 @@ def arc(k: float) -> Array:
     return q
 
 
-def test_the_moment_begins_with_all_wires_stuck_and_ends_with_all_of_them_sliding() -> None:
-    lengths, z = np.array([2.0]), np.zeros((1, 9))
-    k, moments = np.linspace(0.0, 8 * K0, 801), []
-    now = history(ROPE, arc(0.0), lengths, z, np.zeros((1, 2)))
-    wires, small = wire_functions("torsional"), 1e-3  # as a tenth of a degree more or less bends
-    for after in k[1:]:
-        q = arc(small * after)
-        H = now[0].copy()
-        H[-2] *= small
-        moments.append(float(np.array(wires.residual(q.ravel(), 2.0, H))[NODE_DOF + 4, 0]) / small + ROPE.EI * after)
-        z = slip(H[None], q, lengths).z
-        now = history(ROPE, q, lengths, z, np.zeros((1, 2)))
-    assert moments[0] == pytest.approx(ROPE.EI_stick * k[1], rel=1e-4)
-    assert moments[-1] == pytest.approx(ROPE.EI * k[-1] + ROPE.slip_moment, rel=1e-4)
-
-
-def test_an_element_bent_to_and_fro_loses_what_the_closed_form_says() -> None:
-    lengths, z, losses, steps = np.array([2.0]), np.zeros((1, 9)), [], 200
-    soft = replace(ROPE, slip_moment=0.02)  # k0 = 2e-5 1/m: an arc of 2 m stays one
-    before = arc(0.0)
-    for k in cycles(3e-5, 6, steps)[1:]:
-        slid = slip(history(soft, before, lengths, z, np.zeros((1, 2))), arc(float(k)), lengths)
-        z, before = slid.z, arc(float(k))
-        losses.append(slid.dissipated)
-    # x + artanh x = 2 amplitudes over k0
-    largest = locate(lambda x: x + math.atanh(x) - 3.0, 0.0, 0.99, -3.0, 1.0, 1e-12)
-    expected = -1000.0 * 2.0 * 2e-5**2 * (largest**2 + math.log1p(-(largest**2)))
-    assert sum(losses[-steps:]) == pytest.approx(expected, rel=1e-4)
-
-
 def test_a_change_of_the_mesh_makes_no_energy_and_keeps_the_moments_sum() -> None:
     chance = np.random.default_rng(5)
     old = np.array([4.0, 2.0, 1.0, 1.0, 1.0, 2.0, 4.0])
@@ -260,36 +223,14 @@ def test_a_change_of_the_mesh_makes_no_energy_and_keeps_the_moments_sum() -> Non
     assert carry(np.zeros((0, 9)), old, new).size == 0
 
 
+def wound(of: Scene, form: Any, steps: int, step: float = 0.01) -> BalanceRope:
+    return scenes.wound(balance_rope(of, form), past_each_other, steps, step)
+
+
 def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     made = replace(Rope(length=10.0, EI_stick=3000.0, slip_moment=2.0), **rope)
     solver = Solver(kernels="portable", step_max=0.01, tolerance=100.0)
     return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
-
-
-def ends(t: float) -> tuple[EndMotion, EndMotion]:
-    """Past each other in 1 s, and to the side."""
-    s = min(t, 1.0)
-    y, v, a = s**3 * (10 - 15 * s + 6 * s * s), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
-    up, aside = {"y": 0.5 * y, "vy": 0.5 * v, "ay": 0.5 * a}, {"z": 0.2 * y, "vz": 0.2 * v, "az": 0.2 * a}
-    return EndMotion(**up, **aside), EndMotion(**{name: -x for name, x in up.items()})
-
-
-def wound(of: Scene, form: Any, steps: int, step: float = 0.01) -> BalanceRope:
-    rope = balance_rope(of, form)
-    assert rope.initialize(0.0, *ends(0.0)).valid
-    for k in range(1, steps + 1):
-        status = rope.advance_to(k * step, *ends(k * step))
-        assert status.valid, status.message
-    return rope
-
-
-def test_both_forms_agree() -> None:
-    one, other = (wound(scene(), form, 30).state for form in ("python", "native"))
-    assert one.counts == other.counts
-    assert_allclose(one.motion.q, other.motion.q, atol=1e-8)
-    assert_allclose(one.hysteresis, other.hysteresis, atol=1e-8 * np.abs(one.hysteresis).max() + 1e-9)
-    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-5)
-    assert other.energy_balance.dissipated_wires > 0.05
 
 
 def test_both_forms_take_the_same_steps() -> None:
@@ -301,24 +242,12 @@ def test_both_forms_take_the_same_steps() -> None:
     one, other = states
     assert one.counts == other.counts
     assert one.counts.steps > 8
+    assert_allclose(one.motion.q, other.motion.q, atol=1e-8)
+    assert_allclose(one.hysteresis, other.hysteresis, atol=1e-8 * np.abs(one.hysteresis).max() + 1e-9)
+    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-5)
+    assert other.energy_balance.dissipated_wires > 0
     assert_allclose(one.errors.place, other.errors.place, rtol=1e-6)
     assert_allclose(one.errors.squares, other.errors.squares, rtol=1e-6)
-
-
-def test_a_step_takes_few_corrections() -> None:
-    """Each with a factorization of its own: two where wires go on as they did, more where some begin to slide."""
-    counts = wound(scene(EI=74.0, EI_stick=2.4e4), "native", 200).state.counts
-    assert counts.rejections < 0.01 * counts.steps  # a longer one is tried now and then
-    assert counts.newton < 4 * counts.steps
-
-
-@pytest.mark.parametrize("form", ["python", "native"])
-def test_without_torsion_wires_feel_no_turn_of_the_ends(form: Any) -> None:
-    spatial = [scene(installed_twist=twist).with_(model=Model("spatial")) for twist in (0.0, 1.0)]
-    straight, twisted = (wound(of, form, 8).state for of in spatial)
-    # rounding, from the search for rest
-    assert_allclose(twisted.motion.q[:, :6], straight.motion.q[:, :6], rtol=0.0, atol=1e-12)
-    assert_allclose(twisted.hysteresis, straight.hysteresis, rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("form", ["python", "native"])
@@ -326,55 +255,19 @@ def test_a_saved_rope_goes_on_to_the_bit(form: Any) -> None:
     steps = 12
     rope = wound(scene(), form, steps)
     saved = rope.state.to_bytes()
-    assert rope.advance_to(0.15, *ends(0.15)).valid
+    assert rope.advance_to(0.15, *past_each_other(0.15)).valid
     other = balance_rope(scene(), form)
     other.restore(saved)
     assert_array_equal(other.state.hysteresis, RopeState.from_bytes(saved).hysteresis)
-    assert other.advance_to(0.15, *ends(0.15)).valid
+    assert other.advance_to(0.15, *past_each_other(0.15)).valid
     assert_array_equal(rope.state.motion.q, other.state.motion.q)
     assert_array_equal(rope.state.hysteresis, other.state.hysteresis)
-
-
-@pytest.mark.parametrize("form", ["python", "native"])
-@pytest.mark.parametrize(("saved", "here"), [(3000.0, 0.0), (0.0, 3000.0)])
-def test_what_wires_remember_is_restored_only_where_wires_rub(form: Any, saved: float, here: float) -> None:
-    data, other = wound(scene(EI_stick=saved), form, 2).state.to_bytes(), balance_rope(scene(EI_stick=here), form)
-    with pytest.raises(ValueError, match="restore it into"):
-        other.restore(data)
-
-
-@pytest.mark.parametrize("stick", [1.0, 300.0])
-def test_wires_that_stick_must_be_stiffer_than_wires_that_slide(stick: float) -> None:
-    with pytest.raises(ValueError, match=r"must be 0 or above EI = 300.0 N m2; use 0 for no friction"):
-        scene(EI_stick=stick)
 
 
 def test_what_the_wires_take_is_in_the_energy_balance() -> None:
     energy = wound(scene(), "native", 200).state.energy_balance
     assert energy.dissipated_wires > 10 * energy.dissipated_material > 0
     assert abs(energy.residual) < 2e-3 * energy.dissipated_wires
-
-
-def test_transformations_keep_the_balance() -> None:
-    mesh = Mesh("tmn", coarse_length=0.25)
-    of = scene(mesh)
-    rope = wound(replace(of, solver=replace(of.solver, step_max=0.005)), "native", 120)
-    energy = rope.state.energy_balance
-    assert rope.state.counts.transformations >= 1
-    assert energy.dissipated_wires > 1.0
-    assert abs(energy.residual) < 5e-3 * energy.dissipated_wires
-    assert abs(energy.transformations) < 5e-3 * energy.dissipated_wires
-
-
-def test_the_moment_that_is_missing_falls_with_the_square_of_the_elements_length() -> None:
-    """The wires' moment turns with theta, which is linear in an element; the frame's twist is not."""
-
-    def missing(elements: int) -> float:
-        of = scene(Mesh("eem", elements=elements))
-        return wound(replace(of, solver=replace(of.solver, step_max=0.0025)), "native", 100).state.audit.missing_moment
-
-    coarse, fine, finest = (missing(elements) for elements in (10, 20, 40))
-    assert min(math.log2(coarse / fine), math.log2(fine / finest)) > 1.8
 
 
 def test_steps_converge_with_the_second_order() -> None:

@@ -1,15 +1,13 @@
 """The bound on the work of one communication step: what it holds, what it gives up, and that it says so."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scenes import Trip
 from test_native import bounce
 
-from benchmarks.latency import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from rope_model.native.engine import NativeRope
@@ -19,7 +17,7 @@ from rope_model.simulation.simulator import RopeSimulator
 pytest.importorskip("rope_model.native.build")
 
 #: winds 200 m, its swivels are released at 20 s, and it is stopped after that
-STOP = Case("rope-240", "emergency stop", "draft", 0.01)
+STOP = Trip("rope-240", "emergency stop", "draft", 0.01)
 READ = ("count.newton", "status.given_up", "status.given_up_since", "left.fy", "right.fy", "loop.yaw")
 NEWTON, GIVEN_UP, SINCE, FORCES = 0, 1, 2, slice(3, 5)
 BOUND = 48

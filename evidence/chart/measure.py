@@ -3,46 +3,38 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
+from evidence.errors import force_error, place_error
 from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
-from evidence.tables import Table, Tables, table
+from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh import fit_mesh
 
+from . import depth
 from .front import pareto
-from .points import FAMILIES, SAMPLE, Point, Study
+from .points import FAMILIES, SAMPLE, Point, Study, complete
 
 Array = NDArray[np.float64]
 
 #: families of which every point is repeated
-ALWAYS = ("levels", "fidelities", "tolerance", "newton", "rho_inf")
+ALWAYS = ("levels", "fidelities")
 #: s of processor time; a longer run is not repeated
 SLOW = 3.0
 ERRORS = ("force error", "loop error [m]", "twist error [rad]")
 COST = "processor time [s/s]"
 COLUMNS = (
-    *(
-        "family",
-        "name",
-        "coupling",
-        "fidelity",
-        "kernels",
-        "mesh",
-        "elements",
-        "largest step [s]",
-        "communication step [s]",
-    ),
-    *("tolerance", "newton tolerance", "rho_inf", "rounds", COST, *ERRORS),
+    *("family", "name", "coupling", "fidelity", "kernels", "mesh", "elements"),
+    *("largest step [s]", "communication step [s]"),
+    *("rounds", COST, *ERRORS),
     *("steps", "newton iterations", "rejections", "transformations", "failure"),
 )
 
@@ -99,13 +91,12 @@ def errors(run: Run, exact: Run, coupling: str) -> tuple[float, float, float]:
     """
     if run.failure:
         return float("nan"), float("nan"), float("nan")
-    force = np.sqrt(np.mean((run.force - exact.force) ** 2)) / np.max(np.abs(exact.force))
-    bottom = np.max(np.linalg.norm(run.bottom - exact.bottom, axis=1))
     twisted = coupling == "coupled" and run.fidelity == "torsional"
-    return float(force), float(bottom), float(np.max(np.abs(run.theta - exact.theta))) if twisted else float("nan")
+    theta = float(np.max(np.abs(run.theta - exact.theta))) if twisted else float("nan")
+    return force_error(run.force, exact.force), place_error(run.bottom, exact.bottom), theta
 
 
-def measure(study: Study, families: Sequence[str]) -> Tables:
+def measure(study: Study, families: Sequence[str] = FAMILIES) -> Tables:
     """Every point of the families once, those on a front and those of ALWAYS again in each further round."""
     exact = {c: study.reference(c) for c in COUPLINGS}
     points = [p for p in study.points if p.family in families or p in exact.values()]
@@ -145,10 +136,9 @@ def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]])
 
 
 def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object, ...]:
-    s = p.solver
     return (
         *(p.family, p.name, p.coupling, run.fidelity, run.kernels, _describe(p), run.elements),
-        *(s.step_max, p.communication, s.tolerance, s.newton_tolerance, s.rho_inf, len(run.costs), run.cost),
+        *(p.solver.step_max, p.communication, len(run.costs), run.cost),
         *errors,
         *run.work,
         run.failure,
@@ -163,10 +153,5 @@ def _describe(p: Point) -> str:
     return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"
 
 
-def merge(old: Table, new: Table, families: Sequence[str]) -> Table:
-    """``new`` in place of the old rows of its families, ordered as a complete run orders them."""
-    keep = ~np.isin(old["family"], list(families))
-    both = {name: np.concatenate((old[name][keep], new[name])) for name in COLUMNS}
-    order = {key: k for k, key in enumerate(product(COUPLINGS, FAMILIES))}
-    rank = np.argsort([order[key] for key in zip(both["coupling"], both["family"], strict=True)], kind="stable")
-    return {name: column[rank] for name, column in both.items()}
+#: what `python -m evidence --measure chart` measures
+MEASURES: dict[str, Callable[[], Tables]] = {"points": lambda: measure(complete()), "depth": depth.tables}

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import product
-from typing import Literal
 
 from benchmarks.kinematic import fixed_steps
 from evidence.reproduction.windings import COUPLINGS, scene_of
@@ -20,13 +19,10 @@ STEPS = (5e-3, 10e-3, 20e-3, 40e-3)  # s
 EEM_ELEMENTS = (60, 100, 150, 200, 300, 600)
 EEM_LARGEST = 200  # elements; finer meshes gain nothing from the longest step, which halving makes short again
 TMN_ERRORS = (0.05, 0.01, 5e-3, 2e-3, 1e-3, 3e-4, 1e-4)  # m, loop_error
-TOLERANCES = (100.0, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1)
-NEWTON_TOLERANCES = (1e-7, 1e-6, 1e-5, 1e-4)
-RADII = (0.0, 0.3, 0.6, 0.9, 1.0)
 #: the last of each is the reference solution
 REFERENCE_ELEMENTS = (200, 400, 800)
 REFERENCE_STEPS = (10e-3, 5e-3, 2.5e-3)  # s
-FAMILIES = ("reference", "levels", "eem", "tmn", "fidelities", "tolerance", "newton", "rho_inf", "kernels")
+FAMILIES = ("reference", "levels", "eem", "tmn", "fidelities")
 
 
 @dataclass(frozen=True)
@@ -95,11 +91,9 @@ def complete() -> Study:
 
 
 def quick() -> Study:
-    """A few points of every family on 1 m of travel: a check that all is in place, not a result."""
+    """Return the levels and a coarse reference on 1 m of travel: a check that all is in place, not a result."""
     elements, steps = (60, 90), (20e-3, 10e-3)
-    kept = {"draft", "standard", "standard, 10 ms", eem_name(60, 20e-3), eem_name(100, 20e-3), "0.05 m, 20 ms"}
-    kept |= {"published, 20 ms", "1e+00", "1e-06", "rho 0.3", "portable", "torsional", "planar", "rigid"}
-    points = [p for c in COUPLINGS for p in _all(c, elements, steps) if p.family == "reference" or p.name in kept]
+    points = [p for c in COUPLINGS for p in _all(c, elements, steps) if p.family in ("reference", "levels")]
     return Study(tuple(points), Trip(travel=1.0, start_delay=0.0), 0.0, 1, elements, steps)
 
 
@@ -114,14 +108,12 @@ def _all(coupling: str, elements: tuple[int, ...], steps: tuple[float, ...]) -> 
     for (name, mesh), h in product(tmn_meshes().items(), STEPS):
         yield Point("tmn", f"{name}, {milliseconds(h)}", coupling, mesh, fixed_steps(h))
     yield from _fidelities(coupling)
-    if coupling == "coupled":
-        yield from _solvers(coupling)
 
 
 def tmn_meshes() -> dict[str, Mesh]:
     """Meshes of TMN-ETM by name."""
     chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS}
-    return chosen | {"published": Mesh(end_levels=0), "l = 2 m": Mesh()}
+    return chosen | {"published": Mesh(end_levels=0)}
 
 
 def _levels(coupling: str) -> Iterator[Point]:
@@ -138,19 +130,3 @@ def _fidelities(coupling: str) -> Iterator[Point]:
     approximate: tuple[FidelityChoice, ...] = ("torsional", "planar", "rigid")
     for fidelity in exact if coupling == "uncoupled" else approximate:
         yield Point("fidelities", fidelity, coupling, model=Model(fidelity))
-
-
-def _solvers(coupling: str) -> Iterator[Point]:
-    """One number of the solver at a time; the tolerance rules where the largest step does not."""
-    base = Solver()
-    for tolerance in TOLERANCES:
-        solver = replace(base, tolerance=tolerance, step_max=max(STEPS))
-        yield Point("tolerance", f"{tolerance:.0e}", coupling, solver=solver)
-    for tolerance in NEWTON_TOLERANCES:
-        yield Point("newton", f"{tolerance:.0e}", coupling, solver=replace(base, newton_tolerance=tolerance))
-    for rho in RADII:
-        yield Point("rho_inf", f"rho {rho:g}", coupling, solver=replace(base, rho_inf=rho))
-    standard = LEVELS["standard"]
-    forms: tuple[Literal["auto", "compiled", "portable"], ...] = ("auto", "compiled", "portable")
-    for form in forms:
-        yield Point("kernels", form, coupling, Mesh("auto"), replace(standard["solver"], kernels=form))

@@ -1,1 +1,1 @@
-"""Which fidelity of the model a scene needs, and which terms of the equations: ``make choice``."""
+"""Which fidelity of the model a scene needs, and which terms of the equations."""

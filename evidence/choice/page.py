@@ -1,67 +1,46 @@
-"""What docs/choice.md says, computed from the tables: choices and errors, estimates, and what each term changes."""
+"""How much model: what 'auto' takes, estimates of the errors, and the effect of single terms."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from evidence.rendering import number, quantity, render
-from evidence.tables import Table, Tables
+from evidence.rendering import number, quantity
+from evidence.tables import Table, Tables, records
 from rope_model.physics.estimates import ASSUMED
 
-from .fidelity import ROUNDS
-from .terms import SCENES, VARIANTS
-
-#: a fifth of the 0.5 % and all of the 1 cm to which the meshes must agree
-NEEDED, NEEDED_PLACE = 1e-3, 0.01
-CALM, SUDDEN = ("winding",), ("emergency stop", "release")
+from .measure import ROUNDS, SCENES
 
 
-def page(tables: Tables) -> str:
-    """The whole page."""
-    choices, changes = tables["fidelity"], tables["terms"]
-    data = {
+def choices(tables: Tables) -> dict[str, Any]:
+    """Return the section's tables, from docs/data/choice."""
+    return {
         "expected": ASSUMED,
         "rounds": ROUNDS,
-        "scenes": [_scene(choices, i) for i in range(choices["scene"].size)],
-        "raised": [(i, what) for i, cell in enumerate(choices["raised"], start=1) for what in _switches(cell)],
-        "estimates": _estimates(tables["estimates"]),
-        "changes": _changes(changes, tables["bases"]),
-        "needed_force": change(NEEDED, "%"),
-        "needed_place": change(NEEDED_PLACE, "mm"),
-        "terms": {v.term: _term(changes, tables["bases"], v.term) for v in VARIANTS},
+        "scenes": [_scene(r) for r in records(tables["choice/fidelity"])],
+        "estimates": _estimates(tables["choice/estimates"]),
+        "terms": [_term(r) for r in records(tables["choice/terms"])],
     }
-    return render("choice/choice.md.j2", data)
 
 
 def change(x: float, unit: str) -> str:
-    """A difference; what is below 1e-6 % or 1 um is rounding of Newton's method."""
+    """Return a difference as text; below 1e-6 % or 1 um it is rounding of Newton's method."""
     least, form = {"%": (1e-8, ".2g"), "mm": (1e-6, ".3g")}[unit]
     if x == 0:
         return "0"
     return f"< {quantity(least, unit, 'g')}" if x < least else quantity(x, unit, form)
 
 
-def _switches(cell: str) -> list[str]:
-    """To which fidelity a run was raised, when and why."""
-    return cell.split("; ") if cell else []
-
-
-def _scene(t: Table, i: int) -> tuple[str, ...]:
-    """What 'auto' takes, and what that changes and costs."""
-    taken, switches = str(t["fidelity"][i]), _switches(t["raised"][i])
-    then = "".join(f", then {what.split()[0]}" for what in switches)
-    start = (str(i + 1), str(t["scene"][i]), taken + then, str(t["reason"][i]))
-    if taken == "torsional":
-        return (*start, "same", "same", "same", "1")
-    errors = ((t["force_rms"], "%"), (t["force_largest"], "%"), (t["loop_m"], "mm"))
-    return (*start, *(change(column[i], unit) for column, unit in errors), number(t["time"][i], ".2f"))
+def _scene(r: dict[str, Any]) -> tuple[str, ...]:
+    """Return what 'auto' takes, and what that changes and costs."""
+    raised = r["raised"].split("; ") if r["raised"] else []
+    taken = r["fidelity"] + "".join(f", then {what.split()[0]}" for what in raised)
+    errors = (change(r[name], unit) for name, unit in (("force_rms", "%"), ("force_largest", "%"), ("loop_m", "mm")))
+    return r["scene"], taken, "; ".join((r["reason"], *raised)), *errors, number(r["time"], ".2g")
 
 
 def _estimates(t: Table) -> list[tuple[str, ...]]:
-    """Errors and estimates of the windings of one rope at one speed."""
+    """Return errors and estimates of the windings of one rope at one speed."""
     rows = []
     for length, swivels, speed in sorted(set(zip(t["length"], t["swivels"], t["speed"], strict=True))):
         mine = (t["length"] == length) & (t["swivels"] == swivels) & (t["speed"] == speed)
@@ -79,45 +58,9 @@ def _span(ends: Sequence[str]) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
-def _base(bases: Table, scene: str, column: str) -> Any:
-    return bases[column][bases["scene"] == scene][0]
-
-
-def _changes(t: Table, bases: Table) -> list[tuple[str, ...]]:
-    """Every variant in every scene, in the order of VARIANTS."""
-    order, rows = [v.change for v in VARIANTS], list[tuple[str, ...]]()
-    for i in sorted(range(t["scene"].size), key=lambda i: order.index(str(t["change"][i]))):
-        scene = str(t["scene"][i])
-        start = (str(t["term"][i]), str(t["change"][i]), SCENES[scene].title)
-        if t["message"][i]:
-            rows.append((*start, f"fails: {t['message'][i]}", "", "", "", ""))
-            continue
-        theta, torque = t["theta_rad"][i], t["torque_Nm"][i]
-        rows.append(
-            (
-                *start,
-                change(t["force_rms"][i], "%"),
-                change(t["loop_m"][i], "mm"),
-                f"{quantity(theta, 'mrad')} ({change(theta / _base(bases, scene, 'theta_rad'), '%')})",
-                f"{quantity(torque, 'N m')} ({change(torque / _base(bases, scene, 'torque_Nm'), '%')})",
-                f"{t['steps'][i]:.0f} ({_base(bases, scene, 'steps'):.0f})",
-            )
-        )
-    return rows
-
-
-def _term(t: Table, bases: Table, term: str) -> dict[str, Any]:
-    """The most that the variants of a term change, in quiet scenes, after a sudden change, and in all."""
-    torque = t["torque_Nm"] / np.array([_base(bases, scene, "torque_Nm") for scene in t["scene"]])
-    mine = (t["term"] == term) & (t["message"] == "")
-
-    def most(scenes: Sequence[str]) -> dict[str, str]:
-        kept = mine & np.isin(t["scene"], scenes)
-        return {
-            "force": change(t["force_rms"][kept].max(), "%"),
-            "loop": change(t["loop_m"][kept].max(), "mm"),
-            "torque": change(torque[kept].max(), "%"),
-        }
-
-    needed = t["force_rms"][mine].max() > NEEDED or t["loop_m"][mine].max() > NEEDED_PLACE
-    return {"needed": needed, "calm": most(CALM), "sudden": most(SUDDEN), "all": most(tuple(SCENES))}
+def _term(r: dict[str, Any]) -> tuple[str, ...]:
+    """Return what a changed term changes in a scene."""
+    shares = (change(r[name], "%") for name in ("theta", "torque"))
+    steps = f"{r['steps']:.0f} ({r['steps_default']:.0f})"
+    errors = change(r["force_rms"], "%"), change(r["loop_m"], "mm")
+    return r["term"], r["change"], SCENES[r["scene"]].title, *errors, *shares, steps

@@ -1,5 +1,1 @@
-"""The coupling schemes compared: ``python -m evidence.coupling`` writes docs/coupling.md with its figures and data.
-
-oscillator (exact solution), hoist (runs of the cases), light (stability over mass and step) -> command -> figures,
-page.  Figures and page are drawn from the CSV files alone.
-"""
+"""The coupling schemes of drive and rope on the hoist: orders, errors and costs, and the default on every case."""

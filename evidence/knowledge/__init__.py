@@ -1,1 +1,1 @@
-"""What is known of a rope: the catalogue's table."""
+"""What is published, measured and assumed of a rope, and what follows from it: docs/assumed_data.md."""

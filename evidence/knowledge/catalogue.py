@@ -1,15 +1,14 @@
-"""The tables of docs/data.md, from the catalogue itself."""
+"""The tables of docs/howto/rope_data.md, from the catalogue itself."""
 
 from __future__ import annotations
 
-from evidence.rendering import markdown, number
-from evidence.tables import Tables
+from evidence.rendering import folded, markdown, number
 from rope_model import BEARINGS, CONSTRUCTIONS, Datum
 from rope_model.catalogue import PROPERTIES
 
 
-def catalogue(tables: Tables) -> str:
-    """What stands between the marks; no table is needed for it."""
+def catalogue() -> str:
+    """Return ropes, bearings, and the source of every range."""
     ropes = []
     for name, construction in CONSTRUCTIONS.items():
         factors = construction.factors()
@@ -21,7 +20,7 @@ def catalogue(tables: Tables) -> str:
         (
             markdown(ropes, "construction", "", *(text.replace("_", " ") for text in head)),
             markdown(bearings, "bearing of the swivel", "running friction", "starting over running"),
-            markdown(sources, "of", "datum", "status", "source"),
+            folded(markdown(sources, "of", "datum", "status", "source"), "Status and source of every range"),
         )
     )
 

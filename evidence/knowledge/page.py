@@ -1,50 +1,68 @@
-"""What docs/identify.md says, from the recorded data."""
+"""docs/assumed_data.md from docs/data/knowledge."""
 
 from __future__ import annotations
 
-from evidence.knowledge.coverage import inside
+import numpy as np
+
 from evidence.rendering import number, render
-from evidence.tables import Tables
+from evidence.tables import Table, Tables, records, rows
+from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.uncertainty.spread import QUANTILES
+
+from .measure import SCENES
+
+#: share of a spread below which a cause is not shown
+SHOWN = 0.03
 
 
 def page(tables: Tables) -> str:
-    """The whole page."""
-    example, facts = tables["example"], tables["facts"]
-    names = [str(name).replace("_", " ") for name in example["property"]]
-    rows = [
-        (name, *(number(example[column][k], ".4g") for column in ("low", "high", "true", "found", "from", "to")))
-        for k, name in enumerate(names)
-    ]
-    candidates = tables["candidates"]
-    left = [(str(c), f"{1e3 * e:.3g} mm") for c, e in zip(candidates["measurement"], candidates["error"], strict=True)]
-    seen, unseen, more = inside(tables["coverage"]), inside(tables["unseen"]), tables["samples"]
-    covered = [
-        (
-            name.replace("_", " "),
-            f"{hits} of {told}",
-            str(lucky),
-            f"{hits_unseen} of {told_unseen}",
-            str(lucky_unseen),
-            number(reach),
-            f"{more['inside'][k]:.0f} of {more['told'][k]:.0f}",
-        )
-        for k, ((name, told, hits, lucky, reach), (_, told_unseen, hits_unseen, lucky_unseen, _)) in enumerate(
-            zip(seen, unseen, strict=True)
-        )
-    ]
-    together = {
-        name: tuple(sum(int(row[column]) for row in rows) for column in (2, 1, 3))
-        for name, rows in (("seen", seen), ("unseen", unseen))
+    """Return the whole page."""
+    results, t = tables["results"], tables["coverage"]
+    wide = rows(results, measure=("loop_yaw", "left_swivel_torque"))
+    factors, (low, _, high) = wide["high"] / wide["low"], QUANTILES
+    judged, unseen, more = (rows(t, sets=name) for name in ("judged", "unseen", "without a hanging rope"))
+    sums = {
+        name: [int(x[column].sum()) for column in ("told", "inside", "exact")]
+        for name, x in (("judged", judged), ("unseen", unseen))
     }
-    return render(
-        "knowledge/identify.md.j2",
-        {
-            "example": rows,
-            "candidates": left,
-            "covered": covered,
-            "sets": int(max(tables["coverage"]["set"])),
-            "more": int(max(more["told"])),
-            "together": together,
-            **{str(name): float(value) for name, value in zip(facts["fact"], facts["value"], strict=True)},
-        },
+    data = {
+        "assumed": ASSUMED_DATA,
+        "scenes": {s: _spread(rows(results, scene=s), rows(tables["causes"], scene=s)) for s in SCENES},
+        "low": 100 * low,
+        "high": 100 * high,
+        "least": factors.min(),
+        "most": factors.max(),
+        "covered": [_coverage(*x) for x in zip(records(judged), records(unseen), records(more), strict=True)],
+        "together": sums,
+        "sets": int(judged["told"].max()),
+        "more": int(more["told"].max()),
+    }
+    return render("knowledge/assumed_data.md.j2", data)
+
+
+def _coverage(judged: dict[str, float], unseen: dict[str, float], more: dict[str, float]) -> tuple[str, ...]:
+    shares = (f"{x['inside']:.0f} of {x['told']:.0f}" for x in (judged, unseen, more))
+    inside, new, without = shares
+    exact = (f"{x['exact']:.0f}" for x in (judged, unseen))
+    return (
+        str(judged["property"]).replace("_", " "),
+        inside,
+        next(exact),
+        new,
+        next(exact),
+        number(judged["reach"]),
+        without,
     )
+
+
+def _spread(results: Table, causes: Table) -> list[tuple[str, ...]]:
+    """Return per measure its range, and the data that cause it, the largest first."""
+    found = []
+    for r in records(results):
+        own = rows(causes, measure=r["measure"])
+        order = [i for i in np.argsort(-own["share"]) if own["share"][i] > SHOWN]
+        named = [f"{str(own['datum'][i]).replace('_', ' ')} {100 * own['share'][i]:.0f} %" for i in order]
+        unit = "" if r["unit"] == "1" else r["unit"].replace(".", " ")
+        values = (number(r[column]) for column in ("low", "middle", "high"))
+        found.append((f"`{r['measure']}`", unit, *values, ", ".join(named)))
+    return found

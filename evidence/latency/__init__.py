@@ -1,1 +1,1 @@
-"""How long one communication step takes, and what makes the longest ones long: ``make latency``, docs/latency.md."""
+"""Times of single communication steps, as a host in real time meets them."""

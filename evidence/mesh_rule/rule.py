@@ -62,3 +62,8 @@ def slip(t: Table) -> tuple[float, float]:
     aside, x = t["aside [m]"] / t["too high [m]"], t["fine [m]"] / t["w [m]"]
     used = (x > UNLOCKED) & (x < longest() - AT_LEAST)
     return float(aside[used].max()), float(aside[x > longest() + AT_LEAST].max())
+
+
+def off(t: Table, what: str, kind: str) -> Array:
+    """How far the loop's place is off by one part of the mesh or by the steps, m."""
+    return np.asarray(t["off [m]"][(t["what"] == what) & (t["trip"] == kind)])

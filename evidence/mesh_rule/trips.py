@@ -1,8 +1,8 @@
-"""What the mesh does to the loop's place on a winding."""
+"""Effect of the mesh on the loop's place during a winding."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,21 +13,15 @@ from evidence.tables import Table, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh
-from rope_model.simulation.mesh import fit_mesh, partition
+from rope_model.simulation.mesh import fit_mesh
 
 from .scenes import KINDS, STEP, Sample
-from .statics import pattern
 
 Array = NDArray[np.float64]
 SETTLE, EVERY = 3.0, 0.08  # s
 #: loop_error (m) of the mesh whose legs, ends and steps are varied; how much longer its legs' elements are made
 ASKED, PARTS = 5e-3, (0.25, 1.0, 4.0)
 SHORT_STEP = STEP / 4
-#: loop errors asked for, m
-ACCURACIES = (0.05, 5e-3, 1e-3, 2e-4)
-#: of the references: loop elements and half of segment IV over (EI / rho g)^(1/3), grading_length L in m^2; the second
-#: tells how far the first may be trusted
-REFERENCES = ((0.07, 3.0, 60.0), (0.1, 2.7, 120.0))
 
 
 @dataclass(frozen=True)
@@ -62,19 +56,6 @@ def auto_mesh(sample: Sample, loop_error: float) -> Mesh:
     return fit_mesh(sample.scene(Mesh("auto", loop_error=loop_error)))
 
 
-def reference(sample: Sample, fine: float, cover: float, growth: float) -> Mesh:
-    """As pattern; equal elements where the rope is too short for it."""
-    mesh = replace(pattern(sample, fine, cover), grading_length=growth / sample.rope.length)
-    travel = sample.smooth.travel
-    try:
-        cells = partition(mesh, sample.rope.length, 0.5 * (sample.rope.length - travel))
-    except ValueError:
-        cells = None
-    if cells is None or abs(cells.centre - 0.5 * (sample.rope.length - travel)) > 0.5 * cells.coarse:
-        return Mesh("eem", elements=round(sample.rope.length / (fine * sample.w)))
-    return mesh
-
-
 def parts(samples: Iterable[Sample]) -> Table:
     """How far the loop's place is off by joined legs, by the ends' elements, and by steps of 10 ms."""
     rows: list[tuple[object, ...]] = []
@@ -94,28 +75,3 @@ def parts(samples: Iterable[Sample]) -> Table:
                 rows.append((*head, "ends", part, growth, run.elements, distance(run, finer)))
                 rows.append((*head, "steps", part, growth, run.elements, distance(run, shorter)))
     return table(("scene", "length [m]", "trip", "what", "part", "grading_length [m]", "elements", "off [m]"), rows)
-
-
-def judge(samples: Iterable[Sample], accuracies: Sequence[float] = ACCURACIES) -> Table:
-    """Asked and achieved errors of the loop's place; that at rest before the trip; how sure the reference is."""
-    rows: list[tuple[object, ...]] = []
-    for d, kind in ((d, kind) for d in samples for kind in KINDS):
-        exact, other = (run_trip(d, kind, reference(d, *lengths)) for lengths in REFERENCES)
-        sure, speed = distance(exact, other), s_curve(trip_of(d, kind)).peak_speed
-        for asked in accuracies:
-            mesh = auto_mesh(d, asked)
-            fine = mesh.coarse_length / 4 if mesh.kind == "tmn" else d.rope.length / mesh.elements
-            run = run_trip(d, kind, mesh)
-            rest = float(np.linalg.norm(run.places[0] - exact.places[0]))
-            rope = d.rope.length, d.rope.mass_per_length, d.rope.EI, d.rope.Qa, d.layout.spacing, d.w
-            rows.append(
-                (d.number, *rope, kind, speed, asked, mesh.kind, fine, run.elements, distance(run, exact), rest, sure)
-            )
-    return table(COLUMNS, rows)
-
-
-COLUMNS = (
-    *("scene", "length [m]", "mass [kg/m]", "EI [N m2]", "EA [N]", "spacing [m]", "w [m]"),
-    *("trip", "speed [m/s]", "asked [m]", "mesh", "fine [m]", "elements"),
-    *("achieved [m]", "at rest [m]", "reference [m]"),
-)

@@ -1,4 +1,4 @@
-"""The rope in an independent multibody code, Exudyn, beside ours: ``make peer``."""
+"""The rope in an independent multibody code, Exudyn, beside ours."""
 
 import sys
 

@@ -4,7 +4,7 @@ The material is ours: strain |r'| - 1 with Qa, curvature per reference length wi
 same stiffnesses.  The ends move along an S-curve written as a sum of truncated cubics; Exudyn evaluates it itself
 (a symbolic user function), so that no Python code runs inside its time steps.
 
-With ``motions`` the only module that knows Exudyn.
+No other module knows Exudyn.
 """
 
 from __future__ import annotations
@@ -24,12 +24,13 @@ from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
 from rope_model.simulation.transfer import interpolate
 
-from .elements import BEAM_2D, ELEMENTS, RIGID, euler_parameters
-from .motions import s_curve, swing
+from .elements import BEAM, ELEMENTS
 
 Array = NDArray[np.float64]
 VERSION: str = exu.config.Version()
 
+#: prescribed coordinates of an end node
+HELD = (0, 1, 2)
 #: N, of the elements with shear; 1e5 to 1.2e8 N move the loop by less than 0.6 mm.
 SHEAR_STIFFNESS = 1e6
 
@@ -53,8 +54,6 @@ class Record:
     q: Array
     lengths: Array
     cpu: float  # s, of the time steps alone
-    newton: int
-    jacobians: int
 
 
 class PeerError(RuntimeError):
@@ -64,9 +63,7 @@ class PeerError(RuntimeError):
 class PeerRope:
     """``count`` elements between two vertical ends, at first where ``q`` (nodes, 7) at arc lengths ``s`` hangs.
 
-    ``heights`` are those of the ends, m; ``reference`` moves the left end up by it and the right end down;
-    ``sideways`` is (amplitude, duration) of a swing A sin^4(pi t / T) of the left end out of plane.  Unless
-    ``symbolic`` Exudyn calls Python for the S-curve.
+    ``heights`` are those of the ends, m; ``reference`` moves the left end up by it and the right end down.
     """
 
     def __init__(
@@ -77,8 +74,6 @@ class PeerRope:
         hanging: tuple[Array, Array],
         heights: tuple[float, float],
         reference: Trajectory | None = None,
-        sideways: tuple[float, float] | None = None,
-        symbolic: bool = True,
     ) -> None:
         self.element, self.rope = ELEMENTS[element], scene.rope
         pieces = 2 * count if self.element.middle else count
@@ -93,10 +88,7 @@ class PeerRope:
         self._functions: list[Any] = []
         if reference is not None:
             for node, sense in ((0, 1.0), (1, -1.0)):
-                offset, rate = s_curve(reference, sense, symbolic)
-                self._prescribe(self._constraints[node][1], offset, rate, symbolic)
-        if sideways is not None:
-            self._prescribe(self._constraints[0][2], *swing(*sideways), True)
+                self._prescribe(self._constraints[node][1], *s_curve(reference, sense))
         self._samples: list[tuple[float, Array, tuple[float, float]]] = []
         self._sampling = 0.0
         sensor = items.SensorUserFunction(sensorNumbers=[], writeToFile=False, sensorUserFunction=self._sample)
@@ -110,7 +102,6 @@ class PeerRope:
         static.numberOfLoadSteps, static.adaptiveStep, static.newton.maxIterations = 1, False, 300
         static.loadStepDuration, static.useLoadFactor = 1e-9, False  # the ends' motions are functions of its time
         static.newton.relativeTolerance, static.newton.absoluteTolerance = 1e-7, 1e-6
-        static.newton.numericalDifferentiation.forODE2 = self.element.node == RIGID  # its own Jacobian converges worse
         try:
             self.mbs.SolveStatic(settings, updateInitialValues=True)
         except (exu.ExudynError, ValueError) as error:
@@ -134,7 +125,6 @@ class PeerRope:
         except (exu.ExudynError, ValueError) as error:
             raise PeerError(f"{self.element.label}: fails at {self._samples[-1][0]:.2f} s") from error
         cpu = time.process_time() - start - self._sampling
-        iterations = self.mbs.sys["dynamicSolver"].it
         # the start is recorded too, twice
         wanted: Array = sample * np.arange(1.0, round(duration / sample) + 1)
         times = np.array([t for t, _, _ in self._samples])
@@ -145,8 +135,6 @@ class PeerRope:
             q=np.array([self._ours(self._samples[k][1]) for k in rows]),
             lengths=self.lengths,
             cpu=cpu,
-            newton=iterations.newtonStepsCount,
-            jacobians=iterations.newtonJacobiCount,
         )
 
     def configuration(self) -> Array:
@@ -158,32 +146,13 @@ class PeerRope:
         left, right = (self.mbs.GetObjectOutput(c[1], exu.OutputVariableType.Force) for c in self._constraints)
         return -float(left), -float(right)
 
-    def frequencies(self, count: int) -> tuple[Array, Array]:
-        """Natural frequencies (count,), Hz, about the equilibrium, and the out-of-plane share of each mode."""
-        width = self._reference.shape[1]
-        options: dict[str, Any] = {"numberOfEigenvalues": count}
-        if self.element.node != RIGID:  # else the norms of the Euler parameters are constraints too
-            last = self._reference.size - width
-            fixed = [j + k for k in (0, last) for j in self.element.held]
-            options |= {"constrainedCoordinates": fixed, "ignoreAlgebraicEquations": True}
-        values, vectors = self.mbs.ComputeODE2Eigenvalues(**options)
-        shapes = np.asarray(vectors)[:, :count].T.reshape(count, -1, width)
-        motion = np.sum(shapes[:, :, :3] ** 2, axis=1)
-        out = motion[:, 2] / motion.sum(axis=1) if width >= 6 else np.zeros(count)
-        return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), out
-
-    def twist_right_end(self, angle: float) -> None:
-        """Turn the right end about its tangent (rad); for the element with rigid-body nodes."""
-        target = euler_parameters(0.5 * np.pi, angle)
-        for constraint, j in zip(self._constraints[1][3:], (1, 2, 3), strict=True):
-            self.mbs.SetObjectParameter(constraint, "offset", float(target[j] - self._reference[-1, 3 + j]))
-        self.rest()
-
-    def torques(self) -> Array:
-        """Torque in each element's middle, N m; for the element with rigid-body nodes."""
-        kind = exu.OutputVariableType.TorqueLocal
-        read = self.mbs.GetObjectOutputBody
-        return np.array([read(o, kind, localPosition=[0.0, 0.0, 0.0])[0] for o in self._objects])
+    def frequencies(self, count: int) -> Array:
+        """Return the lowest natural frequencies (count,), Hz, about the equilibrium."""
+        last = self._reference.size - self._reference.shape[1]
+        options: dict[str, Any] = {"numberOfEigenvalues": count, "ignoreAlgebraicEquations": True}
+        options["constrainedCoordinates"] = [j + k for k in (0, last) for j in HELD]
+        values, _ = self.mbs.ComputeODE2Eigenvalues(**options)
+        return np.asarray(np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi))
 
     # how it is built
 
@@ -213,14 +182,6 @@ class PeerRope:
 
     def _section(self, rope: Rope) -> dict[str, Any]:
         GA, beta = SHEAR_STIFFNESS, rope.beta_K
-        if self.element.key == "beam-3d":
-            section = exu.BeamSection()
-            stiffness = np.diag([rope.Qa, GA, GA, rope.Qd, rope.EI, rope.EI])
-            stiffness[0, 3], stiffness[3, 0] = rope.Qb, rope.Qc
-            section.stiffnessMatrix, section.dampingMatrix = stiffness, beta * stiffness
-            section.massPerLength = rope.mass_per_length
-            section.inertia = np.diag([rope.rhoJ, 0.5 * rope.rhoJ, 0.5 * rope.rhoJ])
-            return {"sectionData": section}
         data = {
             "massPerLength": rope.mass_per_length,
             "bendingStiffness": rope.EI,
@@ -228,7 +189,7 @@ class PeerRope:
             "bendingDamping": beta * rope.EI,
             "axialDamping": beta * rope.Qa,
         }
-        if self.element.item == BEAM_2D:
+        if self.element.item == BEAM:
             data |= {"crossSectionInertia": 0.5 * rope.rhoJ, "shearStiffness": GA, "shearDamping": beta * GA}
         return data
 
@@ -243,7 +204,7 @@ class PeerRope:
         constraints = []
         for k, end in ((0, 0), (1, -1)):
             held = []
-            for j in self.element.held:
+            for j in HELD:
                 marker = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self._nodes[end], coordinate=j))
                 offset = float(at[k, j] - self._reference[end, j])
                 connector = items.ObjectConnectorCoordinate(markerNumbers=[zero, marker], offset=offset)
@@ -251,12 +212,9 @@ class PeerRope:
             constraints.append(held)
         return constraints
 
-    def _prescribe(self, constraint: Any, offset: Callable[..., Any], rate: Callable[..., Any], symbolic: bool) -> None:
+    def _prescribe(self, constraint: Any, offset: Callable[..., Any], rate: Callable[..., Any]) -> None:
         for name, function in (("offsetUserFunction", offset), ("offsetUserFunction_t", rate)):
-            if symbolic:
-                made = CreateSymbolicUserFunction(self.mbs, function, name, itemTypeName="ObjectConnectorCoordinate")
-            else:
-                made = function
+            made = CreateSymbolicUserFunction(self.mbs, function, name, itemTypeName="ObjectConnectorCoordinate")
             self._functions.append(made)  # Exudyn keeps no reference
             self.mbs.SetObjectParameter(constraint, name, made)
 
@@ -268,6 +226,28 @@ class PeerRope:
         self._samples.append((t, np.array(mbs.systemData.GetODE2Coordinates()), self.end_forces()))
         self._sampling += time.process_time() - start
         return [0.0]
+
+
+def s_curve(reference: Trajectory, sense: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return offset and rate as Exudyn's user functions: each change of the jerk adds a truncated cubic."""
+    jerks = np.array([p.jerk for p in reference.points])
+    terms = [(float(t), sense * float(j)) for t, j in zip(reference.starts, np.diff(jerks, prepend=0.0), strict=True)]
+
+    def offset(mbs: Any, t: Any, item: Any, start: Any) -> Any:
+        y = start
+        for begin, jerk in terms:
+            since = exu.symbolic.max(t - begin, 0.0)
+            y = y + jerk / 6 * since * since * since
+        return y
+
+    def rate(mbs: Any, t: Any, item: Any, start: Any) -> Any:
+        v = 0.0 * t
+        for begin, jerk in terms:
+            since = exu.symbolic.max(t - begin, 0.0)
+            v = v + jerk / 2 * since * since
+        return v
+
+    return offset, rate
 
 
 def _settings() -> Any:

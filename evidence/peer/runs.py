@@ -9,18 +9,18 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from tqdm import tqdm
 
 from benchmarks.kinematic import ends_at
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import EndMotion, Mesh, Scene, Swivel, balance_rope, rope_120
+from rope_model import EndMotion, Mesh, Scene, balance_rope, rope_120
 from rope_model.simulation.diagnostics import loop_bottom
 from rope_model.simulation.rope_system import arc_lengths
 
 from .exudyn_rope import Method, PeerError, PeerRope
 
 Array = NDArray[np.float64]
-Ends = Callable[[float], tuple[EndMotion, EndMotion]]
 
 CASE = rope_120()
 TRAVEL = CASE.travel  # m
@@ -30,9 +30,6 @@ DURATION = SAMPLE * round((REFERENCE.duration + 3.0) / SAMPLE)  # s
 
 #: the rope without coupling of tension and torsion, which Exudyn's elements do not have
 UNCOUPLED = CASE.scene.with_(rope=replace(CASE.scene.rope, Qb=0.0, Qc=0.0))
-#: and without torque, as Exudyn's cable in space
-TORSION_FREE = UNCOUPLED.with_(right=Swivel(mode="free"))
-SIDEWAYS = (0.1, 4.0)  # m, s: swing of the left end out of plane in the runs in space
 
 
 @dataclass(frozen=True)
@@ -55,45 +52,21 @@ class Run:
         return self.cpu / DURATION
 
 
-@dataclass(frozen=True)
-class Error:
-    """Root mean square of the end forces' error, relative to the largest force; largest error of the loop, m."""
-
-    force: float
-    loop: float
-
-
-def error(run: Run, reference: Run) -> Error:
-    """NaN for a run that failed."""
-    force = np.sqrt(np.mean((run.force - reference.force) ** 2)) / np.abs(reference.force).max()
-    return Error(float(force), float(np.abs(run.bottom - reference.bottom).max()))
-
-
 def winding_ends(t: float) -> tuple[EndMotion, EndMotion]:
     """The planar winding."""
     return ends_at(REFERENCE, TRAVEL, t)
 
 
-def swinging_ends(t: float) -> tuple[EndMotion, EndMotion]:
-    """The winding while the left end swings once out of plane, z = A sin^4(pi t/T)."""
-    left, right = winding_ends(t)
-    A, T = SIDEWAYS
-    w = np.pi / T
-    s, c = np.sin(w * min(t, T)), np.cos(w * min(t, T))
-    z, vz, az = A * s**4, 4 * A * w * s**3 * c, 4 * A * w * w * s * s * (3 * c * c - s * s)
-    return replace(left, z=float(z), vz=float(vz), az=float(az)), right
-
-
-def ours(group: str, label: str, scene: Scene, ends: Ends = winding_ends) -> Run:
-    """One run of ours; the host's step is the largest step."""
+def ours(group: str, label: str, scene: Scene) -> Run:
+    """Return one run of ours; the host's step is the largest step."""
     step, rope = scene.solver.step_max, balance_rope(scene)
-    status, cpu = rope.initialize(0.0, *ends(0.0)), 0.0
+    status, cpu = rope.initialize(0.0, *winding_ends(0.0)), 0.0
     count, every = round(DURATION / step), round(SAMPLE / step)
     force, bottom = np.full((count // every, 2), np.nan), np.full((count // every, 3), np.nan)
     for k in range(1, count + 1):
         if not status.valid:
             break
-        targets = ends(k * step)
+        targets = winding_ends(k * step)
         start = time.process_time()
         status = rope.advance_to(k * step, *targets)
         cpu += time.process_time() - start
@@ -115,20 +88,13 @@ def hanging_shape(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Ar
     return arc_lengths(rope.state.partition.lengths), rope.state.motion.q
 
 
-def exudyn(
-    element: str,
-    count: int,
-    method: Method,
-    scene: Scene = UNCOUPLED,
-    sideways: tuple[float, float] | None = None,
-    symbolic: bool = True,
-) -> Run:
-    """One run of Exudyn."""
+def exudyn(element: str, count: int, method: Method) -> Run:
+    """Return one run of Exudyn."""
     heights = (0.0, TRAVEL)
     label = f"{count}, {1e3 * method.step:g} ms"
     samples = round(DURATION / SAMPLE)
     try:
-        rope = PeerRope(scene, element, count, hanging_shape(scene, heights), heights, REFERENCE, sideways, symbolic)
+        rope = PeerRope(UNCOUPLED, element, count, hanging_shape(UNCOUPLED, heights), heights, REFERENCE)
         rope.rest()
         record = rope.run(DURATION, SAMPLE, method)
     except PeerError as failed:
@@ -138,14 +104,11 @@ def exudyn(
     return Run("Exudyn", element, label, count, method.step, record.cpu, record.force, bottom)
 
 
-def measure_times(
-    cases: Mapping[str, Callable[[], Run]], rounds: int, short: float, tell: Callable[[str], None]
-) -> dict[str, Run]:
-    """Every case once, those below ``short`` seconds ``rounds`` times in turn; the median of the CPU times."""
+def measure_times(cases: Mapping[str, Callable[[], Run]], rounds: int, short: float) -> list[Run]:
+    """Run every case once, those below ``short`` seconds ``rounds`` times in turn; the median of the CPU times."""
     runs: dict[str, list[Run]] = {key: [] for key in cases}
     for turn in range(rounds):
-        for key, case in cases.items():
+        for key, case in tqdm(cases.items(), desc=f"round {turn + 1}", unit="run", leave=False):
             if turn == 0 or runs[key][0].cpu < short:
-                tell(key)
                 runs[key].append(case())
-    return {key: replace(done[0], cpu=float(np.median([r.cpu for r in done]))) for key, done in runs.items()}
+    return [replace(done[0], cpu=float(np.median([r.cpu for r in done]))) for done in runs.values()]

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from evidence.claims import Measurement
+from evidence.claims import below
 from evidence.drawing import COLOURS, REFERENCE, figure
 from evidence.tables import Tables
 
@@ -49,15 +49,15 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "energy before and after a transformation agrees",
-            Measurement("largest relative change of the kinetic energy", relative_change(tables), "1", "<", 1e-6),
+            below("largest relative change of the kinetic energy", relative_change(tables), 1e-6),
         ),
         Claim(
             "the kinetic energy changes by less than 1e-4 J per transformation",
-            Measurement("largest change", largest_change(tables), "J", "<", SOURCE_CHANGE),
+            below("largest change", largest_change(tables), SOURCE_CHANGE, "J"),
         ),
         Claim(
             "the kinetic energy differs from EEM by less than 1 J of 1e4 J",
-            Measurement("largest difference", float(difference), "J", "<", SOURCE_DIFFERENCE),
+            below("largest difference", difference, SOURCE_DIFFERENCE, "J"),
         ),
     ]
 

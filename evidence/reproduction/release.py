@@ -12,7 +12,6 @@ from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
-from rope_model.physics.costello import torque
 from rope_model.simulation.paths import SIDES
 from rope_model.simulation.rope_system import ANGLE, POSITION, arc_lengths
 
@@ -34,7 +33,6 @@ class Watch:
     swivel: list[tuple[float, ...]] = field(default_factory=list)  # right one: SWIVEL
     yaw: list[float] = field(default_factory=list)  # rad
     shapes: list[tuple[float, ...]] = field(default_factory=list)  # t, s, x, y, z, theta
-    twists: list[tuple[float, ...]] = field(default_factory=list)  # t, s, tau, torque
 
     def __call__(self, rope: BalanceRope) -> None:
         """Look at the rope."""
@@ -47,11 +45,6 @@ class Watch:
         if np.min(np.abs(m.t - np.array(INSTANTS))) < 0.5 * H:
             s = arc_lengths(state.partition.lengths)
             self.shapes += [(round(m.t, 3), *row) for row in np.column_stack((s, m.q[:, POSITION], m.q[:, ANGLE]))]
-            e, tau, *_ = python.system.strains(m.q).T
-            data = rope.scene.rope
-            M = torque(data.Qs, data.Qk, data.Qd, data.Qe, e, tau)
-            middle = 0.5 * (s[:-1] + s[1:])
-            self.twists += [(round(m.t, 3), *row) for row in np.column_stack((middle, tau, M))]
 
 
 def follow(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]:
@@ -91,5 +84,4 @@ def measure() -> Tables:
         "release-loop": loop,
         "release-events": table(("t [s]", "side", "what"), events),
         "release-shapes": table(("t [s]", "s [m]", "x [m]", "y [m]", "z [m]", "theta [rad]"), watch.shapes),
-        "release-twist": table(("t [s]", "s [m]", "tau [rad/m]", "torque [N m]"), watch.twists),
     }

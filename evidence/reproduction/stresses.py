@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from evidence.claims import Measurement
+from evidence.claims import below
 from evidence.drawing import figure
 from evidence.rendering import number
 from evidence.tables import Tables
@@ -71,25 +71,18 @@ def claims(tables: Tables) -> list[Claim]:
         "unevenness is mostly the time step's"
     )
     return [
+        Claim("only a few areas carry large bending stress", below(share, above_half(tables, "bending"), FEW, "%")),
         Claim(
-            "only a few areas carry large bending stress",
-            Measurement(share, above_half(tables, "bending"), "%", "<", FEW),
-        ),
-        Claim(
-            "only a few areas carry large torsional stress",
-            Measurement(share, above_half(tables, "torsion"), "%", "<", FEW),
-            even,
+            "only a few areas carry large torsional stress", below(share, above_half(tables, "torsion"), FEW, "%"), even
         ),
         Claim(
             "the areas follow the conveyances (bending)",
-            Measurement(
-                "largest distance along the rope from the loop's lowest point", distance(tables), "m", "<", 1.0
-            ),
+            below("largest distance along the rope from the loop's lowest point", distance(tables), 1.0, "m"),
         ),
         *(
             Claim(
                 f"TMN-ETM agrees with EEM in the {words[kind]} stress norm",
-                Measurement("largest difference of the maxima", mesh_difference(tables, kind), "%", "<", 2.0),
+                below("largest difference of the maxima", mesh_difference(tables, kind), 2.0, "%"),
                 _because(tables),
             )
             for kind in STRESSES

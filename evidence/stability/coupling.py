@@ -16,14 +16,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from evidence.claims import Measurement
+from evidence.claims import above, below
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
-from .entry import Array, Curve, Entry, Figure, Finding
+from .entry import Array, Entry, Finding
 
 LENGTH, FREQUENCY, DAMPING, STROKE = 20.0, 1.0, 0.05, 0.05  # m, Hz, 1, m
 LEG = 0.5 * LENGTH * Rope.mass_per_length  # kg
@@ -121,40 +120,20 @@ def measure_map() -> Finding:
     counterexample, ours, added = stable_points("explicit"), stable_points("semi-implicit"), added_masses()
     rope = hang()
     message = couple(rope, float(MASSES[0]), 0.01, "explicit", 1.0).message
-    masses, steps = np.meshgrid(MASSES, STEPS, indexing="ij")
     # |a_{k+1}| = m_a / M |a_k|: explicit exchange is a fixed-point iteration for a, one turn per step
-    ratio = masses / added
+    ratio = MASSES[:, None] / added
     clear = (ratio < 0.5) | (ratio > 2.0)
     predicted = float(np.mean((ratio > 1.0)[clear] == (counterexample > 0)[clear]))
 
-    def points(which: NDArray[np.bool_]) -> tuple[Array, Array]:
-        return 1e3 * steps[which], masses[which] / LEG
-
     return Finding(
         counterexample=(
-            Measurement("explicit: unstable points of 64", float(np.sum(counterexample == 0)), "1", ">", 12.0),
-            Measurement("points beyond a factor of 2 that M > m_a predicts", predicted, "1", ">", 0.95),
+            above("explicit: unstable points of 64", np.sum(counterexample == 0), 12.0),
+            above("points beyond a factor of 2 that M > m_a predicts", predicted, 0.95),
         ),
         ours=(
-            Measurement("semi-implicit: unstable points of 64", float(np.sum(ours == 0)), "1", "<", 0.5),
+            below("semi-implicit: unstable points of 64", np.sum(ours == 0), 0.5),
             # of first order: the force at a step's end is held over the next
-            Measurement(
-                "semi-implicit, M a tenth of the leg, 10 ms: error over the stroke", accuracy(), "1", "<", 0.05
-            ),
-        ),
-        figure=Figure(
-            "Exchange of forces with a conveyance of mass M",
-            "communication step, ms",
-            "M over the mass of a leg",
-            (
-                Curve("explicit, stable", *points(counterexample > 0), style="o"),
-                Curve("explicit, unstable", *points(counterexample == 0), style="x"),
-                Curve("semi-implicit (ours), stable", *points(ours > 0), style="."),
-                Curve("M = added mass over the step", 1e3 * STEPS, added / LEG),
-                Curve("M = Z H / 2", 1e3 * STEPS, 0.5 * IMPEDANCE * STEPS / LEG, "--"),
-            ),
-            log_x=True,
-            log_y=True,
+            below("semi-implicit, M a tenth of the leg, 10 ms: error over the stroke", accuracy(), 0.05),
         ),
         message=message,
     )
@@ -211,30 +190,18 @@ def measure_steps() -> Finding:
             message = message or cause
             exact = reference[round(H / finest) - 1 :: round(H / finest)][: pull.size]
             found.append(float(np.max(np.abs(pull - exact))) / weight)
-    labels = {
-        "held": "position held (zero order)",
-        "extrapolated": "motion extrapolated from the step's start",
-        "step end": "motion at the step's end (ours)",
-    }
     ratio = errors["extrapolated"][0] / errors["step end"][0]
     return Finding(
         counterexample=(
             # a host would not accept a tenth of the rope's load as an error
-            Measurement("held: largest error at 50 ms over the leg's weight", errors["held"][2], "1", ">", 0.1),
-            Measurement("extrapolated: largest error at 200 ms over ours", ratio, "1", ">", 10.0),
+            above("held: largest error at 50 ms over the leg's weight", errors["held"][2], 0.1),
+            above("extrapolated: largest error at 200 ms over ours", ratio, 10.0),
         ),
         ours=(
             # the quintic errs by h^6/46080 of the sixth derivative, 1e-7 m; the bound is what the rope's own steps of
             # 10 ms may err by
-            Measurement("error at 200 ms over the leg's weight", errors["step end"][0], "1", "<", 1e-3),
-            Measurement("error at 50 ms over the leg's weight", errors["step end"][2], "1", "<", 1e-3),
-        ),
-        figure=Figure(
-            "Error of the end's pull during a lift of 0.5 m in 2 s",
-            "communication step, ms",
-            "largest error over the leg's weight",
-            tuple(Curve(labels[x], 1e3 * np.array(LONG), np.array(y), "o-") for x, y in errors.items()),
-            log_y=True,
+            below("error at 200 ms over the leg's weight", errors["step end"][0], 1e-3),
+            below("error at 50 ms over the leg's weight", errors["step end"][2], 1e-3),
         ),
         message=message,
     )

@@ -2,47 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from evidence.claims import Measurement
+from evidence.tables import Table, table
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Curve:
-    """One line of an entry's figure."""
-
-    label: str
-    x: Array
-    y: Array
-    style: str = "-"
-
-
-@dataclass(frozen=True)
-class Figure:
-    """What an entry shows."""
-
-    title: str
-    x_label: str  # with unit
-    y_label: str
-    curves: tuple[Curve, ...]
-    log_x: bool = False
-    log_y: bool = False
-
-
-@dataclass(frozen=True)
 class Finding:
-    """What the failing counterexample did and what ours did in the same scene, and a figure where looking helps."""
+    """Claims about the counterexample and about ours in the same scene; the page draws the curves of some entries."""
 
-    counterexample: tuple[Measurement, ...]  # what the counterexample does wrong
-    ours: tuple[Measurement, ...]  # what ours does right
-    figure: Figure | None = None
-    message: str = ""  # what the user is told where ours stops instead of holding
+    counterexample: tuple[Measurement, ...]
+    ours: tuple[Measurement, ...]
+    message: str = ""  # to the user, where ours stops instead of holding
+    curves: Table | None = None
+
+    @property
+    def sides(self) -> dict[str, tuple[Measurement, ...]]:
+        """The claims by whom they are about."""
+        return {"counterexample": self.counterexample, "ours": self.ours}
 
     @property
     def holds(self) -> bool:
@@ -61,3 +46,9 @@ class Entry:
     title: str
     measure: Callable[[], Finding]
     slow: bool = False
+
+
+def points(axes: tuple[str, str], curves: Mapping[str, tuple[Any, Any]]) -> Table:
+    """Return curves by name as a table, one point per row."""
+    rows = [(name, float(a), float(b)) for name, (x, y) in curves.items() for a, b in zip(x, y, strict=True)]
+    return table(("curve", *axes), rows)

@@ -8,7 +8,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from evidence.claims import Measurement
+from evidence.claims import above, below
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation import modal
 from rope_model.simulation.rope_kernels import RopeKernels
@@ -16,7 +16,7 @@ from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
 
 from .chain import Solve, StaticBoundary, by_continuation, by_newton, is_stable
 from .counterexamples import no_rate
-from .entry import Array, Curve, Entry, Figure, Finding
+from .entry import Array, Entry, Finding
 
 BEND, TWIST_STIFFNESS, AXIAL, TENSION, ROD = 1.0, 0.7, 1e3, 1.0, 60.0  # N m^2, N m^2, N, N, m
 
@@ -72,34 +72,17 @@ def measure_hockling() -> Finding:
     found = np.array([deflection(by_continuation, M, 1e-3) for M in torques])
     return Finding(
         counterexample=(
-            Measurement(
-                "tau = theta' alone: torque up to which nothing happens, part of 2 sqrt(EI T)",
-                without / theory,
-                "1",
-                ">",
-                5.0,
+            above(
+                "tau = theta' alone: torque up to which nothing happens, part of 2 sqrt(EI T)", without / theory, 5.0
             ),
-            Measurement(
-                "plain Newton, 1.2 times the critical torque: largest deflection", float(newton[-1]), "m", "<", 1e-6
-            ),
+            below("plain Newton, 1.2 times the critical torque: largest deflection", newton[-1], 1e-6, "m"),
         ),
         ours=(
             # a finite length adds about (2 pi/L)^2/2: 0.5 %
-            Measurement("onset against 2 sqrt(EI T)", abs(ours / theory - 1), "1", "<", 0.01),
-            Measurement("deflection at 0.95 times the critical torque", float(found[2]), "m", "<", 1e-6),
+            below("onset against 2 sqrt(EI T)", abs(ours / theory - 1), 0.01),
+            below("deflection at 0.95 times the critical torque", found[2], 1e-6, "m"),
             # the clamps hold the ends apart, so that only the stretch T/Qa feeds the helix: ten times the disturbance
-            Measurement("deflection at 1.1 times the critical torque", float(found[4]), "m", ">", 0.01),
-        ),
-        figure=Figure(
-            "Where a twisted rod comes to rest, disturbed by 1 mm",
-            "torque of the straight rod over 2 sqrt(EI T)",
-            "largest deflection, m",
-            (
-                # a log axis has no zero
-                Curve("plain Newton", torques / theory, np.maximum(newton, 1e-16), "x-"),
-                Curve("pseudo-transient continuation (ours)", torques / theory, np.maximum(found, 1e-16), "o-"),
-            ),
-            log_y=True,
+            above("deflection at 1.1 times the critical torque", found[4], 0.01, "m"),
         ),
     )
 

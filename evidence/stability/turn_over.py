@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from evidence.claims import Measurement
+from evidence.claims import above, below
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.simulation.adaptation import with_loop_yaw
 from rope_model.simulation.ends import Phase, SwivelState
@@ -18,7 +18,7 @@ from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 
 from .chain import Solve, by_continuation, by_newton, is_stable, plain_newton
-from .entry import Array, Curve, Entry, Figure, Finding
+from .entry import Array, Entry, Finding
 
 TWISTS = np.concatenate((np.arange(1.0, 7.0), np.arange(7.0, 9.01, 0.2)))  # rad
 LONG = Scene(
@@ -125,57 +125,29 @@ def measure_turn_over() -> Finding:
 
     at_once = find_rest(rope, twist(rope.state, float(TWISTS[-1])), by_continuation)
     assert at_once is not None
-    reached = np.array([state.loop_yaw for state in newton])
     return Finding(
         counterexample=(
-            Measurement(
-                "Newton: twist from which it finds nothing more",
-                float(TWISTS[len(newton)]),
-                "rad",
-                "<",
-                float(TWISTS[-1]),
+            below("Newton: twist from which it finds nothing more", TWISTS[len(newton)], float(TWISTS[-1]), "rad"),
+            below(
+                "Newton from the disturbed planar loop: distance from the plane", np.abs(flat.q[:, 2]).max(), 1e-6, "m"
             ),
-            Measurement(
-                "Newton from the disturbed planar loop: distance from the plane",
-                float(np.abs(flat.q[:, 2]).max()),
-                "m",
-                "<",
-                1e-6,
-            ),
-            Measurement(
-                "that planar loop is refused as unstable by natural_modes", float(bool(message)), "1", ">", 0.5
-            ),
+            above("that planar loop is refused as unstable by natural_modes", bool(message), 0.5),
         ),
         ours=(
-            Measurement("yaw at the last twist", float(yaws[-1]), "rad", ">", math.pi),
-            Measurement(
-                "the same when it is put in at once: difference", abs(at_once.loop_yaw - yaws[-1]), "rad", "<", 1e-3
-            ),
-            Measurement("unstable shapes on the way", unstable, "1", "<", 1),
+            above("yaw at the last twist", yaws[-1], math.pi, "rad"),
+            below("the same when it is put in at once: difference", abs(at_once.loop_yaw - yaws[-1]), 1e-3, "rad"),
+            below("unstable shapes on the way", unstable, 1),
             # the estimate takes the legs for a pendulum of constant stiffness and knows two twists 0.2 rad apart
-            Measurement(
+            below(
                 f"critical twist {critical:.3g} rad against the bifilar estimate {bound:.3g} rad",
                 abs(critical / bound - 1),
-                "1",
-                "<",
                 0.1,
             ),
-            Measurement(
+            below(
                 "from the disturbed planar loop to the yaw that stepwise twisting gives",
                 abs(left.loop_yaw - same),
-                "rad",
-                "<",
                 0.1,
-            ),
-        ),
-        figure=Figure(
-            "Yaw of the loop of a 240 m rope, ends 3 m apart, as twist is put in",
-            "installed twist, rad",
-            "yaw of the loop, rad",
-            (
-                Curve("pseudo-transient continuation (ours)", TWISTS, yaws, "o-"),
-                Curve("plain Newton, as far as it gets", TWISTS[: reached.size], reached, "x-"),
-                Curve("estimate of the critical twist", np.full(2, bound), np.array([0.0, 2 * math.pi]), ":"),
+                "rad",
             ),
         ),
         message=message,

@@ -1,4 +1,4 @@
-"""The model against measurement, theory and another code, and docs/validation.md.
+"""The model against measurement, theory and other codes; docs/validation.md has their rows.
 
 row        a line of the page's table: reference, result, acceptance, test
 wires      measured: the twist at which hanging wires throw a loop
@@ -6,7 +6,7 @@ chains     a folded rope that is let go, a rope that hangs by one end
 bending    measured: a cable's stiffness while its parts stick and slip
 onset      theory: the torque at which a clamped rod buckles
 buckle     theory: the buckle in which a long rod's slack gathers
-cabledyn   a second code: a twisted U; cabledyn_motion its frequencies and a winding
-measure    all rows, and the tables behind them
-page       what the page validation.md.j2 says
+cabledyn   a second code: a winding of a twisted U
+measure    all rows of this room; discrete_rod, peer and contact have theirs
+page       the page validation.md.j2
 """

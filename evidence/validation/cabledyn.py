@@ -1,32 +1,35 @@
-"""A U of rope, clamped at both ends and twisted: CableDyn's cubic elements against ours.
+"""A winding of a rope twisted by 90 degrees, clamped as a U at both ends, one end held: CableDyn against ours.
 
-CableDyn 0.3.0 (SMI-Lab-Inha, Apache-2.0) has quasi-static torsion without coupling to tension.  Its rope hangs in water
-of hardly any density.  ``cabledyn_motion`` has its frequencies and its winding.
+CableDyn 0.3.0 (SMI-Lab-Inha, Apache-2.0) has cubic elements and quasi-static torsion without coupling to tension; its
+rope hangs in water of hardly any density.  It moves one end of a rope that bends.  Both take the same steps of
+generalized-alpha with the same spectral radius, without damping.  CableDyn's pull of a moving end leaves out what
+accelerates half of the first element, which is put in.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
-from evidence.stability.chain import StaticBoundary
+from benchmarks.kinematic import fixed_steps
 from evidence.tables import Table, table
-from rope_model.parameters import Layout, Rope
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, parameter_vector
-from rope_model.simulation.statics import find_equilibrium, hanging_guess
+from rope_model import EndMotion, balance_rope
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Swivel
+from rope_model.simulation.rope_system import ANGLE, POSITION
 
-from .statics import Array, clamped, turned
+from .statics import Array
 
 ROPE, GRAVITY = Rope(Qb=0.0, Qc=0.0), Layout().gravity
 SPACING, ELEMENTS = 0.5, 480  # m
-TWISTS = (0, 45, 90, 135, 180)  # deg
-STEP = 15  # deg that ours is turned at once
+#: deg, m, s
+TWIST, WAY, TIME, DURATION, STEP = 90.0, 60.0, 10.0, 14.0, 0.01
+#: s between the rows of the table
+EVERY = 0.25
 
 DECK = """\
 --- LINE TYPES ---
@@ -52,41 +55,30 @@ LineID LineType Length NumSegs
 {outputs}
 --- END ---
 """
-#: ends that no torque reaches, and ends one of which is turned
-PLAIN = """\
-LineID End Stiffness EzX EzY EzZ
-1 A Rigid 0.0 0.0 -1.0
-1 B Rigid 0.0 0.0 1.0"""
+#: ends one of which is turned
 TWISTED = """\
 LineID End Stiffness EzX EzY EzZ TorsStiffness NxX NxY NxZ Pretwist
 1 A Rigid 0.0 0.0 -1.0 Rigid 0.0 1.0 0.0 0.0
 1 B Rigid 0.0 0.0 1.0 Rigid 0.0 1.0 0.0 {twist}"""
-#: finite EI asks for a dynamic deck, which begins with the shape at rest
-AT_REST = ("0.01 dtM", "0.01 TMax")
 
 
 @dataclass(frozen=True)
 class Deck:
-    """What differs from deck to deck: the first end's ``height`` (m), the ends' connections, options and outputs.
-
-    ``files`` asks for more of them, ``motion`` is that of the first end.
-    """
+    """Deck of the winding: the ends' connections, options and outputs, and the motion of the first end."""
 
     ends: str
-    options: tuple[str, ...] = AT_REST
-    outputs: tuple[str, ...] = ("FairTen1",)
-    height: float = 0.0
-    files: str = "-"
-    motion: str = ""
+    options: tuple[str, ...]
+    outputs: tuple[str, ...]
+    motion: str
 
     def run_in(self, folder: Path) -> Any:
         """By CableDyn's driver, which the package ``cabledyn`` carries."""
         import cabledyn
 
         numbers = {"d": ROPE.diameter, "rho": ROPE.mass_per_length, "EA": ROPE.Qa, "EI": ROPE.EI, "GJ": ROPE.Qd}
-        layout = {"length": ROPE.length, "elements": ELEMENTS, "spacing": SPACING, "height": self.height, "g": GRAVITY}
+        layout = {"length": ROPE.length, "elements": ELEMENTS, "spacing": SPACING, "height": 0.0, "g": GRAVITY}
         lines = {"options": "\n".join(self.options), "outputs": "\n".join(f'"{name}"' for name in self.outputs)}
-        text = DECK.format(**numbers, **layout, **lines, GAs=0.4 * ROPE.Qa, ends=self.ends, files=self.files)
+        text = DECK.format(**numbers, **layout, **lines, GAs=0.4 * ROPE.Qa, ends=self.ends, files="p")
         deck = Path(folder, "u.dat")
         deck.write_text(text, encoding="utf-8")
         Path(folder, "motion.txt").write_text(self.motion, encoding="utf-8")
@@ -94,62 +86,74 @@ class Deck:
 
 
 @dataclass(frozen=True)
-class Shape:
-    """Pull of an end and torque (N, N m), the lowest place (m), and how far the rope leaves its plane (m)."""
+class Course:
+    """The winding at the end of every step: pulls of the moving and the held end (steps, 2), torque, nodes' places."""
 
-    pull: float
-    torque: float
-    lowest: float
-    aside: float
+    pull: Array  # N
+    torque: Array  # N m, at the moving end
+    nodes: Array  # (steps, nodes, 3), m, the second axis up
 
 
-def theirs(twist: float) -> Shape:
+def moving_end(t: float) -> EndMotion:
+    """It rises by WAY within TIME."""
+    x = min(t / TIME, 1.0)
+    return EndMotion(
+        y=WAY * x**3 * (10.0 - 15.0 * x + 6.0 * x * x),
+        vy=30.0 * WAY / TIME * (x * (1.0 - x)) ** 2,
+        ay=60.0 * WAY / TIME**2 * x * (1.0 - x) * (1.0 - 2.0 * x),
+    )
+
+
+def our_winding() -> Course:
+    """By the native rope."""
+    locked = Swivel("locked")
+    scene = Scene(
+        rope=replace(ROPE, beta_K=0.0, installed_twist=math.radians(TWIST)),
+        layout=Layout(spacing=SPACING, gravity=GRAVITY),
+        mesh=Mesh("eem", elements=ELEMENTS),
+        model=Model("torsional"),
+        solver=fixed_steps(STEP),
+        left=locked,
+        right=locked,
+    )
+    rope, motions = balance_rope(scene, "native"), []
+    status = rope.initialize(0.0, moving_end(0.0), EndMotion())
+    for k in range(round(DURATION / STEP) + 1):
+        if k:
+            status = rope.advance_to(k * STEP, moving_end(k * STEP), EndMotion())
+        if not status.valid:
+            raise RuntimeError(status.message)
+        motions.append(rope.state.motion)
+    reaction = np.array([m.reaction[[0, -1]] for m in motions])
+    pull, torque = np.linalg.norm(reaction[:, :, POSITION], axis=2), np.abs(reaction[:, 0, ANGLE])
+    return Course(pull, torque, np.array([m.q[:, POSITION] for m in motions]))
+
+
+def their_winding() -> Course:
     """By CableDyn."""
+    ends = [moving_end(k * STEP) for k in range(round(DURATION / STEP) + 1)]
+    lines = [f"{k * STEP:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g}" for k, e in enumerate(ends)]
+    options = f"{STEP} dtM", f"{DURATION} TMax", f"{fixed_steps(STEP).rho_inf} rhoInf", "motion.txt motionFile"
+    outputs = "FairTen1", "AnchTen1", "Torq1N1"
     with TemporaryDirectory() as folder:
-        run = Deck(TWISTED.format(twist=twist), outputs=("FairTen1", "Torq1N1")).run_in(Path(folder))
-        history, profile = run.read_main(), run.read_static()
-        return Shape(
-            float(history.column("FairTen1")[0]),
-            abs(float(history.column("Torq1N1")[0])),
-            float(np.min(profile.column("Z"))),
-            float(np.max(np.abs(profile.column("Y")))),
-        )
+        deck = Deck(TWISTED.format(twist=TWIST), options, outputs, "\n".join(lines))
+        run = deck.run_in(Path(folder))
+        history = run.read_main()
+        moving, held, torque = (np.array(history.column(name)) for name in outputs)
+        places = np.array(run.read_line_positions(1).values)[:, 1:].reshape(len(ends), ELEMENTS + 1, 3)
+    half = 0.5 * ROPE.mass_per_length * ROPE.length / ELEMENTS
+    moving = moving + half * np.array([e.ay for e in ends])
+    x, back, up = np.moveaxis(places, 2, 0)
+    return Course(np.stack((moving, held), axis=1), np.abs(torque), np.stack((x - 0.5 * SPACING, up, -back), axis=2))
 
 
-def hung(height: float) -> Array:
-    """A guess of our shape, one end at ``height`` (m)."""
-    s = np.linspace(0.0, ROPE.length, ELEMENTS + 1)
-    guess = hanging_guess(s, np.array([0.0, height, 0.0]), np.array([SPACING, 0.0, 0.0]))
-    guess[[0, -1], SLOPE] = [[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]
-    return guess
-
-
-def system_of(rope: Rope, guess: Array, boundary: StaticBoundary) -> RopeSystem:
-    """``rope`` in equal elements."""
-    lengths = np.full(ELEMENTS, rope.length / ELEMENTS)
-    return RopeSystem(RopeKernels(ELEMENTS), lengths, parameter_vector(rope, GRAVITY), boundary, guess)
-
-
-def ours() -> dict[int, Shape]:
-    """By twist."""
-    guess = hung(0.0)
-    system = system_of(ROPE, guess, clamped(guess))
-    at_rest, shapes = find_equilibrium(system, guess), {}
-    for twist in range(0, max(TWISTS) + 1, STEP):
-        at_rest = turned(system, at_rest.q, math.radians(STEP if twist else 0))
-        q, reaction = at_rest.q, at_rest.reaction[0]
-        if twist in TWISTS:
-            pull = float(np.linalg.norm(reaction[POSITION]))
-            lowest, aside = float(np.min(q[:, 1])), float(np.max(np.abs(q[:, 2])))
-            shapes[twist] = Shape(pull, abs(float(reaction[ANGLE])), lowest, aside)
-    return shapes
-
-
-def measure() -> Table:
-    """Both, by twist."""
-    names = ("twist", "code", "pull", "torque", "lowest", "aside")
-    found = []
-    for twist, mine in ours().items():
-        for code, x in (("ours", mine), ("CableDyn", theirs(twist))):
-            found.append((twist, code, x.pull, x.torque, x.lowest, x.aside))
-    return table(names, found)
+def winding() -> Table:
+    """Both codes every quarter second; ``apart`` is how far our nodes are from CableDyn's at most."""
+    courses = {"ours": our_winding(), "CableDyn": their_winding()}
+    theirs, found = courses["CableDyn"].nodes, []
+    for k in range(0, len(theirs), round(EVERY / STEP)):
+        for code, x in courses.items():
+            lowest, aside = x.nodes[k, :, 1].min(), np.abs(x.nodes[k, :, 2]).max()
+            apart = np.linalg.norm(x.nodes[k] - theirs[k], axis=1).max()
+            found.append((k * STEP, code, *x.pull[k], x.torque[k], lowest, aside, apart))
+    return table(("time", "code", "moving", "held", "torque", "lowest", "aside", "apart"), found)

@@ -30,9 +30,15 @@ class Model(Protocol):
     """
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the model."""
+        ...
+
     @property
-    def description(self) -> str: ...
+    def description(self) -> str:
+        """Description of the model."""
+        ...
+
     @property
     def variables(self) -> Sequence[tuple[Any, ...]]:
         """Rows of the table: each what makes a Variable."""

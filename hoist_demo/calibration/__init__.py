@@ -1,1 +1,1 @@
-"""From measurements of a rope to its properties: what was measured, the fit, and what it leaves open."""
+"""Properties of a rope from measurements: the measurements, the fit, and what it leaves open."""

@@ -61,7 +61,7 @@ class Measured:
 
 
 def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measured:
-    """What a file holds of a rope with these parameters; raises StudyError with all problems."""
+    """Return the contents of a file for a rope with these parameters; raise StudyError with all problems."""
     problems = list[str]()
     raw = read_tables(path, "measurements", _TABLES, problems)
     known = read_known(path, raw, problems)
@@ -220,13 +220,13 @@ def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> 
 
 
 def _empty_windows(t: Sequence[float], until: Sequence[float]) -> list[str]:
-    """What is wrong with times between which something is measured."""
+    """Return the problems of times between which something is measured."""
     pairs = zip(t, until, strict=True) if len(t) == len(until) else product(t, until)
     return [f"until = {end:g} must be above t = {start:g}: give times in s" for start, end in pairs if end <= start]
 
 
 def _out_of_reach(m: Measurement | None, length: float) -> list[str]:
-    """What is wrong with heights of the ends, at rest or after a trip, for a rope of this length."""
+    """Return the problems of end heights, at rest or after a trip, for a rope of this length."""
     if m is None or "left_y" not in m.numbers:
         return []
     apart = [(left, right, left - right) for left, right in m.each("left_y", "right_y")]
@@ -242,7 +242,7 @@ def _out_of_reach(m: Measurement | None, length: float) -> list[str]:
 
 
 def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
-    """What is wrong with the circumstances of a measurement; "" for nothing."""
+    """Return the problems of a measurement's circumstances; "" for none."""
     for x in numbers:
         if name in ("load", "length") and x <= 0.0:
             return f"{name} = {x:g} must be above 0: give it in {'N' if name == 'load' else 'm'}"
@@ -274,7 +274,7 @@ def _numbers(where: str, name: str, content: Any, unit: str, problems: list[str]
 def _text(where: str, name: str, content: Any, problems: list[str]) -> str:
     known = tuple(SIGNALS) if name == "signal" else PLANES
     if content not in known:
-        hint = "one of docs/interface.md, outputs" if name == "signal" else f"one of {', '.join(PLANES)}"
+        hint = "one of docs/reference/variables.md, outputs" if name == "signal" else f"one of {', '.join(PLANES)}"
         problems.append(f"{where}: {name} = {content!r} must be {hint}: correct it")
     return str(content)
 

@@ -1,4 +1,4 @@
-"""Weighted least squares with bounds over shares of ranges, and how much the data tell.
+"""Weighted least squares with bounds over shares of ranges, with the information that the data hold.
 
 With the residuals r = (model - measured) / sigma and J = dr/du in the shares u of the ranges, the information of the
 data is J^T J = V diag(s^2) V^T.  Along V_k the data give the standard error 1 / s_k; where that is more than a range
@@ -65,7 +65,7 @@ class Fit:
 
     @property
     def covariance(self) -> Array:
-        """Of the shares, no larger than that of the ranges."""
+        """Covariance of the shares, no larger than that of the ranges."""
         s, directions = self._directions()
         variances = np.full(s.size, RANGE_VARIANCE)
         told = s * s > 1 / RANGE_VARIANCE
@@ -90,7 +90,7 @@ class Fit:
 
     @property
     def correlations(self) -> Array:
-        """Of the shares."""
+        """Correlations of the shares."""
         error = np.sqrt(np.diag(self.covariance))
         return np.asarray(self.covariance / np.outer(error, error))
 
@@ -102,12 +102,12 @@ class Fit:
 
     @property
     def contradicted(self) -> bool:
-        """Whether the measurements contradict the model, or one another, beyond chance."""
+        """Return True if the measurements contradict the model, or one another, beyond chance."""
         return self.likelihood < UNLIKELY
 
 
 def fit(residuals: Residuals, count: int) -> Fit:
-    """The ``count`` shares with the least squares; what is not told stays at the middle of its range."""
+    """Return the ``count`` shares with the least squares; undetermined ones stay at the middle of their range."""
     first = _solve(residuals, np.full(count, MIDDLE), PULL * np.eye(count))
     if not (untold := first.untold()):
         return first
@@ -115,7 +115,7 @@ def fit(residuals: Residuals, count: int) -> Fit:
 
 
 def _solve(residuals: Residuals, start: Array, held: Array) -> Fit:
-    """From ``start``, with the shares held at the middle as far as the rows of ``held`` say."""
+    """Solve from ``start``, with the shares held at the middle as far as the rows of ``held`` say."""
 
     def slopes(u: Array) -> Array:
         return np.vstack((sensitivities(residuals, u), held))
@@ -136,7 +136,7 @@ def intervals(residuals: Residuals, found: Fit) -> Array:
 
 
 def _end(residuals: Residuals, found: Fit, k: int, side: float) -> float:
-    """Where the least squares with share ``k`` held have grown by REACH^2; at most the end of the range."""
+    """Return the value of share ``k`` at which the least squares have grown by REACH^2, within its range."""
     column = found.covariance[:, k]
     along = side * column / np.sqrt(column[k])  # a standard error of share k, and how the others follow
     limit = float(0.5 * (1 + side) - found.shares[k]) / along[k]  # standard errors to the end of the range

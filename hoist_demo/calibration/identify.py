@@ -34,7 +34,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Identified:
-    """What was found: ``data`` are the calibrated ranges."""
+    """Result of a calibration; ``data`` are the calibrated ranges."""
 
     measured: Measured
     fit: Fit
@@ -52,7 +52,7 @@ class Identified:
         return self.measured.bench.names
 
     def told(self, name: str) -> bool:
-        """Whether the data say more about a property than its range does."""
+        """Return True if the data say more about a property than its range does."""
         return bool(self.fit.reaches[self.names.index(name)] < OPEN)
 
     def value(self, name: str) -> float:
@@ -66,7 +66,7 @@ class Identified:
         return replace(before, data={name: self.data[name] for name in before.data})
 
     def open_directions(self) -> list[str]:
-        """Of each direction that the data do not tell, its properties; directions of the same ones are named once."""
+        """List the properties of each direction that the data leave open, equal sets once."""
         named = [
             " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > NAMED)
             for direction in self.fit.untold()
@@ -74,7 +74,7 @@ class Identified:
         return list(dict.fromkeys(named))
 
     def provenance(self) -> list[Known]:
-        """Where the numbers of the rope and its shaft come from."""
+        """Sources of the numbers of the rope and its shaft."""
         bench = self.measured.bench
         given = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.given)
         found = {name: datum.status for name, datum in self.data.items()}
@@ -84,7 +84,7 @@ class Identified:
         )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
-        """Pairs of properties that the data tell together rather than apart."""
+        """Pairs of properties that the data determine together rather than apart."""
         matrix, n = self.fit.correlations, len(self.names)
         pairs = [(i, j) for i in range(n) for j in range(i) if abs(matrix[i, j]) > STRONG]
         return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
@@ -154,7 +154,7 @@ def calibrated(measured: Measured, found: Fit, ends: Array) -> dict[str, Datum]:
 
 
 def candidates(bench: Bench, shares: Array) -> list[Measurement]:
-    """What could be measured next, each with the error that it usually has [assumed]."""
+    """List possible next measurements, each with its usual error [assumed]."""
     trial = bench.trial(shares)
     data = trial.scene.rope
     load = 0.5 * data.length * data.mass_per_length * trial.scene.layout.gravity

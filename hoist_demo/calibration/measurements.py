@@ -1,4 +1,4 @@
-"""What can be measured of a rope, and what the model says it should be.
+"""Measurements of a rope, and the model's prediction of each.
 
 On a free loop     width between the legs of a rope that hangs from wherever they like: 2.54307 (EI / rho g)^(1/3)
 On a sample        under the load T, the ends held, turned into the lay by w per length (D = Qd - Qb Qc / Qa):
@@ -48,7 +48,7 @@ class Trial:
 
     @cached_property
     def properties(self) -> dict[str, float]:
-        """By the names of the catalogue."""
+        """Properties by the names of the catalogue."""
         return properties_of(self.scene.rope)
 
     def signal(self, name: str, left: float, right: float) -> float:
@@ -90,11 +90,11 @@ class Trial:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the ropes at rest warn of."""
+        """Warnings of the ropes at rest."""
         return tuple(dict.fromkeys(text for rope in self._at_rest.values() for text in rope.warnings().values()))
 
     def frequencies(self, plane: str, left: float, right: float) -> Array:
-        """Of the lowest modes in or out of plane, Hz."""
+        """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
         rope = RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
         status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
@@ -131,11 +131,11 @@ class Measurement:
     texts: Mapping[str, str]
 
     def predict(self, trial: Trial) -> Sequence[float]:
-        """What the values should be."""
+        """Predict the values."""
         return KINDS[self.what].model(trial, self)
 
     def each(self, *names: str) -> list[tuple[float, ...]]:
-        """For each value these numbers."""
+        """Repeat these numbers for each value."""
         columns = [self.numbers[name] * (len(self.values) // len(self.numbers[name])) for name in names]
         return list(zip(*columns, strict=True))
 
@@ -242,16 +242,16 @@ class Bench:
 
     @property
     def data(self) -> dict[str, Datum]:
-        """Of properties and of the parameters beside them."""
+        """Data of the properties and of the other parameters sought."""
         return {**self.known.data, **self.sought}
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What is to be found: all that has a range."""
+        """Names of everything sought: all that has a range."""
         return tuple(name for name, datum in self.data.items() if datum.high > datum.low)
 
     def value(self, name: str, shares: Array) -> float:
-        """What is found at its share of its range."""
+        """Return the value at its share of its range."""
         return self.data[name].at(float(shares[self.names.index(name)]))
 
     def rope(self, shares: Array) -> Rope:
@@ -267,7 +267,7 @@ class Bench:
         return with_parameters(self.scene.with_(rope=self.rope(shares)), found)
 
     def trial(self, shares: Array) -> Trial:
-        """What can be measured of this rope."""
+        """Return the rope that has these shares, ready to be measured."""
         return Trial(self.scene_at(shares))
 
     def predict(self, shares: Array, measurements: Sequence[Measurement]) -> Array:

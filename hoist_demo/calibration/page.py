@@ -1,4 +1,4 @@
-"""What a fit says: as text for the terminal and as a page."""
+"""Result of a fit, as text for the terminal and as a page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SIDE = 4.0
 
 
 def summary(found: Identified) -> list[SummaryRow]:
-    """What is printed."""
+    """Return the text for the terminal."""
     group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
     rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(found)]
     rows += [SummaryRow("What the data do not tell", text, "") for text in _open(found)]

@@ -39,5 +39,5 @@ def write_rope_file(found: Identified, path: Path) -> Path:
 
 
 def _warning(found: Identified) -> list[str]:
-    """What a reader of the file must know, as comments."""
+    """Return warnings to readers of the file, as comments."""
     return [f"# {printable(line)}" for line in textwrap.wrap(misfit(found), 110)]

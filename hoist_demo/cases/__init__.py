@@ -1,1 +1,1 @@
-"""What is wound: hoist, trip, controller gains and balance rope by name; case -> installed -> table."""
+"""Windings by name: hoist, trip, controller gains and balance rope; case -> installed -> table."""

@@ -9,7 +9,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import Hoist, Winding
 
 LOCKED, COULOMB = 0, 2
-"""Codes of swivel.mode, docs/interface.md."""
+"""Codes of swivel.mode, docs/reference/variables.md."""
 
 PUBLISHED_ROPE = ("rope.length", "rope.Qb", "rope.Qc", "hoist.tail_rope_length")
 """What the source of the published rope states of it."""

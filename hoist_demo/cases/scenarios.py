@@ -1,4 +1,4 @@
-"""What goes wrong in a shaft, by name: trips of the published hoists that end in an emergency, or begin with a fault.
+"""Faults in a shaft, by name: trips of the published hoists that end in an emergency, or begin with a fault.
 
 overwind        the trip ends so far above its landing that the loop comes within 4 m of the rope's end
 slack-rope      the brake grips at once with its full torque, harder than gravity, and the head ropes hold, as if they

@@ -96,7 +96,7 @@ def add_demo(
         "--case",
         choices=tuple(NAMED),
         metavar="NAME",
-        help=f"hoist, winding and rope, see docs/hoist.md: {', '.join(NAMED)} ({_CASE}, or that of --resume)",
+        help=f"hoist, winding and rope, see docs/howto/hoist.md: {', '.join(NAMED)} ({_CASE}, or that of --resume)",
     )
     rope = demo.add_mutually_exclusive_group()
     rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
@@ -108,7 +108,7 @@ def add_demo(
         choices=tuple(SCHEMES),
         default=Coupling().scheme,
         metavar="NAME",
-        help=f"how drive and rope exchange, see docs/coupling.md: {', '.join(SCHEMES)} (%(default)s)",
+        help=f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (%(default)s)",
     )
     demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     add_trip(demo)
@@ -175,7 +175,7 @@ def _tell(warning: str) -> None:
 
 
 def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
-    """The case of an interrupted run, which its hoist tells; `hoist` is what is set of it."""
+    """Return the case of an interrupted run, found by its hoist; `hoist` is what is set of it."""
     hoists = {name: with_values(case.hoist, hoist) for name, case in NAMED.items()}
     fitting = [name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")]
     found = asked if asked in fitting else next(iter(fitting), None)
@@ -213,7 +213,7 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
 
 
 def _parameters(options: argparse.Namespace) -> dict[str, FmuParameter]:
-    """Those of the rope that can be set."""
+    """Return the parameters of the rope that can be set."""
     if options.in_process:
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 
@@ -254,7 +254,7 @@ def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
 
 
 def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
-    """What was wound, by what hoist and with which rope."""
+    """Return a title with trip, hoist and rope."""
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
     at = run.winding.emergency_at
     stop = "" if at is None else f", emergency stop at {at:g} s"

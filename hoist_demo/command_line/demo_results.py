@@ -1,4 +1,4 @@
-"""What `balance-rope demo` tells of a run and writes of it."""
+"""Summary and files of a run of `balance-rope demo`."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class WoundRun:
 
     @cached_property
     def exposed(self) -> Recording | None:
-        """What each place in the rope went through."""
+        """Return the load history of each place in the rope."""
         return exposure(self.result.recording, self.rope.parameters)
 
     @cached_property
@@ -58,7 +58,7 @@ class WoundRun:
 
 
 def missing_outputs(units: Mapping[str, str]) -> str:
-    """What a rope with these outputs leaves out of the reports, "" for nothing."""
+    """Return the parts of the reports that a rope with these outputs leaves out; "" for none."""
     groups = [group for group in _DRAWN if not any(name.startswith(group) for name in units)]
     if not groups:
         return ""

@@ -43,7 +43,7 @@ examples:
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 
 Results in --out: trips.csv, one row per trip, data.csv, where each number comes from, and duty.png; with --exposure
-exposure.csv and exposure.png. The file is explained in docs/duty.md.
+exposure.csv and exposure.png. The file is explained in docs/reference/files.md.
 exit code: 0 all trips wound to the end, 1 rope, drive or a guard stopped one, 2 wrong schedule or arguments, 130
 interrupted.
 """
@@ -59,7 +59,7 @@ def add_duty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     duty.set_defaults(run=_duty)
-    duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/duty.md")
+    duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/reference/files.md")
     duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
     duty.add_argument("--out", type=named, metavar="DIR", help="results (out/duty/ and the file's name)")
     duty.add_argument(
@@ -153,7 +153,7 @@ def _as_it_is(rope: InProcessRope) -> Recording:
 
 
 def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
-    """What of a duty is told."""
+    """Return the printed summary of a duty."""
     from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
 
     rows = []
@@ -182,7 +182,7 @@ def _worst_text(one: Worst, unit: str) -> str:
 
 
 def _exposure(trips: Recording) -> Recording | None:
-    """What all trips together did to the places in the rope; None where that was not counted."""
+    """Return the load history of places in the rope over all trips; None if it was not counted."""
     from hoist_demo.duty.state import rows_of
 
     rows = rows_of(trips)

@@ -21,7 +21,7 @@ examples:
 
 a file of measurements:
   [rope]
-  construction = "34x7"       # of docs/data.md, whose ranges bound what is found
+  construction = "34x7"       # of docs/howto/rope_data.md, whose ranges bound what is found
   diameter = 0.046            # m
   length = 700.0              # m
 
@@ -31,7 +31,7 @@ a file of measurements:
   sigma = 0.05                # its standard error
 
 Results in --out: rope.toml, the parameters for other commands, data.csv, where each number comes from, and report.html.
-The file is explained in docs/identify.md.
+The file is explained in docs/reference/files.md.
 exit code: 0 found, 1 a compromise between measurements that contradict the model, 2 wrong file or arguments, 130
 interrupted.
 """
@@ -48,7 +48,7 @@ def add_identify(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     identify.set_defaults(run=_identify)
     identify.add_argument(
-        "measured", type=Path, metavar="MEASURED.toml", help="what was measured, see docs/identify.md"
+        "measured", type=Path, metavar="MEASURED.toml", help="what was measured, see docs/reference/files.md"
     )
     identify.add_argument("--out", type=named, metavar="DIR", help="results (out/identify/ and the file's name)")
     identify.add_argument("--check", action="store_true", help="check only")

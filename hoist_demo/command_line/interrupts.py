@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def interruption(doing: str = "") -> Iterator[Callable[[], bool]]:
-    """Whether an interrupt was heard meanwhile; it stops nothing by itself, and ``doing``, if given, is said of it.
+    """Yield a function that reports an interrupt heard meanwhile; it stops nothing, and prints ``doing``.
 
     A run that asks between two steps never stops within the rope, and what does not ask finishes.
     """

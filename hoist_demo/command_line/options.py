@@ -15,7 +15,7 @@ KERNELS = words_of("solver.kernels")
 
 
 def add_trip(demo: argparse.ArgumentParser) -> None:
-    """What changes the case's winding."""
+    """Add the options that change the case's winding."""
     demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
     demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
     demo.add_argument(
@@ -41,7 +41,7 @@ def add_trip(demo: argparse.ArgumentParser) -> None:
 
 
 def add_data(demo: argparse.ArgumentParser) -> None:
-    """What the rope computes with, and what is written of it."""
+    """Add the options for the rope's data and for the columns written."""
     demo.add_argument(
         "--kernels",
         choices=KERNELS,
@@ -62,8 +62,8 @@ def add_data(demo: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="a parameter of the rope by its name in docs/interface.md, or of the host as hoist.payload_left, in SI "
-        "units; may be repeated, and counts more than other options",
+        help="a parameter of the rope by its name in docs/reference/variables.md, or of the host as "
+        "hoist.payload_left, in SI units; may be repeated, and overrides other options",
     )
     demo.add_argument(
         "--signals",

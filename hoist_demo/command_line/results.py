@@ -1,4 +1,4 @@
-"""Where a command writes its results."""
+"""Folders of results."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def writable(out: Path) -> Path:
 
 
 def named(text: str) -> Path:
-    """What --out names, for argparse: Path('') would be the folder one stands in."""
+    """Return the path that --out names, for argparse: Path('') would be the working directory."""
     if not text:
         raise argparse.ArgumentTypeError("'' names nothing: give a name, or leave --out away")
     return Path(text)

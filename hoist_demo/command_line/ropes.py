@@ -35,7 +35,7 @@ examples:
   balance-rope ropes ROPES.toml --check      read and check the file, wind nothing
 
 Results in --out: ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv, where each
-number comes from, and ropes.png; interrupted, of the trip so far. The file is explained in docs/ropes.md.
+number comes from, and ropes.png; interrupted, of the trip so far. The file is explained in docs/reference/files.md.
 exit code: 0 wound to the end, 1 a rope or the drive stopped the run, 2 wrong file or arguments, 130 interrupted.
 """
 
@@ -57,7 +57,7 @@ def add_ropes(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     ropes.set_defaults(run=_ropes)
-    ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/ropes.md")
+    ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/reference/files.md")
     ropes.add_argument("--out", type=named, metavar="DIR", help="results (out/ropes/ and the file's name)")
     ropes.add_argument("--check", action="store_true", help="check only")
 
@@ -134,7 +134,7 @@ def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) 
 def _summary(
     ropes: Ropes, result: Result, rows: dict[str, dict[str, float]], pairs: Sequence[Neighbours]
 ) -> list[SummaryRow]:
-    """What of the trip and the ropes is told."""
+    """Return the printed summary of trip and ropes."""
     from hoist_demo.report.summary import incidents, warnings
     from hoist_demo.ropes.table import COLUMNS, outcome, remarks, unbroken
 
@@ -164,7 +164,7 @@ def _summary(
 
 
 def _pressed(pair: Neighbours) -> list[SummaryRow]:
-    """What two ropes did to each other."""
+    """Return the contact of two ropes in words."""
     account = pair.account
     if account is None or account.peak == 0.0:
         return []

@@ -20,7 +20,7 @@ def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
         if not equals:
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
         if name.partition(".")[0] in STUDY_ONLY:
-            raise ValueError(f"--set {text}: {name} is for studies: see docs/study.md")
+            raise ValueError(f"--set {text}: {name} is for studies: see docs/reference/files.md")
         parameter = catalogue[name]
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
@@ -46,7 +46,7 @@ _ROPE_FILE = "give a file that balance-rope identify has written"
 
 
 def _value(parameter: Parameter, text: str) -> Value:
-    """What the text means to the parameter; a text that means nothing is left for its check."""
+    """Return the parameter's value for a text; a meaningless text is left for the parameter's check."""
     if parameter.kind == "Boolean":
         return {"true": True, "false": False}.get(text.lower(), text)
     if parameter.kind in ("Real", "Integer"):

@@ -40,7 +40,7 @@ def add_study(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     study.set_defaults(run=_study)
-    study.add_argument("study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/study.md")
+    study.add_argument("study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/reference/files.md")
     study.add_argument("--fmu", type=Path, metavar="PATH", help="the rope, instead of the file's")
     study.add_argument("--out", type=named, metavar="DIR", help="results (out/study/ and the file's name)")
     where = study.add_mutually_exclusive_group()

@@ -28,13 +28,13 @@ a file:
   case = "rope-120"            # hoist, winding and ends
   samples = 64                 # a power of two
   [rope]
-  construction = "34x7"        # of docs/data.md; or from = "out/identify/NAME/rope.toml"
+  construction = "34x7"        # of docs/howto/rope_data.md; or from = "out/identify/NAME/rope.toml"
   diameter = 0.044             # m
   [known]
   mass_per_length = 7.7        # what is known better: a number, or { low, high }
 
 Results in --out: windings.csv, a row per winding, data.csv, where each number comes from, and report.html.
-The file is explained in docs/uncertain.md.
+The file is explained in docs/reference/files.md.
 exit code: 0 all windings wound to the end, 1 some did not, 2 wrong file or arguments, 130 interrupted.
 """
 
@@ -49,7 +49,7 @@ def add_uncertain(commands: argparse._SubParsersAction[argparse.ArgumentParser])
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     uncertain.set_defaults(run=_uncertain)
-    uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/uncertain.md")
+    uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md")
     uncertain.add_argument("--out", type=named, metavar="DIR", help="results (out/uncertain/ and the file's name)")
     uncertain.add_argument("--workers", type=int, metavar="N", help="processes (one per core)")
     uncertain.add_argument("--check", action="store_true", help="check only")

@@ -42,7 +42,7 @@ class Gains:
 
 
 class Measurement(NamedTuple):
-    """What the controller sees at its sample."""
+    """Measurements of the controller at its sample."""
 
     travel: float  # m, of the left conveyance since the start
     speed: float  # m/s, at the sheave's rim

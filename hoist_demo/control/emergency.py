@@ -21,7 +21,7 @@ from hoist_demo.parameters import Hoist
 
 @dataclass(frozen=True)
 class BrakeState:
-    """What a regulated stop remembers."""
+    """Memory of a regulated stop."""
 
     bite_speed: float  # m/s, at the rim when the brake began to bite, with its sign
     integral: float = 0.0  # N

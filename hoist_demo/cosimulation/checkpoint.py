@@ -94,7 +94,7 @@ class Checkpoint:
 
     @staticmethod
     def read(path: Path) -> Checkpoint:
-        """What `write` has written in this version; ValueError for anything else."""
+        """Read a file that `write` made in this version; raise ValueError for any other."""
         here = version("balance-rope")
         try:
             with np.load(path, allow_pickle=False) as file:
@@ -143,7 +143,7 @@ def _checkpoint(arrays: Mapping[str, Any], x: Mapping[str, Any]) -> Checkpoint:
 
 
 def differences(there: str, here: str, most: int = 6) -> str:
-    """Which numbers and words differ between the data of a checkpoint, as text, and of this run."""
+    """List the numbers and words that differ between a checkpoint's data and this run's."""
     old, new = (_FIELD.findall(data) for data in (there, here))
     changed = sorted(
         {f"{name} is {value} there" for name, value in old if (name, value) not in new}

@@ -1,4 +1,4 @@
-"""What is recorded of drive and exchange at each sample: names, units and values.
+"""Record of drive and exchange at each sample: names, units and values.
 
 A row keeps the numbers as they come; what follows from them is computed once, for all rows, when the run has ended.
 """
@@ -92,7 +92,7 @@ ROW = (
 def drive_row(
     t: float, reference: TrajectoryPoint, command: Command, drive: HoistParticipant, memory: Memory
 ) -> tuple[tuple[float, ...], Vector, Vector]:
-    """What a run keeps of the drive at a sample, in parts; `with_drive_signals` computes what follows from it."""
+    """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
     state, (position, speed, acceleration, jerk, _) = drive.state, reference
     slide = state.slide
     numbers = (t, position, speed, acceleration, jerk, command.torque, command.limited, slide.way, slide.speed)

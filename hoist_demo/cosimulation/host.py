@@ -120,7 +120,7 @@ class Host:
 
     @property
     def data(self) -> str:
-        """What must be the same for a run to go on from a checkpoint; scheme and step may change."""
+        """Data that a checkpoint and the run that continues it must share; scheme and step may change."""
         coupling, made = self.coupling, self._controller
         controller = getattr(made.func if isinstance(made, partial) else made, "__qualname__", "")
         data = (self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time)
@@ -194,14 +194,14 @@ class Host:
         return drive
 
     def _holding_torque(self, run: RunState) -> float:
-        """What the motor needs to hold the hoist at rest where the trip starts [N m]."""
+        """Return the motor torque that holds the hoist at rest where the trip starts [N m]."""
         if self._after is None:
             return run.at_rest.torque
         forces, _ = run.rope.forces()
         return self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
 
     def _recorder(self) -> Recorder:
-        """For all signals; of the rope's those that the drive has not got."""
+        """Return a recorder of all signals, without those of the rope that the drive has too."""
         units = self.rope.units()
         names = [name for name in self.rope.signals() if name not in DRIVE_UNITS]
         self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
@@ -269,7 +269,7 @@ class Host:
         return command
 
     def _sampler(self, run: RunState, controller: Controller) -> NextCommand:
-        """What samples the controller within a communication step."""
+        """Return the sampler of the controller within a communication step."""
 
         def next_command(k: int, t: float, shown: Vector) -> tuple[float, float]:
             point = run.course.trajectory.at(t - self.coupling.start)

@@ -1,4 +1,4 @@
-"""What a controller may remember, as JSON and back, equal to the bit.
+"""Memory of a controller as JSON and back, equal to the bit.
 
 None, bool, int, float, str, bytes; NumPy numbers and arrays; lists, tuples, dictionaries, data classes and named tuples
 of all these. Of a class only its name is written: it must be known by name where the text is read, and reading runs
@@ -46,7 +46,7 @@ def encode(value: Any, name: str) -> Any:
 
 
 def decode(value: Any) -> Any:
-    """What `encode` was given."""
+    """Decode the data that `encode` was given."""
     if isinstance(value, list):
         return [decode(x) for x in value]
     if not isinstance(value, dict):

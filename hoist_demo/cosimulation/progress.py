@@ -1,4 +1,4 @@
-"""What a run says while it goes on: a bar on stderr for who asks for it, and its warnings for who collects them.
+"""Messages of a running winding: a bar on stderr on request, and its warnings for a collector.
 
 with progress_bar() as progress:
     result = Host(rope, hoist, winding).run(progress)
@@ -18,7 +18,7 @@ _LAYOUT = "winding {percentage:3.0f}% |{bar}| {desc} [{elapsed} < {remaining}]"
 
 @contextmanager
 def progress_bar() -> Iterator[Callable[[float, float], bool]]:
-    """What `Host.run` can tell its progress: a bar on stderr where that is a terminal."""
+    """Yield a progress callback for `Host.run`: a bar on stderr where that is a terminal."""
     with tqdm(total=100.0, bar_format=_LAYOUT, file=sys.stderr, leave=False, disable=None) as bar:
 
         def advance(fraction: float, t: float) -> bool:

@@ -1,4 +1,4 @@
-"""What changes during a run, how it is kept at a sample, and how a checkpoint is made of it and goes on."""
+"""State of a run: its parts, its sampling, and its checkpoints."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class TripEnd:
     memory: Memory
 
     def books_closed(self) -> TripEnd:
-        """The same with work and exchanges counted anew."""
+        """Return the state with work and exchanges counted anew."""
         plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=self.plant.slide._replace(way=0.0))
         return replace(self, plant=plant, memory=self.memory._replace(exchanges=0, taken_back=0, residual=0.0))
 

@@ -1,4 +1,4 @@
-"""Whether a run's coupling will be stable, from a trial of its rope at rest that is taken back."""
+"""Prediction of a run's stability, from a trial step of its rope at rest that is taken back."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _log = logging.getLogger(__name__)
 def estimate_stability_at_rest(
     scheme: Scheme, coupling: Coupling, pair: Pair, memory: Memory
 ) -> StabilityEstimate | None:
-    """What to expect of the scheme, None where nobody can tell; ValueError where the rope lacks what it needs."""
+    """Predict the stability of the scheme; None if it is unknown, ValueError if the rope lacks what it needs."""
     name, H = coupling.scheme, coupling.step
     if scheme.needs_added_mass and pair.rope.added_mass() is None:
         raise ValueError(

@@ -22,7 +22,7 @@ DESIGNED = ("input-shaping", "optimised-trajectory")
 
 @dataclass(frozen=True)
 class Drive:
-    """What the host needs of a controller."""
+    """Gains and trajectory from which a host makes its controller."""
 
     gains: Gains
     trajectory: Trajectory

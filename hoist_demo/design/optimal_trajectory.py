@@ -41,7 +41,7 @@ _SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's
 
 @dataclass(frozen=True)
 class TrajectoryOptions:
-    """What the optimisation may do; the defaults are ours [assumed]."""
+    """Options of the optimisation, with defaults of ours [assumed]."""
 
     swing_speed: float = quantity(0.01, "m/s", "of the conveyances after arrival, that is worth swing_price")
     swing_price: float = quantity(1.0, "s")

@@ -27,19 +27,19 @@ FIRST_STEP, LAST_STEP = 0.2, 5e-3
 
 
 class Judged(NamedTuple):
-    """What a point has come to; cost and excess are infinite where a run failed."""
+    """Judgement of a point; cost and excess are infinite where a run failed."""
 
     cost: float
     excess: tuple[float, ...] = ()  # over each bound, as a part of it; 0 or less where it is kept
 
     @property
     def finite(self) -> bool:
-        """Whether there is something to compare."""
+        """True if there is something to compare."""
         return all(map(math.isfinite, (self.cost, *self.excess)))
 
     @property
     def kept(self) -> bool:
-        """Whether all bounds are kept."""
+        """True if all bounds are kept."""
         return self.finite and max(self.excess, default=0.0) <= 0.0
 
     @property
@@ -54,7 +54,7 @@ Evaluate = Callable[[Array], Sequence[Judged]]
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is tried."""
+    """Extent of a search."""
 
     sample: int  # points of the hypercube
     searches: int  # from the best of them

@@ -1,4 +1,4 @@
-"""What the drive gives a balance rope: the motion of one of its ends."""
+"""Motion of one end of a balance rope, as the drive gives it."""
 
 from __future__ import annotations
 

@@ -249,7 +249,7 @@ def _function(name: str, arguments: list[Any], value: Any) -> Any:
 
 
 def _tension(hoist: Hoist, at: _Coordinates, sign: float, leg: _Leg, a: Any, rope_speed: Any) -> Any:
-    """Of all head ropes of a leg at the sheave [N]: its row of Lagrange's equation is its moment on the sheave."""
+    """Return the tension of a leg's head ropes at the sheave [N]: Lagrange's row of the leg is its moment there."""
     phi, rate = at("phi")
     row = ca.gradient(leg.kinetic, rate)
     change = ca.jtimes(row, at.q, at.v) + ca.jtimes(row, at.v, a) - ca.gradient(leg.kinetic, phi)

@@ -39,7 +39,7 @@ Reached = tuple[Vector, float, float]
 
 
 class Integrator:
-    """For all hoists with the parts of one; not to be shared between threads."""
+    """Integrator for all hoists with the same parts; not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
         self.names = state_names(hoist)
@@ -67,7 +67,7 @@ class Integrator:
     def give(
         self, x: Vector, works: Vector, lengths: tuple[float, float], h: float, path: Vector, added_mass: Vector
     ) -> None:
-        """Where it starts: state, work so far, free lengths, communication step, what acts in it."""
+        """Give the start: state, work so far, free lengths, communication step, and loads in it."""
         z, l0 = self._z, self._l0
         z[self._H], z[l0], z[l0 + 1] = h, *lengths
         self._x[...], self._works[...], self._path[...], self._added_mass[...] = x, works, path, added_mass
@@ -89,7 +89,7 @@ class Integrator:
         return self._y.copy()
 
     def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> Reached | None:
-        """From the state given, at s, to the end, or to where what is watched becomes positive; None: no way.
+        """Integrate to the end, or to where the watched function becomes positive; None on failure.
 
         Begins with steps of this size, a share of h [s].
         """

@@ -34,7 +34,7 @@ WORKS = len(WORK_NAMES) + len(LOSS_NAMES)
 
 @dataclass(frozen=True)
 class Layout:
-    """Where what is in the argument and in the result of `advance`, one vector each."""
+    """Places of all quantities in the argument and in the result of `advance`, one vector each."""
 
     states: int
     outputs: int
@@ -65,7 +65,7 @@ class DriveKernels:
 
 @cache
 def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
-    """For all hoists with these parts (`equations.parts_of`)."""
+    """Return the kernels for all hoists with these parts (`equations.parts_of`)."""
     of = equations(parts)
     layout = Layout(of.rates.size1_out(0), of.outputs.size1_out(0), len(numbers_of(parts)))
     functions = [_advance(of, layout), of.rates, of.mobility]

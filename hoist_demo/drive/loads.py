@@ -1,4 +1,4 @@
-"""What acts on a drive at one instant of a step: inputs that change, and forces that give way to its acceleration.
+"""Loads on a drive at one instant of a step: inputs that change, and forces that yield to its acceleration.
 
     u(s) = u_0 + u_1 s + u_2 s^2 ,   F(s) = F_p(s) - m_a a ,   s = 0 .. 1 ,   a = a_0 + B F
 

@@ -1,4 +1,4 @@
-"""What a drive shows at one instant: names, places in a vector of numbers, and what follows from them."""
+"""Outputs of a drive at one instant: names, places in a vector, and quantities derived from them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PlantOutput:
-    """What the drive shows at one instant."""
+    """Outputs of the drive at one instant."""
 
     y_left: float  # m
     y_right: float  # m
@@ -62,12 +62,12 @@ class PlantOutput:
 
     @property
     def tension_ratio(self) -> float:
-        """Of the two tensions [-]."""
+        """Ratio of the two tensions [-]."""
         return tension_ratio(self.tension_left, self.tension_right)
 
     @property
     def static_tension_ratio(self) -> float:
-        """The same, were everything at rest here [-]."""
+        """Ratio of the tensions if everything were at rest here [-]."""
         return tension_ratio(self.static_tension_left, self.static_tension_right)
 
     @property

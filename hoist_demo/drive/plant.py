@@ -68,7 +68,7 @@ class PlantState(NamedTuple):
 
     @property
     def work(self) -> Vector:
-        """By the motor, into losses, into rope damping, by all balance ropes' left, right ends, (5,) [J]."""
+        """Work by the motor, into losses, into rope damping, by all balance ropes' left, right ends, (5,) [J]."""
         return self.works[: len(WORK_NAMES)]
 
     @property
@@ -143,7 +143,7 @@ class HoistPlant:
 
     @property
     def evaluations(self) -> int:
-        """Of the integrator's steps, so far."""
+        """Evaluations by the integrator so far."""
         return self._holding.evaluations + (0 if self._made is None else self._made.integrator.evaluations)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
@@ -160,7 +160,7 @@ class HoistPlant:
         return state
 
     def hanging_state(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
-        """As equilibrium, whatever torque that takes."""
+        """Return the equilibrium, with whatever torque it takes."""
         hoist = self.hoist
         lengths = (
             self._free_length("y_left", y_left, hoist.mass_left, force_left),
@@ -186,7 +186,7 @@ class HoistPlant:
     def advance(
         self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
     ) -> PlantStep:
-        """The same with the path's three inputs, of INPUT_NAMES each, in one vector; from s = begin to end of it."""
+        """Advance with the path's three inputs, of INPUT_NAMES each, in one vector, from s = begin to its end."""
         old, size = state, (state.step_next or h) / h
         for _ in range(MOST_SWITCHES):
             integrator, x, watch = self._at(state)
@@ -226,7 +226,7 @@ class HoistPlant:
         return integrator.mobility(x, np.zeros(len(INPUT_NAMES)), state.free_lengths)
 
     def loads_at(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
-        """What acts at s = 0 .. 1 of a path when the drive is in this state there."""
+        """Return the loads at s = 0 .. 1 of a path for a drive in this state."""
         return unpack(self.loads_and_outputs(state, *_pack_path(path), s)[0])
 
     def outputs(self, state: PlantState, u: PlantInput) -> PlantOutput:
@@ -269,7 +269,7 @@ def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float
 
 
 def energy_left_over(start: PlantOutput, kinetic: Any, potential: Any, work: Any) -> Any:
-    """The same of the energies now, at one or more instants; the five of WORK_NAMES come first in `work`."""
+    """Return the energy left over at one or more instants; the five of WORK_NAMES come first in `work`."""
     motor, losses, ropes, left, right = work
     gained = kinetic + potential - start.energy_kinetic - start.energy_potential
     return motor + left + right - losses - ropes - gained
@@ -301,7 +301,7 @@ def unpack(u: Vector) -> PlantInput:
 
 
 def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:
-    """Which inputs are no numbers, now or later in a step that cannot be integrated; else what may be behind it."""
+    """Name the inputs that are not finite, now or later in a step that cannot be integrated; else the likely cause."""
     numbers = path.reshape(3, -1).T.tolist()
     bad = [name for name, moving in zip(INPUT_NAMES, numbers, strict=True) if not all(map(math.isfinite, moving))]
     if not (math.isfinite(h) and np.isfinite(added_mass).all()):
@@ -320,7 +320,7 @@ def _without_lining(hoist: Hoist) -> Hoist:
 
 
 def _switched(state: PlantState, shown: Vector) -> PlantState:
-    """The same with ropes that slide if they held, and hold if they slid."""
+    """Return the state with ropes that slide if they held, and hold if they slid."""
     (left, right), slide = state.free_lengths, state.slide
     if slide.sense == 0.0:
         return state._replace(slide=Slide(sense_of(shown), way=slide.way))

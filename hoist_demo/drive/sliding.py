@@ -1,4 +1,4 @@
-"""When the head ropes slide on the sheave and when they hold again, for hoists with a lining.
+"""Slip of the head ropes on the sheave: when it begins and ends, for hoists with a lining.
 
 Ropes of the mass mu_r per length and the speed w hold while (Euler and Eytelwein)
 
@@ -28,7 +28,7 @@ _TENSIONS = SHOWN["tension_left"], SHOWN["tension_right"]
 
 
 class Slide(NamedTuple):
-    """How the head ropes slide, positive as the sheave's rotation."""
+    """Slip of the head ropes, positive as the sheave's rotation."""
 
     sense: float = 0.0  # 1 or -1 while they slide, 0 while they hold
     speed: float = 0.0  # m/s, of the ropes on the sheave
@@ -47,7 +47,7 @@ class Sliding:
         self._slip, self._rate, self._sense = (names.index(name) for name in ("slip", "slip_rate", "sense"))
 
     def state(self, x: Vector, slide: Slide) -> Vector:
-        """That of the integrator, from that of ropes that hold."""
+        """Return the integrator's state, from that of ropes that hold."""
         whole = np.zeros(len(self.integrator.names))
         whole[self._held], whole[self._sense] = x, slide.sense
         whole[self._slip], whole[self._rate] = slide.slip, slide.speed
@@ -78,6 +78,6 @@ def begins(hoist: Hoist, held: Integrator) -> Watch:
 
 
 def sense_of(shown: Vector) -> float:
-    """In which ropes begin to slide: towards the larger tension."""
+    """Return the sense in which ropes begin to slide: towards the larger tension."""
     left, right = (shown.item(k) for k in _TENSIONS)
     return 1.0 if right > left else -1.0

@@ -30,7 +30,7 @@ MOST_STEPS = 100_000
 
 @dataclass(frozen=True)
 class DriveModel:
-    """What a builder packs: the sources implement the model behind a generic FMI shell."""
+    """Contents of an FMU for its builder: the sources implement the model behind a generic FMI shell."""
 
     name: str
     description: str
@@ -42,7 +42,7 @@ class DriveModel:
 
 
 def duration(winding: Winding) -> float:
-    """Of a trip with what waits before and after it, in whole seconds [s]."""
+    """Return the duration of a trip with the waits before and after it, in whole seconds [s]."""
     return float(math.ceil(s_curve(winding).duration + winding.settle))
 
 
@@ -90,7 +90,7 @@ def drive_model(case: Case, tails: Sequence[Tail] = ()) -> DriveModel:
 
 
 def initial(case: Case, tails: Sequence[Tail] = ()) -> dict[str, tuple[str, ...]]:
-    """What the outputs follow while the drive is initialised.
+    """Return the inputs that the outputs follow during initialisation.
 
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
     balance rope follows its vertical forces; those of the sides come with the first step.
@@ -106,7 +106,7 @@ def without_brake(case: Case) -> Case:
 
 
 def _creep(winding: Winding) -> str:
-    """What the description says of the creep, nothing where there is none."""
+    """Return the description's words on the creep; nothing without one."""
     ends = (("first", winding.departure_creep_distance), ("last", winding.creep_distance))
     where = " and ".join(f"the {end} {distance:g} m" for end, distance in ends if distance > 0.0)
     return f", {where} at {winding.creep_speed:g} m/s" if where else ""

@@ -1,4 +1,4 @@
-"""What travels in the drive's FMU for its reader: documentation/index.html and a picture."""
+"""Documents inside the drive's FMU: documentation/index.html and a picture."""
 
 from __future__ import annotations
 

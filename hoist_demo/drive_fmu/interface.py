@@ -93,7 +93,7 @@ class Variable(NamedTuple):
 
 
 def start_heights(case: Case) -> tuple[float, float]:
-    """Of left and right conveyance [m]: the landings, left below when it is to rise."""
+    """Return the start heights of left and right conveyance [m]: the landings, left below when it is to rise."""
     low, high = 0.0, case.hoist.shaft_travel
     return (low, high) if case.winding.travel > 0.0 else (high, low)
 

@@ -60,10 +60,7 @@ def kernels(case: Case) -> Kernels:
 
 
 def kernels_file(package: Path, case: Case) -> Path:
-    """Where the kernels of ``case`` are as JSON, if ``package``, a folder hoist_demo, brings them for its Python text.
-
-    Made anew elsewhere, they differ in rounding and in the words of another CasADi.
-    """
+    """Return the JSON file of the kernels of ``case`` if the folder ``package`` brings them for its Python text."""
     digest = hashlib.sha256(repr((case.hoist, case.winding)).encode())
     for path in sorted(package.rglob("*.py")):
         digest.update(f"{path.relative_to(package).as_posix()}\0{path.read_text(encoding='utf-8')}\0".encode())

@@ -56,7 +56,7 @@ class Schedule:
 
     @property
     def data(self) -> str:
-        """What must be the same for a duty to go on: all but how often it is repeated."""
+        """Data that a duty and its continuation must share: all but the number of repetitions."""
         return repr((self.case, self.level, self.pattern))
 
 
@@ -120,7 +120,7 @@ class _Reader:
 
 
 def _impossible(schedule: Schedule) -> str:
-    """What is wrong with trips that follow one another; "" for nothing."""
+    """Return the problems of trips that follow one another; "" for none."""
     top = schedule.trip(1).hoist.shaft_travel
     for number in range(1, schedule.count + 1):
         winding, end = schedule.trip(number).winding, schedule.landing(number)

@@ -1,4 +1,4 @@
-"""Where a duty stands between two trips, in a file from which it goes on with the same bits."""
+"""State of a duty between two trips, in a file from which it continues with the same bits."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
 
 
 def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
-    """What `write_state` wrote, the rope being put there; ValueError for another duty's."""
+    """Read a file of `write_state` and put the rope into its state; raise ValueError for another duty's."""
     checkpoint = Checkpoint.read(path)
     if checkpoint.data != schedule.data:
         found = differences(checkpoint.data, schedule.data)

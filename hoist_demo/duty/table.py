@@ -1,4 +1,4 @@
-"""What each trip of a duty shows, the worst of all trips, and from which trip on they repeat.
+"""Table of the trips of a duty, the worst of all, and the trip from which on they repeat.
 
 A trip repeats the one a cycle before when none of REPEATING has changed by more than STEADY of its largest value in the
 duty; what is below its unit's NEGLIGIBLE counts as nothing. The cycle is as many trips as the schedule lists.
@@ -78,12 +78,12 @@ class Worst:
 
     @property
     def missed(self) -> float:
-        """How much worse than the first cycle's, as a part of that; 0 where that is the worst."""
+        """Excess over the first cycle's worst, as a part of it; 0 if that is the worst."""
         return abs(self.value - self.first_cycle) / abs(self.first_cycle) if self.first_cycle else math.nan
 
 
 def place_at_rest(schedule: Schedule, rope: RopePlant) -> tuple[float, float]:
-    """Where the loop's lowest point hangs at rest before the first trip, x and z [m]; NaN where it does not hang."""
+    """Return x and z of the loop's lowest point at rest before the first trip [m]; NaN if it does not hang."""
     left = schedule.landing(0)
     rope.initialize(0.0, EndMotion(y=left), EndMotion(y=schedule.trip(1).hoist.shaft_travel - left))
     x, z = rope.reader(["loop.x", "loop.z"])().tolist()
@@ -142,7 +142,7 @@ def steady_from(trips: Recording, cycle: int) -> int | None:
 
 
 def worst(trips: Recording, cycle: int) -> list[Worst]:
-    """By each column of JUDGED that the rope's fidelity shows."""
+    """Return the worst trip by each column of JUDGED that the rope's fidelity shows."""
     found = []
     for name in JUDGED:
         values = trips[name]

@@ -38,7 +38,7 @@ def wind(
     after: TripEnd | None = None,
     done: int = 0,
 ) -> Iterator[Trip]:
-    """All trips behind the first `done`, after which drive and coupling were as `after` tells and the rope as it is.
+    """Wind the trips after the first `done`, from the drive and coupling in `after` and the rope as it is.
 
     `torque_free` is whether the rope carries no torque; `progress` gives each trip whom to tell. The last trip is one
     that does not end, or in which the safety circuit opens or a conveyance jams, where there is such a one.

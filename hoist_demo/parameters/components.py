@@ -129,7 +129,7 @@ class Jam:
     damping: float = quantity(5.0e-3, "s", "of the stuck conveyance: damping over stiffness")
 
     def require_within(self, shaft_travel: float, name: str) -> None:
-        """Raise the ValueError of numbers that cannot be; ``name`` tells which conveyance's jam it is."""
+        """Raise the ValueError of impossible numbers; ``name`` is the conveyance of the jam."""
         require_magnitudes(self, {"height", "damping"}, f"{name}.")
         require(
             self.height,

@@ -11,7 +11,7 @@ from hoist_demo.parameters.quantity import quantity
 
 @dataclass(frozen=True)
 class Coupling:
-    """How drive and rope exchange their data."""
+    """Exchange of data between drive and rope."""
 
     step: float = quantity(0.01, "s", "communication step H")
     start: float = quantity(0.0, "s")

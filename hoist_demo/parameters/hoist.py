@@ -19,8 +19,8 @@ GRAVITY = 9.81
 """Acceleration of free fall [m/s^2]."""
 
 ASSUMED_DATA = (
-    "The hoist, the winding and the rope data marked [assumed] in docs/model.md and docs/hoist.md are ours. They are "
-    "plausible, they belong to no installation, and no number shown here may be used to judge one."
+    "Data of hoist, winding and rope that are marked [assumed] have no published source. They are plausible, they "
+    "belong to no installation, and no number shown here may be used to judge one."
 )
 """Said wherever results are shown."""
 

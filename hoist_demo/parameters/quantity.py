@@ -22,7 +22,7 @@ def unit_of(of: Field[Any]) -> str:
 
 
 def meaning_of(of: Field[Any]) -> str:
-    """What a field says of itself."""
+    """Return the unit and description of a field."""
     return str(of.metadata.get("description", ""))
 
 

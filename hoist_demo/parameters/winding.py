@@ -75,7 +75,7 @@ class Winding:
 
     @property
     def creeps(self) -> bool:
-        """Whether some of the trip is run at creep speed."""
+        """True if some of the trip is run at creep speed."""
         return self.creep_distance > 0.0 or self.departure_creep_distance > 0.0
 
     @property

@@ -1,1 +1,1 @@
-"""What a run leaves behind: its signals over time, and which of them the rope's fidelity has not computed."""
+"""Records of a run: its signals over time, and those that the rope's fidelity did not compute."""

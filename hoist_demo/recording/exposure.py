@@ -1,4 +1,4 @@
-"""What each place in the rope went through: extremes, cycles and vibrations of its loads, and the time in a bend.
+"""Load history of each place in the rope: extremes, cycles, vibrations, and the time in a bend.
 
 The places are the rope's stations, which stay in it while it flows through the loop. Cycles are counted by the rainflow
 method (ASTM E1049); what a record leaves open counts one half, so that trips to and fro add up to whole cycles. Counted
@@ -109,7 +109,7 @@ def spectra_table(recording: Recording) -> Recording:
 
 
 def together(parts: Sequence[Recording]) -> Recording:
-    """What several records one after the other did to the same stations: cycles and times add up."""
+    """Join the records of the same stations, one after the other: cycles and times add up."""
     columns = {name: _joint(parts, name) for name in parts[0].signals if name not in _PLACES}
     return Recording({name: parts[0][name] for name in _PLACES} | columns, parts[0].units)
 

@@ -1,4 +1,4 @@
-"""What a fidelity of the rope's model leaves out. The rope shows it as zero, which looks like a result: here it is NaN.
+"""Signals that a fidelity leaves out. The rope shows them as zero, which looks like a result; here they are NaN.
 
 On a rope that carries no torque the zeros of what only torque makes are the complete model's own, so they stay.
 """
@@ -47,7 +47,7 @@ def fidelities_of(recording: Recording) -> list[str]:
 
 
 def remark(recording: Recording) -> str:
-    """What a recording from `mask_neglected` does not show because of its fidelity; "" when nothing is missing."""
+    """Return the signals that `mask_neglected` left out of a recording, in words; "" for none."""
     for fidelity in FIDELITIES:
         effects = [effect for effect in neglected_effects(fidelity) if _is_missing(effect, recording)]
         if effects and fidelity in fidelities_of(recording):

@@ -21,14 +21,14 @@ AFTER = 10.0
 
 
 class GuardTrip(NamedTuple):
-    """When and why a guard tripped."""
+    """Time and cause of a guard's trip."""
 
     t: float  # s
     code: int
 
     @property
     def cause(self) -> str:
-        """In a word."""
+        """Cause in a word."""
         return GUARD_CODES[self.code]
 
 

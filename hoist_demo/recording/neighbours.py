@@ -1,4 +1,4 @@
-"""How near ropes came to one another: the smallest distance between their recorded shapes, with time and place.
+"""Smallest distance between the recorded shapes of neighbouring ropes, with time and place.
 
 Shapes are chains of straight sides through points of the rope. Two sides p + a d, q + b e, a and b within 0 and 1, are
 nearest where both derivatives vanish, or at a bound (C. Ericson, Real-Time Collision Detection, 2005,
@@ -28,7 +28,7 @@ NEVER = Nearest(np.nan, np.nan, (np.nan, np.nan, np.nan))
 
 
 def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
-    """Of two ropes whose points are (instants, points, 3) [m], with the sum of their radii [m]."""
+    """Return the nearest approach of two ropes: points (instants, points, 3) [m], and the sum of their radii [m]."""
     found = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
     for k, t in enumerate(times):
         distance, place = polygon_distance(one[k], other[k])

@@ -1,4 +1,4 @@
-"""What the rope struck or passed through: a run in which it passed shows no real rope after that."""
+"""Bodies that the rope struck or passed through: a run shows no real rope after it passed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PASSED = "passed"
 
 
 def passages(recording: Recording, rope: str = "the rope") -> str:
-    """What ``rope`` has struck or passed through by the end of the record, with times and places; "" for nothing."""
+    """Return what ``rope`` has struck or passed through so far, with times and places; "" for nothing."""
     met = [
         _met(recording, words, f"nearest.{name}.touched_at", f"nearest.{name}.y")
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0
@@ -62,7 +62,7 @@ def _met(recording: Recording, words: str, since: str, y: str) -> str:
 
 
 def _briefly(recording: Recording, words: str, names: Sequence[str]) -> str:
-    """What was pressed by less than clearances err by, or where none is measured: from the first row that shows it."""
+    """Return ``words`` with the time of the first row that shows contact, where its depth is unknown or too small."""
     shown = [_shows(recording, name) for name in names if name in recording]
     return f"{words} (from t = {recording.time[np.argmax(np.any(shown, axis=0))]:.4g} s on)"
 
@@ -88,7 +88,7 @@ def without_absent(recording: Recording) -> Recording:
 
 
 def outcome_of(completed: bool, passed: str) -> str:
-    """How a run ended, in words."""
+    """Return the outcome of a run, in words."""
     return ("completed" if completed else "stopped") + (f", but {passed}" if passed else "")
 
 

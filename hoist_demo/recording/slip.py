@@ -45,13 +45,13 @@ def slip(recording: Recording) -> Slip | None:
 
 
 def largest_ratio(recording: Recording, limit: float) -> float:
-    """Of the head ropes' tensions [-]: the limit at least where they slid, which they came to between two samples."""
+    """Return the largest ratio of the head ropes' tensions [-], at least the limit if they slid between two samples."""
     largest = float(np.max(recording["drive.tension_ratio"]))
     return largest if slip(recording) is None else max(largest, limit)
 
 
 def told_of_slip(recording: Recording) -> str:
-    """It as the end of a sentence; "" where they held."""
+    """Return the slip as the end of a sentence; "" if they held."""
     if (slid := slip(recording)) is None:
         return ""
     return (
@@ -61,7 +61,7 @@ def told_of_slip(recording: Recording) -> str:
 
 
 def held_in_spite(recording: Recording, limit: float) -> str:
-    """When real head ropes would have slipped, at this tension ratio, if the model lets them hold; "" for never."""
+    """Return when real head ropes would have slipped, if the model holds them at this tension ratio; "" for never."""
     if "drive.tension_ratio" not in recording:
         return ""
     ratio = recording["drive.tension_ratio"]

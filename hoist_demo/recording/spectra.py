@@ -1,4 +1,4 @@
-"""How tension and torque vibrate at places in the rope: amplitudes over frequency, and the strongest frequency.
+"""Vibrations of tension and torque at places in the rope: amplitudes over frequency, and the strongest frequency.
 
 Welch's method (scipy.signal.welch): halves of the record that overlap by half, each without its linear trend and under
 a Hann window. An amplitude is that of a sine that has the power of its line. What has fewer than PERIODS within such a
@@ -24,7 +24,7 @@ SHORTEST = 16
 
 
 class Spectra(NamedTuple):
-    """Of several places at once."""
+    """Spectra of several places."""
 
     frequency: Array  # Hz, (n,), of vibrations alone
     amplitude: Array  # (n, places)
@@ -38,7 +38,7 @@ class Strongest(NamedTuple):
 
 
 def spectra(time: Array, values: Array) -> Spectra:
-    """Of `values` (rows, places) at evenly spaced times [s]; empty for too short a record, NaN where values are."""
+    """Return spectra of `values` (rows, places) at even times [s]; empty for a short record, NaN where values are."""
     rows, places = values.shape
     if rows < SHORTEST:
         return Spectra(np.empty(0), np.empty((0, places)))
@@ -54,7 +54,7 @@ def spectra(time: Array, values: Array) -> Spectra:
 
 
 def strongest(found: Spectra) -> Strongest:
-    """At each place."""
+    """Return the strongest frequency and amplitude at each place."""
     places = found.amplitude.shape[1]
     frequency, amplitude = np.full(places, np.nan), np.zeros(places)
     if found.frequency.size:

@@ -38,7 +38,7 @@ class Recording:
         return name in self.signals
 
     def has(self, *names: str) -> bool:
-        """Whether all these signals were recorded."""
+        """Return True if all these signals were recorded."""
         return all(name in self.signals for name in names)
 
     @property
@@ -94,7 +94,7 @@ def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, .
         names = [name for name in known if expression.fullmatch(name)]
         if not names:
             near = difflib.get_close_matches(pattern, known, n=3)
-            cure = f"did you mean {' or '.join(near)}?" if near else "see docs/interface.md"
+            cure = f"did you mean {' or '.join(near)}?" if near else "see docs/reference/variables.md"
             raise ValueError(f"signals has {pattern!r}, which nothing shows: {cure}")
         found |= dict.fromkeys(names)
     return tuple(found)
@@ -115,7 +115,7 @@ def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> No
 
 
 def read_csv(path: Path) -> Recording:
-    """What write_csv has written."""
+    """Read a file of `write_csv`."""
     with path.open(newline="", encoding="utf-8") as file:
         header, *rows = list(csv.reader(file))
     table = np.array([[float(value) for value in row] for row in rows], dtype=np.float64).reshape(-1, len(header))
@@ -125,8 +125,7 @@ def read_csv(path: Path) -> Recording:
 
 
 def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
-    """Rope points at the given rows, in long form: time, point number from the left end, x, y, z, and what else is
-    known there."""
+    """Write rope points at the given rows: time, point number from the left end, x, y, z, tension and stresses."""
     along = {name: values for name in _ALONG if (values := recording.along(name)) is not None}
     more = [_header(name, recording.units.get(f"shape.{name}[1]", "")) for name in along]
     with path.open("w", newline="", encoding="utf-8") as file:

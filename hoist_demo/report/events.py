@@ -23,7 +23,7 @@ class Mark:
 
 
 def marks(result: Result, winding: Winding) -> list[Mark]:
-    """What went wrong, creep, arrival of the reference, and where a run was stopped, in order of time."""
+    """List faults, creep, the reference's arrival and the place where a run was stopped, in order of time."""
     times = result.recording.time
     # Host's reference counts from the start of the record
     start = float(times[0])

@@ -22,7 +22,7 @@ _PLACE = "place in the rope, from its left end [m]"
 
 
 def write_exposure_figure(exposure: Recording, path: Path) -> Path:
-    """Of the table of `hoist_demo.recording.exposure`; what the rope's fidelity leaves out has no panel."""
+    """Draw the table of `hoist_demo.recording.exposure`, without panels for what the fidelity leaves out."""
     shown = [name for name in _UNITS if np.isfinite(exposure[f"{name}.range"]).any()]
     curves = {"curvature.cycles": ("Bending cycles", "number"), "bent": ("Time in the bend", "[s]")}
     titles = [f"Cycles of {name} by their range; the line is the largest" for name in shown]
@@ -46,7 +46,7 @@ def write_exposure_figure(exposure: Recording, path: Path) -> Path:
 
 
 def write_spectra_figure(spectra: Recording, s: Array, path: Path) -> Path | None:
-    """Of the table of `hoist_demo.recording.exposure.spectra_table`, for stations at `s` [m]; None if empty."""
+    """Draw the table of `hoist_demo.recording.exposure.spectra_table` for stations at `s` [m]; None if empty."""
     shown = {name: np.array([spectra[f"{name}[{k + 1}]"] for k in range(s.size)]).T for name in VIBRATING}
     shown = {name: amplitude for name, amplitude in shown.items() if np.nanmax(amplitude, initial=0.0) > 0.0}
     if not shown:

@@ -93,7 +93,7 @@ def write_figures(
 
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
-    """What the trips of a duty show, over their number, of the table of `hoist_demo.duty`."""
+    """Draw the table of `hoist_demo.duty` over the number of the trip."""
     degrees = 180.0 / math.pi
     panels: tuple[tuple[str, str, float, dict[str, str]], ...] = (
         ("Yaw of the loop", "yaw [deg]", degrees, {"loop_yaw": "largest", "yaw_start": "as the trip begins"}),
@@ -297,7 +297,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
 
 
 def _shows(recording: Recording, *names: str) -> bool:
-    """Whether all these signals were recorded; what a fidelity of the rope's model leaves out is NaN."""
+    """Return True if all these signals were recorded and computed; a fidelity's gaps are NaN."""
     return all(name in recording and bool(np.isfinite(recording[name]).any()) for name in names)
 
 
@@ -352,7 +352,7 @@ _LETTER, _LINE = 0.009, 9.0
 
 
 def _line(end: str) -> dict[str, Any]:
-    """How a curve of this end looks, and its name."""
+    """Return style and name of an end's curve."""
     return {"color": COLOURS[end], "ls": DASHES[end], "label": end}
 
 

@@ -1,4 +1,4 @@
-"""How the data that a run rests on are shown: few by name and many by number in a summary, all of them in a table."""
+"""Sources of a run's data: few by name and many by number in a summary, all of them in a table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAMED = 8
 
 
 def told(data: Sequence[Known]) -> list[SummaryRow]:
-    """What is told of the data wherever results are: names of few, of many how many there are of each kind."""
+    """Return the summary of the data's sources: names of few, and the number of each kind of many."""
     rows = []
     for status in STATUSES:
         names = [one.name for one in data if one.status == status]

@@ -38,7 +38,7 @@ class SummaryRow:
 
 
 def for_people(value: float, unit: str) -> tuple[float, str]:
-    """The same in a unit for people: angles in degrees, pure numbers without one."""
+    """Convert to a unit for people: angles to degrees, pure numbers to none."""
     return (math.degrees(value), "deg") if unit == "rad" else (value, unit_text(unit))
 
 

@@ -1,4 +1,4 @@
-"""What a reader must know of the head ropes' hold on the sheave."""
+"""Warnings about the head ropes' hold on the sheave."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
 
 
 def slip_warning(recording: Recording, hoist: Hoist, winding: Winding) -> str:
-    """When real head ropes begin to slip, or how little friction is left; "" while it holds them as is asked for."""
+    """Return the warning that real head ropes slip, or have little friction left; "" for none."""
     if "drive.tension_ratio" not in recording:
         return ""
     ratio = recording["drive.tension_ratio"]
@@ -34,7 +34,7 @@ def _normal_until(recording: Recording, winding: Winding) -> float:
 
 
 def _margin_warning(time: Array, ratio: Array, until: float, hoist: Hoist) -> str:
-    """Where the friction is used up to more than the rules leave; the first sample is one at rest."""
+    """Return the warning that less friction is left than the rules ask for; the first sample is at rest."""
     largest = int(np.argmax(np.where(time <= until, ratio, 0.0)))
     for asked, k, words, cure in ((AT_REST, 0, "at rest", ALIKE), (MOVING, largest, "in normal winding", _GENTLER)):
         safety = hoist.slip_safety(float(ratio[k]))

@@ -72,7 +72,7 @@ _MOST = {
 
 
 def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
-    """Which places of the rope went through most; `exposed` is a table of `hoist_demo.recording.exposure`."""
+    """Return rows on the most loaded places of the rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
     rows: list[SummaryRow] = []
     for name, (words, beside) in _MOST.items():
         if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
@@ -99,7 +99,7 @@ def _outcome(result: Result, hoist: Hoist, coupling: Coupling) -> list[SummaryRo
 
 
 def status(completed: bool, recording: Recording) -> str:
-    """How a run ended and what happened in it, in words."""
+    """Return the outcome and the events of a run, in words."""
     return outcome_of(completed, passages(recording)) + incidents(recording)
 
 
@@ -109,7 +109,7 @@ def incidents(recording: Recording) -> str:
 
 
 def warnings(result: Result, hoist: Hoist) -> list[str]:
-    """What a reader of the numbers must know.
+    """List the warnings that readers of the numbers need.
 
     An unstable coupling, ropes that a real sheave would not hold, and what the rope's fidelity leaves out.
     """
@@ -138,7 +138,7 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
 
 
 def _slip(recording: Recording) -> list[SummaryRow]:
-    """How the head ropes slid on the sheave."""
+    """Return rows on the slip of the head ropes."""
     if (slid := slip(recording)) is None:
         return []
     group = "Head ropes that slipped"
@@ -244,7 +244,7 @@ def _rope(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
 
 
 def _after_guard(recording: Recording) -> list[SummaryRow]:
-    """What the rope did in the seconds after a guard of its loop had tripped."""
+    """Return rows on the rope in the seconds after a guard's trip."""
     if (trip := guard_trip(recording)) is None:
         return []
     group = f"After the guard's trip, {AFTER:g} s"
@@ -253,7 +253,7 @@ def _after_guard(recording: Recording) -> list[SummaryRow]:
 
 
 def _after_jam(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
-    """How a conveyance jammed, which head ropes went slack, and what the rope did in the seconds after that."""
+    """Return rows on a jam, slack head ropes, and the rope in the seconds after it."""
     rows: list[SummaryRow] = []
     for jam in jams(recording):
         group, way = f"Jam of the {jam.side} conveyance", jam.way
@@ -317,7 +317,7 @@ def _energy(recording: Recording, hoist: Hoist) -> list[SummaryRow]:
 
 
 def loses(recording: Recording, name: str) -> bool:
-    """Whether a loss of energy is to be shown: one of ELSEWHERE where there is some."""
+    """Return True if a loss of energy is to be shown: one of ELSEWHERE only if it is not 0."""
     return name not in ELSEWHERE or bool(np.any(recording[name]))
 
 

@@ -63,7 +63,7 @@ class OneRope:
 
     @property
     def torque_free(self) -> bool:
-        """Whether it carries no torque."""
+        """True if it carries no torque."""
         return scene_parameters(self.scene).torque_free
 
     def plant(self) -> WholeRope:
@@ -97,7 +97,7 @@ class Ropes:
 
     @property
     def touching(self) -> bool:
-        """Whether the ropes press each other."""
+        """True if the ropes press each other."""
         return self.ropes[0].scene.shaft.contact.rope_stiffness > 0.0
 
     @property
@@ -107,7 +107,7 @@ class Ropes:
         return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
 
     def provenance(self) -> list[Known]:
-        """Where the numbers come from: those of the hoist, and those of each rope under its name."""
+        """Sources of the numbers: those of the hoist, and those of each rope under its name."""
         ropes = [
             one._replace(name=f"{rope.name}.{one.name}")
             for rope in self.ropes
@@ -157,7 +157,7 @@ def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
 
 
 def _obstacles_to_contact(ropes: Sequence[OneRope], pressed: str) -> list[str]:
-    """Why ropes cannot press each other; `pressed` is the stiffness that asks for it."""
+    """Return why ropes cannot press each other; `pressed` is the stiffness that asks for it."""
     alone = f"or set {_PRESSED} = 0 in [fixed]: each rope is then alone"
     found = [
         f"{rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with {pressed}, for "

@@ -1,4 +1,4 @@
-"""What several ropes in one hoist show: their shares of the load, their sums, and how near they come to one another."""
+"""Table of several ropes in one hoist: shares of the load, sums, and smallest distances."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def without_neglected(recording: Recording, torque_free: Mapping[str, bool]) -> 
 
 
 def remarks(recording: Recording, names: Sequence[str]) -> list[str]:
-    """What a recording from `without_neglected` does not show of each rope because of its fidelity."""
+    """List what `without_neglected` left out of each rope's recording."""
     told = ((name, remark(_whole(recording, name))) for name in names)
     return [text.replace("the rope", f"rope {name}", 1) for name, text in told if text]
 
@@ -96,13 +96,13 @@ def _largest(values: Array) -> float:
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str]) -> str:
-    """How the trip ended, what each rope has struck or passed through, and which have broken, in words."""
+    """Return the outcome: how the trip ended, contacts and passages of each rope, and breaks, in words."""
     told = (passages(_whole(recording, name), f"rope {name}") for name in names)
     return outcome_of(completed, ", and ".join(filter(None, told))) + "".join(_broken(recording, n) for n in names)
 
 
 def unbroken(recording: Recording, breaks: Mapping[str, float]) -> list[str]:
-    """What is to be known of ropes that were to break at these times [s] by name, and did not."""
+    """Return the warning on ropes that were to break at these times [s] by name, and did not."""
     end = float(recording.time[-1])
     return [
         f"rope {name} was to break at breaks_at = {t:g} s, and did not: the run ended at {end:.4g} s; break it earlier"

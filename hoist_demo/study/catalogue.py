@@ -1,4 +1,4 @@
-"""What a study may set: the fields of the host's data classes as `section.field`, and the FMU's parameters by name.
+"""Keys of a study: the host's data as `section.field`, and the FMU's parameters by name.
 
 Every value is checked for its unit, its type and, one at a time, its bounds: the data classes check themselves, and
 the FMU is asked to initialize with the value.

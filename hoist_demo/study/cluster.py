@@ -97,7 +97,7 @@ def run_samples(
 
 
 def _work(run: RunData, fmu_hash: str) -> tuple[Outcome, str]:
-    """On a worker: one run, and the worker's name."""
+    """Carry out one run on a worker; return it with the worker's name."""
     worker = get_worker()
     return execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)), str(worker.name)
 

@@ -160,7 +160,7 @@ class _Reader:
         )
 
     def _given(self, vary: Iterable[str], samples: Sequence[Sample]) -> dict[str, str]:
-        """Where what is set comes from."""
+        """Return the sources of the values that are set."""
         given = read_statuses(self.raw.get("fixed", {}))
         for table in self.raw.get("variant", []):
             given |= read_statuses(table.get("values", {}))
@@ -202,7 +202,7 @@ class _Reader:
             raise ValueError(f"{error}; until then nothing of this file that is the FMU's can be checked") from error
 
     def _is_checkable(self, key: str) -> bool:
-        """Whether the key is the host's, or the FMU is there to ask."""
+        """Return True if the key is the host's, or the FMU is there to ask."""
         return self.fmu_is_there or key == "controller" or key.partition(".")[0] in SECTIONS
 
     def _signals(self, names: Any, fmu: Path) -> tuple[str, ...]:
@@ -214,7 +214,7 @@ class _Reader:
         return tuple(map(str, names))
 
     def _best(self, head: dict[str, Any]) -> dict[str, str] | None:
-        """By which metric the best run is chosen."""
+        """Return the metric that chooses the best run."""
         senses = {"minimise": "min", "maximise": "max"}
         given = {name: head[name] for name in senses if name in head}
         if not given:
@@ -325,7 +325,7 @@ class _Reader:
 
 
 def _possible_values(case: str, values: Mapping[str, Value]) -> tuple[dict[str, Value], list[str]]:
-    """Those values of a wrong run that make one together, and what is wrong with each of the others beside them."""
+    """Return the compatible subset of a wrong run's values, and the conflict of each other value with it."""
     possible: dict[str, Value] = {}
     problems = dict.fromkeys(values, "")
     for _ in values:  # some become possible by others

@@ -1,4 +1,4 @@
-"""What a drive engineer asks of a run, one number each; NaN where the run, the rope or its fidelity did not show it.
+"""Metrics of a run for drive engineers; NaN for those that the run, the rope or its fidelity does not provide.
 
 Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within `Arrival` from
 then on. Residual swing is the height of a conveyance against the rope's end at the sheave, so that a slow creep of
@@ -88,7 +88,7 @@ RIPPLE_WINDOW = 1.0
 
 @dataclass(frozen=True)
 class Arrival:
-    """When a conveyance counts as arrived; all values [assumed]."""
+    """Bounds within which a conveyance counts as arrived; all values [assumed]."""
 
     position_band: float = quantity(0.01, "m", "of the left conveyance about its landing")
     speed_band: float = quantity(0.01, "m/s", "of both conveyances")

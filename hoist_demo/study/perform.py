@@ -38,7 +38,7 @@ Run = Callable[[Sequence[Sample]], list[str]]
 
 @dataclass(frozen=True)
 class Performed:
-    """What a study has come to."""
+    """Outcome of a study."""
 
     table: Path  # results.parquet
     runs: int
@@ -128,7 +128,7 @@ def _together(variants: Sequence[Judged]) -> Judged:
 
 
 def _told(tuning: Tuning, best: Judged) -> str:
-    """What the point exceeds."""
+    """Return the bounds that the point exceeds, in words."""
     parts = [
         f"{bound.metric} is {100.0 * excess:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
         for bound, excess in zip(tuning.bounds, best.excess, strict=True)

@@ -22,7 +22,7 @@ class Probe:
         self._answers: dict[str, str] = {}
 
     def rejection(self, run: RunData) -> list[str]:
-        """Why the rope does not start with the run's parameters, naming the key where one alone is to blame."""
+        """Return why the rope does not start with the run's parameters, with the key if one alone is to blame."""
         high, rises = run.hoist.shaft_travel, run.winding.travel > 0.0
         together = self._ask(run.fmu, high, rises)
         if not together:
@@ -44,7 +44,7 @@ class Probe:
 
 
 def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion) -> str:
-    """Why the FMU does not start; "" when it does."""
+    """Return why the FMU does not start; "" if it does."""
     try:
         rope = FmuRope(fmu, parameters)
     except ValueError as error:

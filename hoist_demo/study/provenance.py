@@ -1,4 +1,4 @@
-"""Where the numbers that a run rests on come from: each with its status.
+"""Sources of the numbers that a run rests on, each with its status.
 
 What was set has the status that its file states, else ``given``: whoever set it knows its source.  What was not is of
 the case: ``published`` where the case's source states it, else ``assumed``, which is ours.  A rope's parameter that is
@@ -55,7 +55,7 @@ class Known(NamedTuple):
 
 
 def of_host(run: RunData, given: Mapping[str, str]) -> list[Known]:
-    """What the host computes with; ``given`` are the statuses of what was set."""
+    """Return the sources of the host's data; ``given`` are the statuses of set values."""
     case, own = find_case(run.case), build(run.case, {})
     of_case = {name: value for name, value, _ in _leaves(own)}
     found = []
@@ -73,7 +73,7 @@ def of_host(run: RunData, given: Mapping[str, str]) -> list[Known]:
 
 
 def of_rope(case: Case, rope: RopeData, given: Mapping[str, str]) -> list[Known]:
-    """What one balance rope of the case is; ``given`` are the statuses of what was set."""
+    """Return the sources of one balance rope's data; ``given`` are the statuses of set values."""
     return [
         Known(name, rope.display(name), rope.units.get(name, ""), _of_rope(name, value, case, given))
         for name, value in rope.parameters.items()
@@ -124,7 +124,7 @@ _ASSUMED = assumed_parameters()
 
 
 def statuses(data: Iterable[Known]) -> dict[str, str]:
-    """By name."""
+    """Statuses by name."""
     return {one.name: one.status for one in data}
 
 

@@ -31,7 +31,7 @@ class StudyError(ValueError):
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """What a TOML file holds; StudyError where it holds nothing that can be read."""
+    """Read a TOML file; raise StudyError if it is unreadable."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -79,7 +79,7 @@ def read_values(catalogue: Catalogue, where: str, table: Mapping[str, Any], prob
 
 
 def read_statuses(table: Mapping[str, Any]) -> dict[str, str]:
-    """Where the values of a table come from: what they say themselves, or the file that `from` names; else given."""
+    """Return the sources of a table's values: their own, those of the file that `from` names, else given."""
     found = file_statuses(Path(str(table["from"]))) if "from" in table else {}
     for key, content in flat({key: content for key, content in table.items() if key != "from"}):
         found[key] = content.get("status", GIVEN) if isinstance(content, dict) else GIVEN
@@ -87,7 +87,7 @@ def read_statuses(table: Mapping[str, Any]) -> dict[str, str]:
 
 
 def file_statuses(path: Path) -> dict[str, str]:
-    """What a parameter file says of the values in its [fixed]: calibrated, measured, ..., else given."""
+    """Return the statuses of the values in a parameter file's [fixed]: calibrated, measured, ..., else given."""
     raw = read_toml(path)
     return read_statuses(raw.get("fixed", {})) | following_statuses(
         {

@@ -85,7 +85,7 @@ class RunData:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run leaves behind: plain data that travels between processes."""
+    """Outcome of a run: plain data that travels between processes."""
 
     status: str  # completed, stopped or error
     cause: str
@@ -118,14 +118,14 @@ def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ())
 
 
 def build_trip(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
-    """As `build`, for one trip from the landing: a jam to which it does not come is refused."""
+    """Build one trip from the landing, as `build`; refuse a jam that it does not reach."""
     run = build(case, values, signals)
     require_jams_on_the_way(run.hoist, run.winding)
     return run
 
 
 def fmu_part(values: Mapping[str, Value]) -> dict[str, Value]:
-    """Those of the values that are the FMU's."""
+    """Return the values that are the FMU's."""
     return {key: v for key, v in values.items() if key != "controller" and key.partition(".")[0] not in SECTIONS}
 
 

@@ -1,4 +1,4 @@
-"""From what varies to the list of samples: the product of lists, or a Latin hypercube over ranges.
+"""Samples of a study: the product of lists, or a Latin hypercube over ranges.
 
 Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979; scipy.stats.qmc draws it.
 """

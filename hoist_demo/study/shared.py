@@ -18,7 +18,7 @@ def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:
 
 
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
-    """What the drive takes the balance rope for, where the rope is something else; "" where they agree."""
+    """Return where the drive's copy of the balance rope's data differs from the rope's; "" if they agree."""
     told = []
     for name, field, unit in SHARED:
         computed, assumed = rope.get(name), getattr(hoist, field)

@@ -45,12 +45,12 @@ class Store:
             (directory / name).mkdir(parents=True, exist_ok=True)
 
     def finished_keys(self, keys: Sequence[str]) -> set[str]:
-        """Those of the keys that need no run any more."""
+        """Return the keys that need no further run."""
         return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
 
     @property
     def holds_runs(self) -> bool:
-        """Whether any run is recorded."""
+        """Return True if any run is recorded."""
         return any((self.directory / "runs").glob("*.json"))
 
     def read(self, key: str) -> dict[str, Any] | None:

@@ -1,4 +1,4 @@
-"""What a search looks for: the table [tune] of a study, checked.
+"""Goals of a search: the table [tune] of a study, checked.
 
 minimise   = { metric = weight }                     the cost is the weighted sum
 subject_to = { metric = { below = 1, above = 0 } }   what every run must keep; may have the unit
@@ -22,20 +22,20 @@ _SENSES = {"below": 1.0, "above": -1.0}
 
 @dataclass(frozen=True)
 class Bound:
-    """What a metric of every run must keep."""
+    """Bound on a metric of every run."""
 
     metric: str
     value: float
     sense: float  # 1: below the value, -1: above it
 
     def excess(self, metrics: Mapping[str, float]) -> float:
-        """By how much the bound is exceeded, as a part of it where it is not 0; 0 or less where it is kept."""
+        """Return the excess over the bound, as a part of it unless it is 0; 0 or less if it is kept."""
         return self.sense * (metrics[self.metric] - self.value) / (abs(self.value) or 1.0)
 
 
 @dataclass(frozen=True)
 class Tuning:
-    """What a search minimises, within what, and how long it searches."""
+    """Goal, bounds and length of a search."""
 
     minimise: Mapping[str, float]  # weight of each metric; 1 / its unit
     bounds: tuple[Bound, ...]

@@ -1,1 +1,1 @@
-"""From what is not known of a rope to what is not known of its winding, and which datum causes it."""
+"""Uncertainty of a winding from that of its rope, and the datum that causes it."""

@@ -61,12 +61,12 @@ class Uncertain:
 
     @property
     def data(self) -> dict[str, Datum]:
-        """What varies, by name."""
+        """Data that vary, by name."""
         found = {name: datum for name, datum in self.known.data.items() if datum.high > datum.low}
         return found | (BEARINGS[self.bearing] if self.bearing else {})
 
     def provenance(self) -> list[Known]:
-        """Where the numbers come from; of a property that varies its range has the status."""
+        """Sources of the numbers; of a property that varies, its range has the status."""
         run = self.run({name: datum.middle for name, datum in self.data.items()})
         known = {name: VARIED if name in self.data else datum.status for name, datum in self.known.data.items()}
         given = {"rope.diameter": GIVEN, **self.given, **following_statuses(known)}
@@ -94,7 +94,7 @@ class Uncertain:
 
 
 def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncertain:
-    """What a file asks of a rope with these parameters; raises StudyError with all problems."""
+    """Return the questions of a file about a rope with these parameters; raise StudyError with all problems."""
     problems = list[str]()
     raw = read_tables(path, "an uncertain winding", _TABLES, problems)
     head = read_head(path, "uncertain", raw.get("uncertain", {}), _OWN, problems)

@@ -1,4 +1,4 @@
-"""What a spread says: as text for the terminal, as a table and as a page."""
+"""Spread of results, as text for the terminal, as a table and as a page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NAMED = 0.05
 
 
 def summary(found: Spread) -> list[SummaryRow]:
-    """What is printed."""
+    """Return the text for the terminal."""
     rows = [SummaryRow("Windings", "wound to the end", f"{found.completed} of {found.asked.samples}")]
     for name in _measured(found):
         (low, middle, high), unit = _for_people(found.quantiles(name), UNITS[name])
@@ -35,12 +35,12 @@ def summary(found: Spread) -> list[SummaryRow]:
 
 
 def too_few(found: Spread) -> str:
-    """A warning of what no winding shows, and where they are too few to tell causes apart; '' for neither."""
+    """Return a warning of results without windings, and of too few windings for causes; '' for neither."""
     return "; ".join(filter(None, (_unshown(found), _untold(found), _spoiled(found))))
 
 
 def _unshown(found: Spread) -> str:
-    """Which results no winding has, though they ended."""
+    """Return the results that no completed winding has."""
     none = [name for name in found.asked.measures if found.completed and not found.wound(name).any()]
     return (
         f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = torsional), "
@@ -51,7 +51,7 @@ def _unshown(found: Spread) -> str:
 
 
 def _untold(found: Spread) -> str:
-    """Of which results the windings that have them are fewer than a regression needs."""
+    """Return the results with fewer windings than a regression needs."""
     need = found.needed
     counts = {name: int(found.wound(name).sum()) for name in found.asked.measures}
     few = [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]
@@ -64,7 +64,7 @@ def _untold(found: Spread) -> str:
 
 
 def _spoiled(found: Spread) -> str:
-    """Of which results the shares contradict one another."""
+    """Return the results whose shares contradict one another."""
     spoiled = [f"{name} {number(times)}" for name in found.asked.measures if (times := found.spoiled(name))]
     return (
         f"no causes are told of {', '.join(spoiled)}: so many times their spread the shares of the data would add up "
@@ -75,7 +75,7 @@ def _spoiled(found: Spread) -> str:
 
 
 def remarks(found: Spread) -> list[str]:
-    """What the rope has warned of and why windings stopped, and in how many of them."""
+    """Return the rope's warnings and the causes of stops, each with its number of windings."""
     return [f"in {count} of {found.asked.samples} windings: {text}" for text, count in found.remarks.items()]
 
 

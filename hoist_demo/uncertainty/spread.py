@@ -53,17 +53,17 @@ class Spread:
     remarks: Mapping[str, int] = field(default_factory=dict)  # warnings and causes of stops: in how many windings
 
     def wound(self, name: str) -> Array:
-        """Which windings have this measure."""
+        """Select the windings that have this measure."""
         return np.isfinite(self.columns[name])
 
     def quantiles(self, name: str) -> tuple[float, ...]:
-        """Of a measure, QUANTILES."""
+        """Return the QUANTILES of a measure."""
         values = self.columns[name][self.wound(name)]
         return tuple(float(x) for x in np.quantile(values, QUANTILES)) if values.size else (math.nan,) * len(QUANTILES)
 
     @property
     def completed(self) -> int:
-        """How many windings have come to their end."""
+        """Number of windings that came to their end."""
         return self.asked.samples - sum(count for text, count in self.remarks.items() if text.startswith(STOPPED))
 
     @property
@@ -80,7 +80,7 @@ class Spread:
         return {} if sum(shares.values()) > SPOILED else shares
 
     def spoiled(self, name: str) -> float:
-        """What the shares add up to where they contradict one another: how often the spread; 0 where they do not."""
+        """Return the sum of the shares over the spread if they contradict one another; else 0."""
         total = sum(self._shares(name).values())
         return total if total > SPOILED else 0.0
 
@@ -132,7 +132,7 @@ def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
 
 
 def remarks_of(wound: Sequence[Iterable[str]]) -> dict[str, int]:
-    """What is to be told of windings, in how many of them; a number that differs from one to the next is left out."""
+    """Return remarks with the number of windings of each; numbers that differ between windings are left out."""
     found = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # by the words: by winding, the numbers
     for k, texts in enumerate(wound):
         for text in texts:

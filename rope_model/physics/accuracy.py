@@ -26,7 +26,7 @@ from .estimates import axial_frequency, bending_length
 FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
 AND_RATE = 2.0
-#: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: docs/mesh_rule.md
+#: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
 LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
 #: a loop of elements of x w and more slips aside and turns, by which node comes to hang lowest: it is off by up to
 #: 1 + SLIPPED times as much beyond x = SLIPS_FROM, and yawed by up to TURNED x (rad) beyond TURNS_FROM; the change goes

@@ -13,7 +13,8 @@ width of the loop, l the length of a leg, kappa = Qs^2 / (Qa Qd), F = rho g l_lo
     planar or spatial on a rope with torque:   kappa longitudinal + psi^2 lean + whip + release
     rigid against planar:                      longitudinal + lean
 
-Constants that no theory gives are measured; `python -m evidence.choice --estimates` compares estimate and error.
+Constants that no theory gives are measured; `python -m evidence --measure choice:estimates` compares
+estimate and error.
 ``scene`` gives rope and layout; works on numbers and CasADi expressions.
 """
 

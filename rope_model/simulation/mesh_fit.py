@@ -2,11 +2,11 @@
 
 R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements there are
 as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
-with the sixth when they are short (physics.accuracy); docs/mesh_rule.md tells which errors are kept.  Segment IV covers
+with the sixth when they are short (physics.accuracy); docs/promise.md tells which errors are kept.  Segment IV covers
 the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped ends
 resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.
 
-`make mesh-rule` measures what the constants rest on and writes docs/mesh_rule.md.
+`python -m evidence.mesh_rule` fits what the constants rest on.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MOST_LEVELS = 8
 #: of the accuracy asked of the loop's place, what the mesh may take
 MESH_SHARE = 0.5
 #: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length, for the short waves of an emergency stop (benchmarks.legs); nor more than
+#: LEG_WAVES / length, for the short waves of an emergency stop (evidence.mesh_rule.trips); nor more than
 #: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
 #: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
 LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1

@@ -31,7 +31,7 @@ _NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", 
 
 @dataclass(frozen=True)
 class Break:
-    """When and where a rope breaks: at the first communication point from `t` on."""
+    """Place and time of a rope's break: the first communication point from `t` on."""
 
     t: float  # s
     s: float  # m, along the rope from its left end
@@ -40,7 +40,7 @@ class Break:
 
 @dataclass(frozen=True)
 class Piece:
-    """What hangs from one end after the break at `t`."""
+    """Piece that hangs from one end after the break at `t`."""
 
     t: float  # s
     mass: float  # kg/m
@@ -118,12 +118,12 @@ class BreakingRope:
         return found
 
     def signals(self) -> dict[str, float]:
-        """Of the rope; NaN, once it is broken, for all but the forces."""
+        """Return the rope's signals; after the break NaN for all but the forces."""
         whole = self._rope.signals()
         return whole if self._pieces is None else {name: self._shown.get(name, math.nan) for name in whole}
 
     def reader(self, names: Sequence[str]) -> Reader:
-        """The same of some outputs."""
+        """Return a reader of some outputs."""
         read = self._rope.reader(names)
 
         def values() -> NDArray[np.float64]:

@@ -122,7 +122,7 @@ def unpacked(path: Path, changed: int, size: int) -> Path:
 
 
 def _serves_to_run(file: str) -> bool:
-    """Whether an instance may read this file of the archive."""
+    """Return True if an instance may read this file of the archive."""
     return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
 
 
@@ -139,7 +139,7 @@ def _refuse() -> NoReturn:
 
 
 class _Closed:
-    """What stands for FMPy's instance once that is freed."""
+    """Stand-in for FMPy's instance once that is freed."""
 
     def __getattr__(self, name: str) -> NoReturn:
         _refuse()
@@ -189,7 +189,7 @@ class Instance(ABC):
 
     @abstractmethod
     def _instantiate(self) -> None:
-        """With all messages going to `_hear`: a Python FMU passes on no warning without logging.
+        """Instantiate with all messages going to `_hear`: a Python FMU passes on no warning without logging.
 
         `_do_step` is set to what steps from `_t` by `_h`.
         """
@@ -199,12 +199,12 @@ class Instance(ABC):
         """Set up for a run from t0 [s] and enter initialization mode."""
 
     def step(self, t: float, h: float) -> None:
-        """From t to t + h [s]."""
+        """Step from t to t + h [s]."""
         self._t.value, self._h.value = t, h
         self._do_step()
 
     def buffer(self, what: Literal["Get", "Set"], variables: Sequence[Variable]) -> Buffer:
-        """For all elements of variables of one type, to be called again and again."""
+        """Return a reusable buffer for all elements of variables of one type."""
         kind, number = variables[0].type, sum(len(v.elements) for v in variables)
         type_ = self._enumeration if kind == "Enumeration" else kind
         values = (getattr(self._fmpy_module, f"{self._prefix}{type_}") * number)()

@@ -1,4 +1,4 @@
-"""What an FMU lets a host choose and read: parameters with unit, type and bounds, and outputs, without loading it."""
+"""Description of an FMU, read without loading it: parameters with unit, type and bounds, and outputs."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def fmi_version(path: Path) -> str:
 
 
 class Fmu(NamedTuple):
-    """What is read of an FMU."""
+    """Contents of an FMU's description."""
 
     description: Any  # FMPy's
     variables: tuple[Variable, ...]
@@ -77,7 +77,7 @@ def version_of(path: Path) -> tuple[Path, int, int]:
 
 @lru_cache(maxsize=8)  # a study reads the same file for every run
 def _read(path: Path, changed: int, size: int) -> Fmu:
-    """Of a file in one version."""
+    """Read a file in one version."""
     try:
         with ZipFile(path) as archive:
             if "modelDescription.xml" not in archive.namelist():

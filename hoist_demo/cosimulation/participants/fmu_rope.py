@@ -47,7 +47,7 @@ _VALID = RopeStatus(True)
 
 
 class _Part(NamedTuple):
-    """What one call of the FMU reads of some names."""
+    """Names that one call of the FMU reads."""
 
     get: Callable[[], Any]
     values: NDArray[Any]
@@ -56,13 +56,13 @@ class _Part(NamedTuple):
 
     @staticmethod
     def of(buffer: Buffer, names: Sequence[str]) -> _Part:
-        """Of a buffer that also reads other elements of arrays."""
+        """Select the requested elements of a buffer."""
         places = {name: k for k, name in enumerate(buffer.names)}
         pairs = [(places[name], k) for k, name in enumerate(names) if name in places]
         return _Part(buffer.call, buffer.values, *(_run_of(column) for column in zip(*pairs, strict=True)))
 
     def is_all_of(self, names: Sequence[str]) -> bool:
-        """Whether the call gives real numbers for just these names in their order."""
+        """Return True if the call gives real numbers for exactly these names, in their order."""
         whole = slice(0, len(names))
         same = all(isinstance(places, slice) and places == whole for places in (self.there, self.here))
         return same and self.values.shape == (len(names),) and self.values.dtype == np.float64
@@ -181,7 +181,7 @@ class FmuRope:
         return read
 
     def data(self) -> RopeData:
-        """What this rope is: its file, and all parameters with the values they were given."""
+        """Identity of the rope: its file, and all parameters with their values."""
         description, parameters = self._description, self._described
         model = {
             "FMU": self._path.name,
@@ -269,7 +269,7 @@ class FmuRope:
         self._motions.call()
 
     def _status(self) -> RopeStatus:
-        """What `status.valid` and `status.message` say; an FMU without them is valid."""
+        """Return the status by `status.valid` and `status.message`; an FMU without them is valid."""
         if self._valid is None:
             return _VALID
         self._valid.call()
@@ -283,14 +283,14 @@ class FmuRope:
         return self._fmu.text(self._variables[name])() if name in self._variables else ""
 
     def _reason(self) -> str:
-        """Why the fidelity runs that runs, where the FMU still speaks."""
+        """Return the reason for the present fidelity, if the FMU still answers."""
         with suppress(CallError):
             return self._text("status.fidelity_reason")
         return ""
 
     @property
     def _tag(self) -> bytes:
-        """What stands before a serialized state: states of two flavours do not fit one another."""
+        """Return the head of a serialized state, which keeps states of two flavours apart."""
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
     def _failure_status(self, error: CallError) -> RopeStatus:
@@ -309,12 +309,12 @@ class FmuRope:
             raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
     def _explanation(self, error: Exception) -> str:
-        """What a call failed of, with what the FMU has said meanwhile."""
+        """Return the cause of a failed call, with the FMU's messages."""
         said, self._errors = "; ".join(dict.fromkeys(self._errors)), []
         return f"{error} {said}" if said else str(error)
 
     def _hear(self, status: int, text: str) -> None:
-        """The FMU's logger: warnings are told, each once; an error comes back with the call that fails of it."""
+        """Log the FMU's warnings, each once; keep its errors for the call that fails."""
         if status > WARNING:
             self._errors.append(text)
         if status != WARNING:

@@ -73,7 +73,7 @@ class InProcessRope:
         return self._rope.signals(self._told) | {FIDELITY: code_of(self._rope.fidelity)}
 
     def data(self) -> RopeData:
-        """What this rope is: its engine, and all parameters by FMI name."""
+        """Identity of the rope: its engine, and all parameters by FMI name."""
         model = {"rope": f"in process, {type(self._rope).__name__}", "version": version("balance-rope")}
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be initialised has no state
@@ -158,7 +158,7 @@ def assumed_parameters() -> frozenset[str]:
 
 
 def rope_parameters() -> dict[str, FmuParameter]:
-    """What can be set of a rope in process, as an FMU would state it; the data classes know the bounds."""
+    """List the parameters of a rope in process as an FMU would; the data classes know the bounds."""
     found = {}
     for group, part in _PARTS.items():
         data = attrgetter(part)(Scene())
@@ -192,7 +192,7 @@ def with_parameters(data: Scene, parameters: Mapping[str, Value]) -> Scene:
         group, _, item = name.rpartition(".")
         part = attrgetter(_PARTS[group])(data) if group in _PARTS else None
         if part is None or item not in {f.name for f in fields(part)}:
-            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/interface.md")
+            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/reference/variables.md")
         chosen.setdefault(group, {})[item] = _decode(part, name, value)
     for group, values in chosen.items():
         try:
@@ -210,7 +210,7 @@ def _with_values(data: Any, path: Sequence[str], values: Mapping[str, Any]) -> A
 
 
 def _motion(end: EndMotion) -> RopeEndMotion:
-    """The same numbers in rope_model's own type."""
+    """Convert to rope_model's own type."""
     return RopeEndMotion(*end)
 
 

@@ -79,7 +79,7 @@ class HoistParticipant:
         self._done: tuple[Load, Motion] | None = None  # load of the last step, and the motion at its end
 
     def command(self, torque: float, brake: float, sides: Vector) -> None:
-        """What acts from now on beside the vertical forces: the controller's command and the rope's side forces."""
+        """Set what acts besides the vertical forces from now on: the command and the rope's side forces."""
         self._path[_TORQUE], self._path[_BRAKE], self._path[_SIDES] = torque, brake, sides
         self._first = torque, brake
         self._done = None
@@ -112,14 +112,14 @@ class HoistParticipant:
 
     @property
     def outputs(self) -> Vector:
-        """What the hoist shows now, the numbers of PlantOutput."""
+        """Return the present values of PlantOutput."""
         if self._shown is None:
             path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
             _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
         return self._shown
 
     def output(self) -> PlantOutput:
-        """What the hoist shows now."""
+        """Return the present output of the hoist."""
         return PlantOutput(*self.outputs.tolist())
 
     def place(self) -> Vector:
@@ -135,7 +135,7 @@ class HoistParticipant:
         return _motion(shown)
 
     def mobility(self) -> Vector:
-        """Of the two vertical accelerations."""
+        """Return the mobility of the two vertical accelerations."""
         return self.plant.mobility(self.state)
 
     def work(self) -> float:
@@ -148,9 +148,11 @@ class HoistParticipant:
         return rope_ends(self.outputs)
 
     def save(self) -> tuple[PlantState, Vector]:
+        """Return the state and its input."""
         return self.state, self.input
 
     def restore(self, snapshot: tuple[PlantState, Vector]) -> None:
+        """Go back to a saved state."""
         self.state, self.input = snapshot
         self._shown = self._done = None
 
@@ -198,21 +200,24 @@ class RopeParticipant:
         return self._forces[: len(ENDS)], self._forces[len(ENDS) :]
 
     def added_mass(self) -> Vector | None:
-        """Of the last step; None where the rope cannot tell."""
+        """Return the added mass of the last step; None if the rope has none."""
         with self._clock:
             values = self._read_added_masses()
         return values if np.isfinite(values).all() else None
 
     def save(self) -> object:
+        """Return the rope's state."""
         with self._clock:
             return self.rope.save()
 
     def restore(self, snapshot: object) -> None:
+        """Go back to a saved state."""
         with self._clock:
             self.rope.restore(snapshot)
             self._forces = None
 
     def free(self, snapshot: object) -> None:
+        """Give up a saved state."""
         self.rope.free(snapshot)
 
     def to_bytes(self, snapshot: object) -> bytes:
@@ -226,7 +231,7 @@ class RopeParticipant:
         self.free(snapshot)
 
     def _problem(self, status: RopeStatus, t: float | None) -> str:
-        """Why the rope's answer to a step from t [s], or None: to the start, cannot be used; "" when it can."""
+        """Return why the rope's answer to a step from t [s], or to the start (None), is unusable; "" if it is not."""
         self._forces = None
         if status.valid:
             forces = self._read()

@@ -1,4 +1,4 @@
-"""What a rope is, for the reports: where it comes from, all its parameters, and which level of accuracy they make."""
+"""Identity of a rope for the reports: source, parameters, and level of accuracy."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ class RopeData:
 
     @property
     def torque_free(self) -> bool:
-        """Whether the rope carries no torque as long as its ends do not turn; unknown parameters count as torque."""
+        """Return True if the rope carries no torque with ends that do not turn; unknown parameters count as torque."""
         return all(self.parameters.get(name) == 0.0 for name in _TORQUE)
 
     @property
     def locked(self) -> tuple[str, ...]:
-        """Ends whose swivel is locked."""
+        """List the ends whose swivel is locked."""
         modes = {end: f"{end}.swivel.mode" for end in ("left", "right")}
         return tuple(end for end, mode in modes.items() if self._code(mode) == code(mode, "locked"))
 

@@ -38,7 +38,7 @@ CONTACT_ENERGIES = tuple(f"neighbours.{name}" for name in ("energy", "work", "di
 
 @dataclass(frozen=True)
 class Place:
-    """Where a rope hangs, from the centres of the conveyances."""
+    """Place of a rope, from the centres of the conveyances."""
 
     x_left: float = 0.0  # m, in the plane of the loops, from the left conveyance's centre
     x_right: float = 0.0  # m, from the right one's
@@ -46,7 +46,7 @@ class Place:
 
     @property
     def origin(self) -> tuple[float, float, float]:
-        """What the rope counts its places from, x from half-way between the conveyances' centres [m]."""
+        """Origin of the rope's places, x from half-way between the conveyances' centres [m]."""
         return 0.5 * (self.x_left + self.x_right), 0.0, self.z
 
     def at(self, end: str) -> tuple[float, float]:
@@ -164,7 +164,7 @@ class RopeGroup:
             member.rope.close()
 
     def accounts(self) -> dict[tuple[str, str], Account]:
-        """What happened between each two ropes that may press each other."""
+        """Accounts of each two ropes that may press each other."""
         found = {} if self.touching is None else self.touching.neighbours.contacts.accounts
         return {(self.members[i].name, self.members[j].name): account for (i, j), account in found.items()}
 
@@ -180,7 +180,7 @@ class RopeGroup:
         return forces | dict(zip(CONTACT_ENERGIES, sums.tolist(), strict=True))
 
     def _over_parts(self, k: int, summed: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What was read of a rope, its mean forces those of the whole step where it was halved."""
+        """Return a rope's values, with the mean forces of the whole step where it was halved."""
         means = self.touching.means[k] if self.touching is not None and self.touching.means else None
         if means is not None:
             for name, mean in zip(MEANS, means, strict=True):
@@ -226,7 +226,7 @@ def _turned(place: tuple[float, float], yaw: float) -> tuple[float, float]:
 
 
 def _moments(values: NDArray[np.float64], place: Place, yaws: tuple[float, float]) -> NDArray[np.float64]:
-    """What a rope's forces at its place add to its moments, about the centres, in the order of _ACTIONS."""
+    """Return the moments of a rope's forces about the centres, in the order of _ACTIONS."""
     found = np.zeros((len(ENDS), 6))
     for k, end in enumerate(ENDS):
         x, z = _turned(place.at(end), yaws[k])

@@ -1,4 +1,4 @@
-"""What the host loop asks of a balance rope, whether it runs in an FMU or in this process.
+"""Protocol between the host loop and a balance rope, in an FMU or in this process.
 
 Names of signals and inputs are those of the FMI interface, e.g. `left.fy` [N], the rope's force on the left
 conveyance. Motions are given at the END of a step.
@@ -25,7 +25,7 @@ REQUIRED_SIGNALS = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
 
 @dataclass(frozen=True)
 class RopeStatus:
-    """Whether the rope's step may be used, and why not."""
+    """Verdict on a step of the rope, with the cause of a failure."""
 
     valid: bool
     message: str = ""
@@ -35,7 +35,7 @@ class RopePlant(Protocol):
     """A balance rope between two moving ends."""
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
-        """Find the hanging shape at time t0 [s]; signals() then tells the forces at rest."""
+        """Find the hanging shape at time t0 [s]; signals() then gives the forces at rest."""
         ...
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:

@@ -68,7 +68,7 @@ class Turn:
         self._rope.restore(self._kept)
 
     def accept(self) -> None:
-        """It counts."""
+        """Accept the step."""
         self._rope.free(self._kept)
         self.parts += 1
         self._impulse += self._part[1] * self._read()
@@ -102,7 +102,7 @@ class TouchingRopes:
         return [turn.status for turn in turns]
 
     def save(self) -> Any:
-        """What the contact remembers."""
+        """Return the memory of the contact."""
         return self.neighbours.contacts, self.means
 
     def restore(self, snapshot: Any) -> None:

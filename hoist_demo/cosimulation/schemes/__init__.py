@@ -1,4 +1,4 @@
-"""How a drive and a rope exchange forces and motions: one scheme per file, all of them interchangeable.
+"""Schemes by which a drive and a rope exchange forces and motions: one per file, all interchangeable.
 
 Reads as interface -> extrapolation -> gauss_seidel, jacobi, semi_implicit, iterative (with accelerators), energy ->
 catalogue, stability.

@@ -1,4 +1,4 @@
-"""How an iteration goes from the forces it tried and the forces the rope answered to the next ones to try.
+"""Accelerators of an iteration: the next forces to try from those tried and those that the rope answered.
 
 x is what was tried and g(x) the answer, r = g(x) - x; each is a vector of forces in N. One object serves one step.
 """
@@ -15,7 +15,9 @@ from .interface import Vector
 class Accelerator(Protocol):
     """Proposes the next x."""
 
-    def next(self, x: Vector, answer: Vector) -> Vector: ...
+    def next(self, x: Vector, answer: Vector) -> Vector:
+        """Return the forces to try after x, whose answer is known."""
+        ...
 
 
 class InterfaceJacobian:
@@ -25,6 +27,7 @@ class InterfaceJacobian:
         self._matrix = np.eye(jacobian.shape[0]) - jacobian
 
     def next(self, x: Vector, answer: Vector) -> Vector:
+        """Return x + (1 - dg/dx)^-1 (answer - x)."""
         new: Vector = x + np.linalg.solve(self._matrix, answer - x)
         return new
 
@@ -40,6 +43,7 @@ class Aitken:
         self._factor, self._before = 1.0, np.zeros(0)
 
     def next(self, x: Vector, answer: Vector) -> Vector:
+        """Return x plus the relaxed residual."""
         r = answer - x
         if self._before.size:
             change = r - self._before
@@ -63,6 +67,7 @@ class Secant:
         self._residuals: list[Vector] = []
 
     def next(self, x: Vector, answer: Vector) -> Vector:
+        """Return the answer corrected by the least squares of the differences."""
         r = answer - x
         self._answers.append(answer)
         self._residuals.append(r)

@@ -18,7 +18,7 @@ SCHEMES: dict[str, Scheme] = {
     "implicit-impulse": Iterative("jacobian", held=True),
     "energy-controlled": EnergyControlled(GaussSeidel(1)),
 }
-"""Numbers are orders of extrapolation; docs/coupling.md compares them."""
+"""Numbers are orders of extrapolation; docs/howto/hoist.md compares them."""
 
 
 def find_scheme(name: str) -> Scheme:

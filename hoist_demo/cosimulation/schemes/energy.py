@@ -28,12 +28,12 @@ class EnergyControlled:
 
     @property
     def needs_added_mass(self) -> bool:
-        """Of the scheme inside."""
+        """Requirement of the scheme inside."""
         return self.inner.needs_added_mass
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Of the scheme inside."""
+        """Weights of the scheme inside."""
         return self.inner.weights
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:

@@ -20,7 +20,7 @@ MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 
 @dataclass(frozen=True)
 class Extrapolated:
-    """What the schemes have in common that extrapolate to `order` 0, 1 or 2."""
+    """Base of the schemes that extrapolate to `order` 0, 1 or 2."""
 
     order: int
     needs_rollback: bool = False
@@ -28,7 +28,7 @@ class Extrapolated:
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Of past forces in the step's mean."""
+        """Weights of past forces in the step's mean."""
         return MEAN_WEIGHTS[self.order]
 
 

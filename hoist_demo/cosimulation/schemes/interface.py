@@ -1,4 +1,4 @@
-"""What passes the interface, what a scheme asks of the two partners, and what it remembers between two steps.
+"""Data that cross the interface, questions of a scheme to both partners, and its memory between steps.
 
 load of a step      F(s) = start + rise s + bend s^2 - m_a a ,     a: acceleration of the drive's ends, s = 0 .. 1
 """
@@ -35,7 +35,7 @@ class Load(NamedTuple):
 
     @staticmethod
     def constant(force: Vector) -> Load:
-        """The same force throughout."""
+        """Return a load with this force throughout."""
         zero = np.zeros(force.shape)
         return Load(force, zero, zero, zero)
 
@@ -52,7 +52,7 @@ class Load(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """What both partners had at one communication point; vectors (n,)."""
+    """Data of both partners at one communication point; vectors (n,)."""
 
     t: float  # s
     force: Vector  # N, of the rope at t
@@ -114,9 +114,13 @@ class DrivePartner(Protocol):
         """Work that the loads have done on the drive so far [J]."""
         ...
 
-    def save(self) -> Any: ...
+    def save(self) -> Any:
+        """Return the present state."""
+        ...
 
-    def restore(self, snapshot: Any) -> None: ...
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a saved state."""
+        ...
 
 
 class RopePartner(Protocol):
@@ -131,14 +135,20 @@ class RopePartner(Protocol):
         ...
 
     def added_mass(self) -> Vector | None:
-        """How much the forces fall per acceleration held over a step, (n,) [kg]; None where the rope cannot tell."""
+        """Return the fall of the forces per acceleration held over a step, (n,) [kg]; None if the rope has none."""
         ...
 
-    def save(self) -> Any: ...
+    def save(self) -> Any:
+        """Return the present state."""
+        ...
 
-    def restore(self, snapshot: Any) -> None: ...
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a saved state."""
+        ...
 
-    def free(self, snapshot: Any) -> None: ...
+    def free(self, snapshot: Any) -> None:
+        """Give up a saved state."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -149,11 +159,11 @@ class Pair:
     rope: RopePartner
 
     def sample_at(self, t: float, load: Load) -> Sample:
-        """What both have at the end of a step under the load."""
+        """Return the data of both partners at the end of a step under the load."""
         return Sample(t, *self.rope.forces(), self.drive.motion(load, 1.0).acceleration)
 
     def added_mass(self) -> Vector:
-        """Of a rope that must have one."""
+        """Return the added mass of a rope that must have one."""
         added = self.rope.added_mass()
         if added is None or not np.all(np.isfinite(added)):
             raise ValueError(f"the rope's added mass {added} must be finite: take a scheme that needs none")
@@ -191,12 +201,12 @@ class Scheme(Protocol):
 
     @property
     def needs_rollback(self) -> bool:
-        """Whether steps are taken back, for which the rope must save and restore its state."""
+        """True if steps are taken back, for which the rope must save and restore its state."""
         ...
 
     @property
     def needs_added_mass(self) -> bool:
-        """Whether the rope must tell its added mass."""
+        """True if the rope must give its added mass."""
         ...
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:

@@ -41,7 +41,7 @@ class Iterative:
 
     @property
     def needs_added_mass(self) -> bool:
-        """Whether the Jacobian comes from it."""
+        """True if the Jacobian comes from the added mass."""
         return self.accelerator == "jacobian"
 
     @property
@@ -50,7 +50,7 @@ class Iterative:
         return () if self.held else (1.0,)
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """As many exchanges as it takes."""
+        """Repeat the exchange until it converges."""
         drive, rope = pair.drive.save(), pair.rope.save()
         try:
             return self._iterate(pair, memory, t, h, (drive, rope))

@@ -1,4 +1,4 @@
-"""Whether an exchange will be stable, told before it begins.
+"""Prediction of the stability of an exchange.
 
 The rope's forces at the ends of steps after a pulse of the end's acceleration, held over one step, are measured on the
 rope itself, F_k = -sum_j m_j a_(k-j); m_0 is the added mass. The scheme drives the mass M of the next step with
@@ -31,7 +31,7 @@ MARGIN = 1.01
 
 @dataclass(frozen=True)
 class StabilityEstimate:
-    """What to expect of a scheme."""
+    """Predicted stability of a scheme."""
 
     growth: float  # of a disturbance, per communication step
     added_mass: float  # kg, of the rope's end over one step
@@ -39,11 +39,11 @@ class StabilityEstimate:
 
     @property
     def stable(self) -> bool:
-        """Whether disturbances are expected to die out."""
+        """True if disturbances are expected to die out."""
         return self.growth < MARGIN
 
     def warning(self, name: str, H: float) -> str:
-        """What to tell the user, "" when all is well."""
+        """Return the warning to the user; "" if all is well."""
         if self.stable:
             return ""
         return (
@@ -96,7 +96,7 @@ def growth(scheme: Scheme, answer: Vector, mass: float) -> float:
 
 
 def estimate_stability(scheme: Scheme, answer: Vector, mobility: Vector) -> StabilityEstimate:
-    """For the measured answer (MEMORY, n) and the drive's mobility (n, n): the worst end on the smallest mass.
+    """Predict from the measured answer (MEMORY, n) and the drive's mobility (n, n): worst end, smallest mass.
 
     Either end of the rope may become the long leg in the course of a trip.
     """

@@ -33,7 +33,7 @@ def pack(values: Array, kind: str = "u16") -> Packed:
 
 
 def pack_to(values: Array, resolution: float) -> Packed:
-    """As 16-bit integers when these resolve `resolution`, else as 32-bit floats."""
+    """Pack as 16-bit integers if these resolve `resolution`, else as 32-bit floats."""
     flat = np.asarray(values, dtype=np.float64).ravel()
     finite = flat[np.isfinite(flat)]
     if finite.size == 0 or float(np.ptp(finite)) <= resolution * CODES["u16"]:
@@ -43,7 +43,7 @@ def pack_to(values: Array, resolution: float) -> Packed:
 
 
 def thin(values: Array, most: int) -> Array:
-    """At most `most` of the values (1-D), peaks kept: each interval leaves its lowest and highest in their order.
+    """Thin to at most `most` values (1-D), peaks kept: each interval keeps its lowest and highest, in order.
 
     Fewer values than `most` stay as they are.
     """

@@ -1,4 +1,4 @@
-"""Which signals of a run share a plot. A signal that was not recorded is left out, and so is a panel without any."""
+"""Panels of plots: signals that share one. Signals not recorded, and panels without any, are left out."""
 
 from __future__ import annotations
 
@@ -88,12 +88,12 @@ def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
 
 
 def quiet(recording: Recording, panel: Panel) -> bool:
-    """Whether nothing moves in a panel: all its recorded signals keep one value."""
+    """Return True if all recorded signals of a panel keep one value."""
     return all(line.signal in recording and np.ptp(recording[line.signal]) == 0.0 for line in panel.lines)
 
 
 def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
-    """The same signal at both ends; `{}` stands for the end."""
+    """Return the signal at both ends; `{}` stands for the end."""
     return (
         Line(pattern.format("left"), "left", LEFT, factor),
         Line(pattern.format("right"), "right", RIGHT, factor),

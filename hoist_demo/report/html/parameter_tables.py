@@ -21,7 +21,7 @@ def tables(data: Mapping[str, object], statuses: Mapping[str, str]) -> list[Tabl
 
 
 def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str], statuses: Mapping[str, str]) -> list[Table]:
-    """Where the balance rope comes from, how much of it was computed, and all its parameters."""
+    """Return tables of the balance rope's source, of the fidelity computed, and of all its parameters."""
     ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
     head += [

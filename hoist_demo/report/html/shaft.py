@@ -1,4 +1,4 @@
-"""What stands and moves in the shaft, its guards and their trip, for the drawing of a run."""
+"""Bodies of the shaft, guards and their trip, for the drawing of a run."""
 
 from __future__ import annotations
 

@@ -1,0 +1,18 @@
+"""Errors of a winding against a reference, as every page states them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def force_error(force: Any, exact: Any) -> float:
+    """Return the root mean square of the end forces' error over the largest force."""
+    exact = np.asarray(exact)
+    return float(np.sqrt(np.mean((np.asarray(force) - exact) ** 2)) / np.max(np.abs(exact)))
+
+
+def place_error(places: Any, exact: Any) -> float:
+    """Return the largest distance of the loop's lowest points (samples, 3), m."""
+    return float(np.max(np.linalg.norm(np.asarray(places) - exact, axis=1)))

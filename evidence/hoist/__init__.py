@@ -1,1 +1,0 @@
-"""Installed hoists with dead weights for their balance ropes: figures, data and a table of docs/hoist.md."""

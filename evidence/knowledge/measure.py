@@ -1,0 +1,84 @@
+"""Coverage of the intervals that `identify` states, and what `uncertain` makes of the catalogue's ranges (20 minutes).
+
+Coverage: each of SETS ropes has properties drawn evenly from the middle 70 % of their ranges, is measured by PLAN with
+normal errors of its sigma, and looked for again.  Counted is how often the true value lies within the interval of 90 %
+that the fit states, and, to tell the interval from the luck of the draw, in how many sets an exact interval would hold
+it: those in which the best linear estimate about the truth, J^+ e, is off by at most 1.645 standard errors.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from evidence.rendering import DOCS
+from evidence.tables import Tables, table
+from hoist_demo.calibration.definition import Measured, read_measured
+from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
+from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+from hoist_demo.study.metrics import UNITS
+from hoist_demo.uncertainty.definition import read_uncertain
+from hoist_demo.uncertainty.spread import spread
+
+#: what is measured, with sigma
+PLAN: Path = DOCS / "measurements" / "example.toml"
+#: sets of ropes; of those measurements alone that have closed forms, which cost nothing
+SETS, MORE_SETS = 100, 600
+#: of the sets by which the method was judged while it was made, and of sets that were drawn once it stood
+SEED, UNSEEN = 20261122, 7
+#: shares of the ranges from which the true ropes are drawn
+DRAWN = (0.15, 0.85)
+HANGING = ("at rest", "swing")
+SCENES = ("rope-120", "kiruna-355")
+
+
+def cover(plan: Measured, which: str, sets: int, seed: int) -> Iterator[tuple[object, ...]]:
+    """Yield per property: sets in which it is told, held within, held by an exact interval, and the mean half width."""
+    bench = plan.bench
+    _, sigmas = stacked(plan.measurements)
+    rng, (low, high) = np.random.default_rng(seed), DRAWN
+    truths: Array = low + (high - low) * rng.random((sets, len(bench.names)))
+    held = []
+    for truth in tqdm(truths, desc=which, unit="rope", leave=False):
+        errors = rng.standard_normal(sigmas.size)
+        values = bench.predict(truth, plan.measurements) + sigmas * errors
+        residuals = residuals_of(bench, plan.measurements, values, sigmas)
+        ends = intervals(residuals, fit(residuals, truth.size))
+        estimate = np.linalg.pinv(sensitivities(residuals, truth))
+        off = estimate @ errors / np.linalg.norm(estimate, axis=1)
+        reach = 0.5 * (ends[:, 1] - ends[:, 0])
+        within = (ends[:, 0] <= truth) & (truth <= ends[:, 1])
+        held.append((reach < OPEN, within & (reach < OPEN), (np.abs(off) <= REACH) & (reach < OPEN), reach))
+    told, within, exact, reach = np.array(held).transpose(1, 2, 0)
+    for k, name in enumerate(bench.names):
+        yield which, name, told[k].sum(), within[k].sum(), exact[k].sum(), reach[k].mean()
+
+
+def coverage() -> Tables:
+    """Measure the coverage of judged and unseen sets, and without the measurements of a hanging rope."""
+    plan = read_measured(PLAN, rope_parameters())
+    samples = replace(plan, measurements=tuple(m for m in plan.measurements if m.what not in HANGING))
+    rows = [*cover(plan, "judged", SETS, SEED), *cover(plan, "unseen", SETS, UNSEEN)]
+    rows += cover(samples, "without a hanging rope", MORE_SETS, SEED)
+    return {"coverage": table(("sets", "property", "told", "inside", "exact", "reach"), rows)}
+
+
+def worked() -> Tables:
+    """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
+    results, causes = [], []
+    for scene in SCENES:
+        found = spread(read_uncertain(DOCS / "uncertain" / f"{scene}.toml", rope_parameters()), os.cpu_count() or 1)
+        for name in found.asked.measures:
+            results.append((scene, name, UNITS[name], *found.quantiles(name)))
+            causes += [(scene, name, key, share) for key, share in found.causes(name).items()]
+    head = ("scene", "measure", "unit", "low", "middle", "high")
+    return {"results": table(head, results), "causes": table(("scene", "measure", "datum", "share"), causes)}
+
+
+MEASURES: dict[str, Callable[[], Tables]] = {"coverage": coverage, "uncertain": worked}

@@ -1,0 +1,205 @@
+"""Wall time of one communication step of the native rope, and the cause of the longest ones.
+
+In process a step is ``advance_to``; through the FMU it is fmi2SetReal of all end motions, fmi2DoStep and fmi2GetReal of
+the end forces, by FMPy's low-level functions with arrays made before.  One thread makes all calls of a run, without
+Python's garbage collector.  The scenes are whole trips with the conveyances' motion prescribed.
+
+Every run is made ROUNDS times, the cases taking turns.  Its steps do the same work each time, to the bit, so
+
+- a percentile *as run* is the median of the rounds' percentiles, with the system's other work in it;
+- a step's *own* time is the shortest of the rounds.
+
+Measure on a quiet machine: nothing else runs, and the clock does not change (Linux: `cpupower frequency-set -g
+performance`), one core kept for it (`taskset -c 1`).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter_ns
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from benchmarks.kinematic import ends_at
+from evidence.machine import machine
+from evidence.tables import Table, Tables, table
+from fmu_src.native.build import host_platform
+from fmu_src.native.export import export_native
+from hoist_demo.cases.table import find_case
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.parameters import Winding
+from rope_model import EndMotion, Level, balance_rope
+
+Array = NDArray[np.float64]
+#: rest after a winding, s
+SETTLE = 5.0
+#: part of the trip's duration at which an emergency stop begins: on rope-240 after its swivels' release
+STOP = 0.6
+SCENES, TRIPS = ("rope-120", "rope-240", "monopol-1000"), ("winding", "emergency stop")
+LEVELS: tuple[Level, ...] = ("draft", "standard")
+H = 0.01  # s, communication step
+ROUNDS = 3
+PERCENTILES = (50.0, 99.0, 99.9, 100.0)
+#: slowest part of the steps, whose work is counted apart
+SLOWEST = 0.01
+#: counted in a step; Newton iterations come on top of the one or two that every step needs
+CAUSES = ("count.rejections", "count.transformations", "count.swivel_events")
+COUNTED = (*CAUSES, "count.newton")
+READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
+HEAD = ("scene", "trip", "level", "place", "H [s]")
+STEPS = (*HEAD, "elements", "steps", "50 % [s]", "99 % [s]", "99.9 % [s]", "largest [s]", "late", "own largest [s]")
+#: makes the k-th communication step; whether its results are valid
+Step = Callable[[int], bool]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene's trip at a level of accuracy, in process or through the FMU."""
+
+    scene: str
+    trip: str
+    level: Level
+    place: str
+
+    @cached_property
+    def motions(self) -> list[tuple[EndMotion, EndMotion]]:
+        """Motions of both ends at 0, H, 2 H ..."""
+        plain: Winding = replace(find_case(self.scene).winding, start_delay=0.0)
+        stopped = replace(plain, emergency_at=STOP * s_curve(plain).duration)
+        reference = s_curve(plain if self.trip == "winding" else stopped)
+        return [ends_at(reference, plain.travel, k * H) for k in range(round((reference.duration + SETTLE) / H) + 1)]
+
+
+@contextmanager
+def in_process(case: Case) -> Iterator[Step]:
+    """Open the rope in this process, initialised."""
+    rope, motions = balance_rope(rope_data(find_case(case.scene).rope, case.level), "native"), case.motions
+    started = rope.initialize(0.0, *motions[0])
+    assert started.valid, started.message
+    yield lambda k: rope.advance_to(k * H, *motions[k]).valid
+
+
+@contextmanager
+def through_fmu(case: Case, path: Path) -> Iterator[Step]:
+    """Open the FMU at ``path`` with the scene's parameters, initialised."""
+    description, folder = fmpy.read_model_description(str(path)), fmpy.extract(str(path))
+    variables = {v.name: v for v in description.modelVariables}
+    identifier = description.coSimulation.modelIdentifier
+    fmu = FMU2Slave(guid=description.guid, modelIdentifier=identifier, unzipDirectory=folder, instanceName="rope")
+
+    def references(names: Sequence[str]) -> ctypes.Array[ctypes.c_uint]:
+        return (ctypes.c_uint * len(names))(*(variables[name].valueReference for name in names))
+
+    inputs = references([f"{side}.{name}" for side in ("left", "right") for name in asdict(EndMotion())])
+    outputs, forces = references(READ), (ctypes.c_double * len(READ))()
+    values = [(ctypes.c_double * len(inputs))(*asdict(a).values(), *asdict(b).values()) for a, b in case.motions]
+    fmu.instantiate()
+    try:
+        fmu.setBoolean([variables["inputs_at_step_end"].valueReference], [True])
+        for name, value in find_case(case.scene).rope.items():
+            variable = variables[name]
+            (fmu.setReal if variable.type == "Real" else fmu.setInteger)([variable.valueReference], [value])
+        fmu.setupExperiment(startTime=0.0)
+        fmu.enterInitializationMode()
+        fmu.fmi2SetReal(fmu.component, inputs, len(inputs), values[0])
+        fmu.exitInitializationMode()
+
+        def step(k: int) -> bool:
+            fmu.fmi2SetReal(fmu.component, inputs, len(inputs), values[k])
+            fmu.fmi2DoStep(fmu.component, (k - 1) * H, H, 1)
+            fmu.fmi2GetReal(fmu.component, outputs, len(outputs), forces)
+            return True  # a failed call raises
+
+        yield step
+    finally:
+        fmu.freeInstance()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def timed(step: Step, steps: int) -> Array:
+    """Return the wall time of each step, s."""
+    times = np.zeros(steps, dtype=np.int64)
+    gc.collect()
+    gc.disable()
+    try:
+        for k in range(1, steps + 1):
+            start = perf_counter_ns()
+            valid = step(k)
+            times[k - 1] = perf_counter_ns() - start
+            assert valid
+    finally:
+        gc.enable()
+    return np.asarray(1e-9 * times, dtype=np.float64)
+
+
+def work(case: Case) -> tuple[NDArray[np.int64], int]:
+    """Run a case in process; what each step did (columns as COUNTED), and the number of elements."""
+    rope = balance_rope(rope_data(find_case(case.scene).rope, case.level), "native")
+    assert rope.initialize(0.0, *case.motions[0]).valid
+    counts = [tuple(rope.signals(COUNTED).values())]
+    for k, ends in enumerate(case.motions[1:], 1):
+        assert rope.advance_to(k * H, *ends).valid
+        counts.append(tuple(rope.signals(COUNTED).values()))
+    made = np.array(counts, dtype=np.int64)
+    return made[1:] - made[:-1], rope.elements
+
+
+def percentiles(case: Case, times: Array, elements: int) -> tuple[object, ...]:
+    """Return a row of STEPS from the times (rounds, steps)."""
+    as_run = np.median(np.percentile(times, PERCENTILES, axis=1), axis=1)
+    late = float(np.median(np.mean(times > H, axis=1)))
+    head = case.scene, case.trip, case.level, case.place, H, elements, times.shape[1]
+    return *head, *as_run, late, times.min(axis=0).max()
+
+
+def causes(case: Case, times: Array, counts: NDArray[np.int64]) -> tuple[object, ...]:
+    """Return the shares of the slowest steps, and of all, in which each cause occurred, and their mean iterations."""
+    order = np.argsort(times.min(axis=0))
+    slow, every = order[-max(1, round(SLOWEST * order.size)) :], order
+    shares = [float(np.mean(counts[chosen, k] > 0)) for chosen in (slow, every) for k in range(len(CAUSES))]
+    means = [float(np.mean(counts[chosen, -1])) for chosen in (slow, every)]
+    return case.scene, case.trip, case.level, case.place, H, *shares, *means
+
+
+def tables(rounds: int = ROUNDS) -> Tables:
+    """Measure all cases, which take turns."""
+    cases = [Case(s, t, l, p) for p in ("in process", "FMU") for s in SCENES for t in TRIPS for l in LEVELS]
+    done = {(c.scene, c.trip, c.level): work(c) for c in tqdm(cases, desc="warm-up", leave=False) if c.place != "FMU"}
+    times: dict[Case, list[Array]] = {case: [] for case in cases}
+    with TemporaryDirectory() as folder:
+        paths = {level: Path(folder) / f"{level}.fmu" for level in LEVELS}
+        for level, path in paths.items():
+            export_native(path, level=level, platforms=(host_platform(),))
+        for case in tqdm([*cases] * rounds, desc=f"{rounds} rounds", leave=False):
+            opened = through_fmu(case, paths[case.level]) if case.place == "FMU" else in_process(case)
+            with opened as step:
+                times[case].append(timed(step, len(case.motions) - 1))
+    rows = [percentiles(c, np.array(times[c]), done[c.scene, c.trip, c.level][1]) for c in cases]
+    slowest = [
+        causes(c, np.array(times[c]), done[c.scene, c.trip, c.level][0])
+        for c in cases
+        if (c.place, c.level) == ("in process", "standard")
+    ]
+    return {"steps": table(STEPS, rows), "causes": causes_table(slowest), "machine": machine()}
+
+
+def causes_table(rows: Sequence[tuple[object, ...]]) -> Table:
+    """Return the table of causes."""
+    names = [f"{name}, {which}" for which in ("slowest", "all") for name in CAUSES]
+    return table((*HEAD, *names, "count.newton, slowest", "count.newton, all"), rows)
+
+
+MEASURES: dict[str, Callable[[], Tables]] = {"latency": tables}

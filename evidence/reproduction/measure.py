@@ -1,0 +1,17 @@
+"""The runs behind the published evaluation: some ten minutes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from evidence.tables import Tables
+
+from . import costs, frequencies, release, timestep, windings
+
+MEASURES: dict[str, Callable[[], Tables]] = {
+    "frequencies": frequencies.measure,
+    "windings": windings.measure,
+    "costs": costs.measure,
+    "timestep": timestep.measure,
+    "release": release.measure,
+}

@@ -1,0 +1,46 @@
+"""Run all entries, by chapter; takes some minutes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from tqdm import tqdm
+
+from evidence.claims import Measurement
+from evidence.tables import Tables, table
+
+from . import coupling, discretisation, frames, integration, motion, swivel
+from .entry import Entry
+
+CHAPTERS: dict[str, tuple[Entry, ...]] = {
+    "Elements and meshes": discretisation.ENTRIES,
+    "Time integration": integration.ENTRIES,
+    "Frame of the cross-section": frames.ENTRIES,
+    "Swivels": swivel.ENTRIES,
+    "Large motions and slack rope": motion.ENTRIES,
+    "Co-simulation": coupling.ENTRIES,
+}
+CLAIMS = ("scene", "side", "what", "value", "unit", "relation", "bound")
+
+
+def tables() -> Tables:
+    """Measure the claims of every entry, messages, and the curves that the page draws."""
+    claims, messages, curves = [], [], {}
+    for entry in tqdm([e for part in CHAPTERS.values() for e in part], unit="entry", leave=False):
+        found = entry.measure()
+        for side, group in found.sides.items():
+            claims += [(entry.key, side, m.what, m.value, m.unit, m.relation, m.bound) for m in group]
+        messages.append((entry.key, found.message))
+        if found.curves is not None:
+            curves[entry.key] = found.curves
+    return {"claims": table(CLAIMS, claims), "scenes": table(("scene", "message"), messages), **curves}
+
+
+def missed(recorded: Tables) -> Iterator[str]:
+    """Yield the claims that do not hold."""
+    for scene, side, *claim in zip(*(recorded["claims"][name].tolist() for name in CLAIMS), strict=True):
+        if not Measurement(*claim).holds:
+            yield f"{scene}, {side}: {claim[0]}"
+
+
+MEASURES: dict[str, Callable[[], Tables]] = {"entries": tables}

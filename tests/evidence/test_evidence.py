@@ -1,0 +1,68 @@
+"""Pages of evidence: what the recorded data make of the templates, and how numbers are printed."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import jinja2
+import pytest
+
+from evidence.pages import BLOCKS, PAGES, fill, page_text
+from evidence.rendering import DOCS, fill_block, listed, markdown, number, quantity, render
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_page_is_the_one_that_the_recorded_data_make(name: str) -> None:
+    assert (DOCS / PAGES[name].file).read_text(encoding="utf-8") == page_text(PAGES[name])
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_every_table_in_a_hand_written_page_is_the_one_that_the_recorded_data_make(name: str, tmp_path: Path) -> None:
+    block = BLOCKS[name]
+    written = (DOCS.parent / block.file).read_text(encoding="utf-8")
+    shutil.copytree(DOCS / "data" / block.data, tmp_path / "docs" / "data" / block.data)
+    (tmp_path / block.file).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / block.file).write_text(written, encoding="utf-8")
+    assert fill(block, tmp_path / "docs").read_text(encoding="utf-8") == written
+
+
+@pytest.mark.parametrize(
+    ("x", "form", "text"),
+    [
+        (270.4, ".2g", "270"),
+        (3.142e38, ".4g", "3.142e+38"),
+        (-63934.0, ".3g", "-63900"),
+        (5.2e-5, ".2g", "5.2e-05"),
+        (1234.5, ".1e", "1.2e+03"),
+        (0.5, ".2f", "0.50"),
+    ],
+)
+def test_significant_digits_are_printed_without_a_power_of_ten_up_to_a_million(x: float, form: str, text: str) -> None:
+    assert number(x, form) == text
+
+
+def test_a_quantity_is_printed_in_its_unit() -> None:
+    assert quantity(0.00321, "mm", ".2g") == "3.2 mm"
+    assert quantity(0.00024, "%", ".2g") == "0.024 %"
+    with pytest.raises(KeyError):
+        quantity(1.0, "furlong")
+
+
+def test_a_table_has_a_head_and_a_line_per_row() -> None:
+    assert markdown([("1", "2")], "a", "b") == "| a | b |\n|---|---|\n| 1 | 2 |"
+
+
+def test_a_list_has_commas_up_to_its_last_word() -> None:
+    assert [listed("abc"[:number]) for number in range(4)] == ["", "a", "a and b", "a, b and c"]
+
+
+def test_a_number_that_the_data_do_not_have_is_an_error() -> None:
+    with pytest.raises(jinja2.UndefinedError, match="levels"):
+        render("chart/levels.md.j2", {"form": "compiled"})
+
+
+def test_a_block_is_filled_in_between_its_marks_only() -> None:
+    assert fill_block("x\n<!-- a -->\nold\n<!-- /a -->\ny\n", "a", "new\n") == "x\n<!-- a -->\nnew\n<!-- /a -->\ny\n"
+    with pytest.raises(ValueError, match="must have one place for b"):
+        fill_block("x\n<!-- a -->\n<!-- /a -->\n", "b", "new")

@@ -1,0 +1,151 @@
+"""The constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, and those against the rope."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from evidence.mesh_rule import laws, statics
+from evidence.mesh_rule.rule import judges, off, shares, slip
+from evidence.mesh_rule.scenes import FIT, JUDGE, KINDS, draw
+from evidence.promise.scenes import draw as promise_scenes
+from evidence.promise.wind import errors, wind
+from evidence.rendering import DOCS
+from evidence.sampling import BENDING, LENGTH, MASS
+from evidence.tables import read, table
+from hoist_demo.control.trajectory import s_curve
+from rope_model.numerics.kernels import find_compiler
+from rope_model.parameters import Rope, Scene
+from rope_model.physics.estimates import axial_frequency
+from rope_model.simulation.mesh import fit_mesh, partition
+from rope_model.simulation.mesh_fit import (
+    LEG_GRADING,
+    LEG_WAVES,
+    LOCKING_SHARE,
+    NATURAL_RADIUS,
+    PUMPED_LEG,
+    pumped_grading,
+)
+
+TABLES = read(DOCS / "data" / "mesh_rule")
+FOUND = laws.fit(TABLES)
+
+
+# constants and recorded data
+
+
+@pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
+def test_the_loop_s_elements_take_their_share_of_what_is_asked_and_at_least_a_third_of_it(asked: float) -> None:
+    share = shares(FOUND, judges(), asked).loop / LOCKING_SHARE
+    assert share.max() < 1.05  # the constants are the law's, rounded
+    assert asked == 0.05 or np.median(share) > 1 / 3
+
+
+def test_the_longest_elements_are_the_longest_on_which_the_loop_does_not_slip_aside() -> None:
+    used, longer = slip(TABLES["loop"])
+    assert used < 0.4 < 0.6 < longer
+
+
+@pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
+def test_what_fades_out_above_takes_a_tenth_of_what_is_asked_give_or_take(asked: float) -> None:
+    assert 0.05 < shares(FOUND, judges(), asked).cover.max() < 0.25
+
+
+def test_end_elements_keep_the_clamp_moment_to_a_percent_at_5_mm() -> None:
+    assert 0.005 < shares(FOUND, judges(), 5e-3).moment.max() < 0.015
+    assert np.median(off(TABLES["parts"], "ends", "smooth")) < 0.1 * 5e-3
+
+
+def test_legs_take_a_quarter_of_what_is_asked_and_after_a_stop_some_times_what_steps_do() -> None:
+    assert 0.15 < LEG_GRADING * FOUND.legs.values[0] < 0.45
+    steps = np.median(off(TABLES["parts"], "steps", KINDS[1]))
+    assert 1.5 < LEG_WAVES * FOUND.legs_stopped.values[0] / steps < 4
+
+
+@pytest.mark.parametrize("length", [600.0, 800.0])
+def test_waves_that_an_emergency_stop_pumps_have_four_elements_on_long_ropes(length: float) -> None:
+    scene = Scene(Rope(length=length))
+    bottom = PUMPED_LEG * length
+    lengths = partition(fit_mesh(scene), length, bottom).lengths
+    middles = np.cumsum(lengths) - 0.5 * lengths
+    height = bottom - middles
+    leg = (height > 0.05 * length) & (height < 0.7 * length)
+    frequency = 0.5 * axial_frequency(scene.rope, bottom)
+    waves = 2 * math.pi * np.sqrt(scene.layout.gravity * height[leg]) / frequency
+    assert (waves / lengths[leg]).min() > 3.5
+
+
+@pytest.mark.parametrize("length", [60.0, 120.0, 200.0])
+def test_on_ropes_whose_longitudinal_waves_fade_before_that_they_need_none(length: float) -> None:
+    scene = Scene(Rope(length=length))
+    assert pumped_grading(scene) > fit_mesh(scene).grading_length
+
+
+@pytest.mark.slow
+def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rope_right() -> None:
+    sample = next(s for s in promise_scenes(40, 168) if s.number == 167)
+    mesh = fit_mesh(sample.scene)
+    rule, finer, coarser = (
+        wind(sample, sample.interval, mesh=replace(mesh, grading_length=share * mesh.grading_length))
+        for share in (1.0, 0.4, 3.3)
+    )
+    assert errors(rule, finer)[0] < 0.5 * sample.scene.accuracy.end_force
+    assert errors(coarser, finer)[0] > sample.scene.accuracy.end_force
+
+
+def test_the_smallest_radius_of_a_free_loop_is_the_elastica_s() -> None:
+    assert_allclose(NATURAL_RADIUS, 1 / 1.09661, atol=5e-4)  # three digits
+
+
+@pytest.mark.parametrize("place", [0.0, 0.03, 1.0])
+def test_a_fitted_mesh_follows_the_loop_to_the_end_of_the_rope(place: float) -> None:
+    for length, EI in itertools.product((30.0, 60.0, 90.0, 150.0), (50.0, 300.0, 3000.0)):
+        mesh = fit_mesh(Scene(Rope(length=length, EI=EI)))
+        if mesh.kind == "tmn":
+            cells = partition(mesh, length, place * length)
+            # the outermost element stays, and of IV the half and less than another such length
+            assert abs(cells.centre - place * length) < 2 * cells.coarse
+
+
+# the record and the rope
+
+
+@pytest.mark.skipif(not find_compiler(), reason="slow without a C compiler")
+def test_a_rope_of_the_judging_seed_hangs_too_high_by_the_law() -> None:
+    drawn = next(statics.long_enough(draw(JUDGE, 9)))
+    S = laws.stiffness(np.array(drawn.rope.Qa), np.array(drawn.rope.EI), np.array(drawn.w))
+    for length in (0.14, 0.28, 0.5):
+        fine, finest = (statics.pattern(drawn, x) for x in (length, statics.FINEST))
+        found = statics.shift(drawn, fine, finest, 0.1)[1]
+        law = float(laws.loop_error(FOUND.loop.values, np.array(length * drawn.w), np.array(drawn.w), S))
+        assert_allclose(found, law, rtol=math.exp(3 * FOUND.loop.spread) - 1)
+
+
+def test_fits_find_the_coefficients_of_made_up_data() -> None:
+    w, x = np.full(40, 1.5), np.geomspace(0.1, 0.55, 40)
+    S = np.geomspace(3e5, 2e6, 40)
+    loop = laws.loop_error((0.03, 2e-3), x * w, w, S)
+    made = {"w [m]": w, "fine [m]": x * w, "EA [N]": S * 300 / w**2, "EI [N m2]": np.full(40, 300.0)}
+    assert_allclose(laws._loop({**made, "too high [m]": loop}).values, (0.03, 2e-3), rtol=1e-6)
+    up = np.linspace(1.3, 2.5, 40) * w
+    cover = laws.cover_error((0.4, 2.0, 1.7), x * w, up, w)
+    assert_allclose(
+        laws._cover({"w [m]": w, "fine [m]": x * w, "cover [m]": up, "off [m]": cover}).values, (0.4, 2, 1.7)
+    )
+    ends = table(("end element [m]", "layer [m]", "moment error"), [(a, 0.5, 1e-3 * (2 * a) ** 4) for a in x])
+    assert_allclose(laws._ends(ends).values, (1e-3, 4.0))
+
+
+def test_scenes_lie_within_their_bounds_and_seeds_differ() -> None:
+    fit, judge = list(draw(FIT, 30)), list(draw(JUDGE, 30))
+    assert fit[0].rope != judge[0].rope
+    assert list(draw(FIT, 30)) == fit
+    for d in fit + judge:
+        for value, (low, high) in ((d.rope.length, LENGTH), (d.rope.mass_per_length, MASS), (d.rope.EI, BENDING)):
+            assert low <= value <= high
+        assert s_curve(d.stopped).duration < s_curve(d.smooth).duration

@@ -1,0 +1,278 @@
+"""The exported FMU of each flavour beside the rope in process: values, states, derivatives, refusals."""
+
+import csv
+import io
+import math
+import os
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from exports import FLAVOURS
+from fmpy.fmi1 import FMICallException
+from freed_blocks import freed_blocks
+from native_host import Host
+from numpy.testing import assert_allclose
+from scenes import fixed_steps, smooth_trip
+from stand_in import RUNNERS, live
+
+from fmu_src.documentation import interface_page
+from fmu_src.export import export_fmu
+from fmu_src.native.build import available_platforms, host_platform
+from fmu_src.native.export import export_native
+from rope_model.parameters import rope_120
+from rope_model.simulation.sensitivity import LOADS
+from rope_model.simulation.signal_table import SHAPE_POINTS
+from rope_model.simulation.simulator import RopeSimulator
+
+H, HERE = 0.01, (host_platform(),)
+#: steps as long as the host's
+EVEN = {"inputs_at_step_end": True, "solver.step_max": H, "solver.tolerance": 1e6}
+COMPARED = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
+COMPARED += ["loop.x", "loop.y", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.total"]
+SWIVELS = {f"{side}.swivel.{k}": v for side in ("left", "right") for k, v in (("mode", 2), ("release_time", 0.3))}
+python_only = pytest.mark.parametrize("host", ["python"], indirect=True)
+Folders = dict[str, tuple[Path, str]]
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Folders:
+    """FMU and its unpacked folder, by flavour."""
+    paths = {name: fmu_of(name) for name in FLAVOURS}
+    return {n: (path, fmpy.extract(str(path), str(tmp_path_factory.mktemp(n)))) for n, path in paths.items()}
+
+
+@pytest.fixture(params=sorted(FLAVOURS))
+def host(request: pytest.FixtureRequest, folders: Folders) -> Iterator[Host]:
+    made = Host(*folders[request.param])
+    yield made
+    made.call("FreeInstance")
+
+
+def move(host: Host, t: float) -> None:
+    """Inputs of a smooth trip of 20 m in 5 s."""
+    for side, end in zip(("left", "right"), smooth_trip(t, 20.0, 5.0, 90.0), strict=True):
+        host.set(**{f"{side}.{key}": getattr(end, key) for key in ("y", "vy", "ay")})
+
+
+def run(host: Host, first: int, last: int, part: float = 1.0) -> list[list[float]]:
+    """Steps of ``part`` H with the inputs of their end, and what is compared."""
+    record = []
+    for k in range(round(first / part), round(last / part)):
+        move(host, (k + 1) * part * H)
+        assert host.step(k * part * H, part * H) == ""
+        record.append(host.get(*COMPARED))
+    return record
+
+
+def test_fmu_equals_the_python_rope_in_process(host: Host, request: pytest.FixtureRequest) -> None:
+    host.start(**EVEN)
+    record = np.array(run(host, 0, 250))
+    rope, expected = RopeSimulator(rope_120().scene.with_(solver=fixed_steps(H))), []
+    rope.initialize(0.0, *smooth_trip(0.0, 20.0, 5.0, 90.0))
+    for k in range(250):
+        rope.advance_to(k * H + H, *smooth_trip((k + 1) * H, 20.0, 5.0, 90.0))
+        values = rope.signals()
+        expected.append([values[name] for name in COMPARED])
+    counts = rope.state.counts
+    assert counts.transformations > 0
+    assert host.get("count.transformations", "count.steps") == [counts.transformations, counts.steps]
+    # a position of 100 m known to two units in its last place, times the stiffness of an element of 0.25 m; and the
+    # torque that the same stretch makes, as a stress.  The Python flavour rounds alike
+    native, data = request.node.callspec.params["host"] != "python", rope_120().scene.rope
+    noise = 2 * math.ulp(100.0) * data.Qa / 0.25 if native else 0.0
+    torsion = noise * 16 / (math.pi * data.diameter**3) * data.Qb / data.Qa
+    relative = 1e-9 if native else 1e-12
+    for name, ours, theirs in zip(COMPARED, record.T, np.array(expected).T, strict=True):
+        assert_allclose(ours, theirs, rtol=0, atol=relative * max(1.0, np.abs(theirs).max()) + noise, err_msg=name)
+    for name in ("x", "y", "z", "tension", "bending", "torsion"):
+        points = [f"shape.{name}[{i + 1}]" for i in range(SHAPE_POINTS)]
+        ours = host.get(f"shape.{name}")[0] if host.fmi == 3 else host.get(*points)
+        theirs = np.array([values[point] for point in points])
+        allowed = relative * max(1.0, np.abs(theirs).max()) + (torsion if name == "torsion" else noise)
+        assert_allclose(ours, theirs, rtol=0, atol=allowed, err_msg=name)
+
+
+def test_reference_results_inside_are_met(host: Host, folders: Folders, request: pytest.FixtureRequest) -> None:
+    with zipfile.ZipFile(folders[request.node.callspec.params["host"]][0]) as archive:
+        tables = []
+        for kind in ("in", "ref"):
+            text = archive.read(f"extra/org.balance-rope.reference/BalanceRope_{kind}.csv").decode()
+            head, *rows = csv.reader(io.StringIO(text))
+            tables.append((head[1:], [[float(cell) for cell in row[1:]] for row in rows]))
+    (names, inputs), (outputs, results) = tables
+    host.start()
+    for k, (values, expected) in enumerate(zip(inputs, results, strict=True)):
+        host.set(**dict(zip(names, values, strict=True)))
+        assert_allclose(host.get(*outputs), expected, rtol=1e-8, atol=1e-6)
+        assert host.step(k * H) == ""
+
+
+def test_state_goes_on_to_the_bit_over_transformations_after_half_steps(host: Host) -> None:
+    host.start(**EVEN)
+    run(host, 0, 120)
+    state = host.state()
+    data = host.serialize(state)
+    first = run(host, 120, 180)
+    assert host.get("count.transformations")[0] > 0
+    host.restore(state)
+    run(host, 120, 150, part=0.5)
+    host.restore(state)
+    host.free(state)
+    assert run(host, 120, 180) == first
+    taken = host.deserialize(data)
+    host.restore(taken)
+    host.free(taken)
+    assert run(host, 120, 180) == first
+
+
+def elsewhere(path: str, folder: str, state: str, first: int, last: int) -> str:
+    """Exact text of what another process gets that goes on from the serialized state in a file."""
+    other = Host(Path(path), folder)
+    taken = other.deserialize(Path(state).read_bytes())
+    other.restore(taken)
+    other.free(taken)
+    return repr(run(other, first, last))
+
+
+def brief(path: str, folder: str) -> str:
+    """As short a life as there is."""
+    host = Host(Path(path), folder)
+    host.start(**EVEN)
+    run(host, 0, 3)
+    host.fmu.terminate()
+    host.call("FreeInstance")
+    return "done"
+
+
+def in_another_process(call: str, **variables: str) -> str:
+    """What a function of this module returns there."""
+    where = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path]), **variables}
+    command = [sys.executable, "-c", f"import test_rope_fmu as t; print(t.{call})"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=where)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout.strip().splitlines()[-1]
+
+
+def test_serialized_state_goes_on_in_another_process_over_swivel_events_to_the_bit(
+    host: Host, folders: Folders, request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    """Also in an instance that has not been initialised, and has other parameters."""
+    host.start(**{"inputs_at_step_end": True, "rope.installed_twist": 2.0, **SWIVELS})
+    run(host, 0, 40)
+    state, saved = host.state(), tmp_path / "state"
+    saved.write_bytes(host.serialize(state))
+    host.free(state)
+    before = host.get("count.swivel_events")[0]
+    here = repr(run(host, 40, 160))
+    assert host.get("count.swivel_events")[0] > before
+    assert host.get("count.transformations")[0] > 0
+    path, folder = map(str, folders[request.node.callspec.params["host"]])
+    assert in_another_process(f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 40, 160)") == here
+
+
+def test_directional_derivatives_are_those_of_a_step(host: Host) -> None:
+    host.start(inputs_at_step_end=True, solver__tolerance=1e6)
+    run(host, 0, 30)
+    state = host.state()
+    for name, size in {"left.y": 1e-7, "right.vy": 1e-5, "left.ay": 1e-3, "right.ax": 1e-3}.items():
+        forces = []
+        for change in (-size, size, 0.0):
+            host.restore(state)
+            move(host, 31 * H)
+            host.set(**{name: host.get(name)[0] + change})
+            assert host.step(30 * H) == ""
+            forces.append(host.get(*LOADS))
+        difference = (np.array(forces[1]) - forces[0]) / (2 * size)
+        analytic = [host.derivative(force, name) for force in LOADS]
+        # the step is one of Newton's method; the derivative is of one, linearised
+        assert_allclose(analytic, difference, atol=0.05 * np.abs(difference).max(), err_msg=name)
+
+
+def test_hostile_values_name_value_bound_and_cure(host: Host) -> None:
+    for name, value, words in (
+        ("rope.EI", -1.0, "EI = -1"),
+        ("rope.length", 1e9, "length = "),
+        ("mesh.elements", 1, "elements = 1"),
+        ("layout.spacing", 500.0, "longer rope"),
+        ("solver.rho_inf", 2.0, "rho_inf = 2"),
+        ("rope.Qb", 1e9, "below sqrt(Qa Qd)"),
+    ):
+        more = {"mesh.kind": 1} if name == "mesh.elements" else {}
+        with pytest.raises(FMICallException):
+            host.start(**{name: value}, **more)
+        assert words in host.error(), name
+        host.fmu.reset()
+    host.start(**EVEN)
+    run(host, 0, 3)
+    state = host.state()
+    for values, words in (({"left.vy": 1e4}, "beyond"), ({"left.y": 5.0}, "inputs.misfit_max")):
+        move(host, 4 * H)
+        host.set(**values)
+        assert words in host.step(3 * H)
+        host.restore(state)
+    assert np.all(np.isfinite(run(host, 3, 5)))
+    values: list[Any] = [host.get(v.name)[0] for v in host.variables.values() if v.type in ("Real", "Float64")]
+    assert np.all(np.isfinite(np.hstack(values)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", list(RUNNERS))
+def test_whole_life_without_taking_memory_while_stepping(tmp_path: Path, way: str) -> None:
+    platform = host_platform() if way == "valgrind" else way
+    if platform not in available_platforms():
+        pytest.skip("needs ziglang")
+    assert live(export_native(tmp_path / "rope.fmu", platforms=(platform,)), tmp_path, way) == [0, 0]
+
+
+# the Python flavour alone
+
+
+@pytest.mark.parametrize("case", ["rope-120", pytest.param("rope-240", marks=pytest.mark.slow)])
+def test_instances_are_independent_of_each_other_and_of_another_fmu(
+    folders: Folders, case: str, tmp_path: Path
+) -> None:
+    path, folder = folders["python"]
+    third = (path, folder)
+    if case != "rope-120":
+        other = export_fmu(tmp_path / "long.fmu", case, "draft", platforms=HERE)
+        third = (other, fmpy.extract(str(other), str(tmp_path / "long")))
+    hosts = [Host(path, folder), Host(path, folder), Host(*third)]
+    for each in hosts:
+        each.start(**EVEN)
+    records: list[list[Any]] = [[], [], []]
+    for k in range(30):
+        for record, each in zip(records, hosts, strict=True):
+            record += run(each, k, k + 1)
+    assert records[0] == records[1]
+    assert [each.get("rope.length")[0] for each in hosts] == [120.0, 120.0, 240.0 if case == "rope-240" else 120.0]
+    for each in hosts:
+        each.call("FreeInstance")
+
+
+@python_only
+def test_portable_kernels_travel_inside(host: Host) -> None:
+    host.start(inputs_at_step_end=True, solver__kernels=2)
+    assert np.all(np.isfinite(run(host, 0, 5)))
+
+
+def test_no_freed_memory_is_used_up_to_the_end_of_the_process(folders: Folders, tmp_path: Path) -> None:
+    path, folder = map(str, folders["python"])
+    assert in_another_process(f"brief({path!r}, {folder!r})", LD_PRELOAD=str(freed_blocks(tmp_path))) == "done"
+
+
+def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1767225600")
+    first, second = (export_fmu(tmp_path / name / "a.fmu", platforms=HERE).read_bytes() for name in ("one", "two"))
+    assert first == second
+
+
+def test_interface_page_is_up_to_date() -> None:
+    page = Path(__file__).parents[1] / "docs" / "reference" / "variables.md"
+    assert page.read_text(encoding="utf-8") == interface_page(), "run python -m fmu_src.documentation > the page"
