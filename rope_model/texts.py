@@ -14,14 +14,24 @@ import unicodedata
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 #: what a C literal can hold as it stands: a backslash, quotation marks and what makes a trigraph it cannot
 _PLAIN_C = frozenset(map(chr, range(0x20, 0x7F))) - frozenset('"\\?')
+#: where a spreadsheet takes a cell for a formula; some leave out blanks before it
+_FORMULA = re.compile(r"\s*[=+\-@]|\t")
 REPLACEMENT = "\ufffd"
 
 
 def c_string(text: str) -> str:
     """Return a C literal, quotation marks included, that holds the text in UTF-8."""
     # three octal digits end by themselves, whatever follows
-    coded = (c if c in _PLAIN_C else "?" if c == "?" else "".join(f"\\{b:03o}" for b in _utf8(c)) for c in text)
-    return '"' + "".join(coded).replace("??", "?\\?") + '"'
+    coded = (c if c in _PLAIN_C else r"\?" if c == "?" else "".join(f"\\{b:03o}" for b in _utf8(c)) for c in text)
+    return '"' + "".join(coded) + '"'
+
+
+def csv_cell(value: object) -> object:
+    """Return a cell of a CSV table: a text that a spreadsheet would compute gets an apostrophe; numbers stay."""
+    if not isinstance(value, str):
+        return value
+    text = value.replace("\r", " ")  # which pandas does not quote, and begins a line with what follows
+    return f"'{text}" if _FORMULA.match(text) and not _is_number(text) else text
 
 
 def xml_text(text: str) -> str:
@@ -48,3 +58,11 @@ def printable(text: str) -> str:
 def _utf8(text: str) -> bytes:
     """Bytes of the text; the halves of characters that names of files may hold become replacements."""
     return re.sub("[\ud800-\udfff]", REPLACEMENT, text).encode()
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

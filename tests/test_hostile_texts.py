@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import subprocess
@@ -36,18 +37,20 @@ from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import SummaryRow
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.study.definition import read_study
+from hoist_demo.study.provenance import Known, write_data
 from hoist_demo.study.reading import LONGEST_TEXT, StudyError
+from hoist_demo.study.store import Store
 from hoist_demo.uncertainty.definition import read_uncertain
 from rope_model import Datum
 from rope_model.numerics.kernels import find_compiler
-from rope_model.texts import REPLACEMENT, c_string, html_text, printable, toml_string, xml_text
+from rope_model.texts import REPLACEMENT, c_string, csv_cell, html_text, printable, toml_string, xml_text
 
 ROOT = Path(__file__).resolve().parent.parent
 CLOSES_THE_TABLE = 'x", NULL}}; __attribute__((constructor)) static void run(void) {system("id");} int y[] = {{"'
 HOSTILE = [
     # C
     CLOSES_THE_TABLE, '"', "\\", '\\"', "\\\\", "x\\", '"; int main(void) { return 7; } //', "*/ int x; /*", "// x",
-    '#include "/etc/passwd"', "??/", "??)", "a??/\"b", "%s%n%d", "\\u0041", "\\x41", "\\1012", "\x01234", "\x00",
+    '#include "/etc/passwd"', "??/", "??)", "a???/\"b", "%s%n%d", "\\u0041", "\\x41", "\\1012", "\x01234", "\x00",
     "a\x00b",
     "line\nfeed", "carriage\rreturn", "tab\there", "\\\n", "L\"x\"",
     # XML and HTML
@@ -308,3 +311,26 @@ def test_halves_of_characters_become_replacements() -> None:
     half = "rope\udcff.toml"  # as Python has a file's name that is not UTF-8
     assert tomllib.loads(f"x = {toml_string(half)}") == {"x": f"rope{REPLACEMENT}.toml"}
     assert html_text(half) == printable(half) == f"rope{REPLACEMENT}.toml"
+
+
+#: what a spreadsheet would compute, and what it would not
+FORMULAS = ["=1+1", "+x", "@SUM(A1)", "-cmd|' /C calc'!A0", " =a", "\t=x", "\r=x", "-", '=HYPERLINK("http://x")']
+PLAIN = ["-5", "+3.5", "-5e3", "-inf", "a=b", "x", ""]
+
+
+def test_a_spreadsheet_computes_no_text(tmp_path: Path) -> None:
+    written = [f"'{text}".replace("\r", " ") for text in FORMULAS]
+    assert [csv_cell(text) for text in FORMULAS] == written
+    assert [csv_cell(value) for value in [*PLAIN, -5.0, 3, None, True]] == [*PLAIN, -5.0, 3, None, True]
+    store = Store(tmp_path / "study")
+    store.write_table([{"variant": text, "=x": -1.5, "runs": 2} for text in FORMULAS], {}, "")
+    data = write_data([Known("rope.EI", text, "N m^2", "given") for text in FORMULAS], tmp_path / "data.csv")
+    for path, column in ((tmp_path / "study" / "results.csv", 0), (data, 1)):
+        with path.open(newline="", encoding="utf-8") as file:
+            header, *rows = csv.reader(file)
+        assert not any(cell.startswith("=") for cell in header)
+        assert [row[column] for row in rows] == written
+    with (tmp_path / "study" / "results.csv").open(newline="", encoding="utf-8") as file:
+        assert [row[1:] for row in csv.reader(file)][1:] == [["-1.5", "2"]] * len(FORMULAS)
+    # programs read the other table, which has the texts as they are
+    assert [*pd.read_parquet(tmp_path / "study" / "results.parquet")["variant"]] == FORMULAS

@@ -23,6 +23,7 @@ from hoist_demo.study.definition import Study
 from hoist_demo.study.nested import leaves
 from hoist_demo.study.reading import GIVEN, VARIED
 from hoist_demo.study.run import RunData, build
+from rope_model.texts import csv_cell
 
 SETTING = "setting"
 #: in the order in which they are told
@@ -132,5 +133,5 @@ def write_data(data: Sequence[Known], path: Path) -> Path:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(Known._fields)
-        writer.writerows(data)
+        writer.writerows(map(csv_cell, one) for one in data)
     return path

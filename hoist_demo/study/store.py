@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoist_demo.study.run import FINISHED, Outcome, RunData
+from rope_model.texts import csv_cell
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -100,9 +101,9 @@ class Store:
         schema = pa.schema(fields, metadata={**(table.schema.metadata or {}), "title": title})
         with _whole(self.directory / "results.parquet") as path:
             pq.write_table(table.cast(schema), path)
-        header = [f"{name} [{unit}]" if (unit := units.get(name)) else str(name) for name in frame.columns]
+        header = [csv_cell(f"{name} [{unit}]" if (unit := units.get(name)) else str(name)) for name in frame.columns]
         with _whole(self.directory / "results.csv") as path:
-            frame.to_csv(path, index=False, header=header, float_format="%.9g", lineterminator="\n")
+            frame.map(csv_cell).to_csv(path, index=False, header=header, float_format="%.9g", lineterminator="\n")
         return self.directory / "results.parquet"
 
     def _path(self, key: str) -> Path:
