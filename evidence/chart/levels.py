@@ -42,5 +42,5 @@ def levels(tables: Tables) -> str:
 
 def block(tables: Tables) -> str:
     """What README says between its marks ``levels``."""
-    form = "compiled" if "compiled" in tables["points"]["kernels"] else "interpreted"
+    form = "interpreted" if "portable" in tables["points"]["kernels"] else "compiled"
     return render("chart/levels.md.j2", {"levels": levels(tables), "form": form})
