@@ -16,7 +16,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
-from rope_model.simulation.diagnostics import loop_bottom, observation_points
+from rope_model.simulation.outputs.diagnostics import loop_bottom, observation_points
 from rope_model.simulation.state import Event
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ The deeper the shaft, the slower the rope swings out of the plane of its loop: l
 """
 
 from rope_model import EndMotion, Model, Rope, RopeSimulator, Scene, Solver, Swivel
-from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.outputs.modal import natural_modes
 
 
 def frequencies(length: float) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Collection, Iterable, Iterator
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.neglected_effects import EFFECTS
+from rope_model.simulation.outputs.neglected_effects import EFFECTS
 from rope_model.texts import html_text
 
 from .arrays import DESCRIPTIONS

@@ -24,8 +24,8 @@ from pathlib import Path
 from pythonfmu.builder import FmuBuilder
 
 from rope_model.parameters import Level
-from rope_model.simulation.mesh import fit_mesh, partition
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.mesh.partition import fit_mesh, partition
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed
 
@@ -42,7 +42,7 @@ from .profile import Profile
 SOURCES = ("rope_model", "fmu_src")
 #: what the FMU needs not: parts of the export, and of the native flavour
 _LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py", "terminals.py"}
-_LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "public.py", "native"}
+_LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "public.py", "engine.py", "native", "codegen"}
 
 
 def export_fmu(

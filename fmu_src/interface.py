@@ -1,6 +1,6 @@
 """The FMI interface: one table, from which XML, documentation and component all read.
 
-Parameters are the fields of rope_model.parameters, outputs the signals of rope_model.simulation.signals.
+Parameters are the fields of rope_model.parameters, outputs the signals of rope_model.simulation.outputs.signals.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from rope_model.parameters import (
     Swivel,
 )
 from rope_model.shaft_parameters import PARTS, Shaft
-from rope_model.simulation.paths import SIDES, EndMotion
-from rope_model.simulation.signal_table import SIGNALS
+from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.outputs.signal_table import SIGNALS
 
 Causality = Literal["parameter", "input", "output"]
 Kind = Literal["Real", "Integer", "Boolean", "String"]

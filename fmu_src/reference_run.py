@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import cache
 
 from rope_model.parameters import RopeCase
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .interface import MOTION, variables

@@ -27,14 +27,14 @@ from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
-from rope_model.simulation.cases import first_text
-from rope_model.simulation.paths import SIDES, EndMotion
-from rope_model.simulation.result_warnings import WARNINGS
-from rope_model.simulation.sensitivity import LOADS, load_derivative
-from rope_model.simulation.signals import group_of
+from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.messages.cases import first_text
+from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.messages.warning_cases import LONG_EXTRAPOLATION
+from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
+from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
-from rope_model.simulation.warning_cases import LONG_EXTRAPOLATION
 
 log = logging.getLogger(__name__)
 

@@ -25,8 +25,8 @@ from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model, without_brake
 from hoist_demo.drive_fmu.kernels import generate as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
-from rope_model.native.build import NAME, generate, generated_file, sources
-from rope_model.native.platforms import prebuilt_file
+from rope_model.codegen.build import NAME, generate, generated_file, sources
+from rope_model.codegen.platforms import prebuilt_file
 from rope_model.parameters import rope_120
 
 
@@ -66,7 +66,7 @@ def add_prebuilt(root: Path) -> None:
     for case in map(without_brake, CASES.values()):
         _write(kernels_file(root / "hoist_demo", case), asdict(drive_kernels(case)))
     for name in PLATFORMS:
-        rope = prebuilt_file(root / "rope_model" / "native", sources(), NAME, name)
+        rope = prebuilt_file(root / "rope_model" / "csrc", sources(), NAME, name)
         shutil.copyfile(open_library(sources(), NAME, name), rope)
     (root / "fmu_src" / "native" / "prebuilt").mkdir()
     for one in libraries():

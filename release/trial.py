@@ -42,7 +42,7 @@ winding.jerk = { values = [0.5, 2], unit = "m/s3" }
 
 NATIVE = """\
 from pathlib import Path
-from rope_model.native.build import library
+from rope_model.codegen.build import library
 assert library().parent.name == "prebuilt" and Path.cwd() not in library().parents
 """
 

@@ -1,7 +1,7 @@
 """The table of parameters: what is known of each field of a data class stands in the field itself.
 
 `parameter` and `choice` make such fields.  All who need the facts take them from here: the checks of the data classes,
-the C structures and checks (native.tables), the FMU's interface, its documents, studies and reports.
+the C structures and checks (codegen.tables), the FMU's interface, its documents, studies and reports.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Parameter(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """A check of several parameters of a data class, ``x``; native.tables makes the C of it."""
+    """A check of several parameters of a data class, ``x``; codegen.tables makes the C of it."""
 
     what: str
     bound: str  # with {} or {:.4g} for a number

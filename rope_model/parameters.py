@@ -304,7 +304,7 @@ class Mesh:
     Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
 
     auto: the TMN-ETM that the rope's own lengths and the accuracy ask for, EEM on a short or stiff rope; see
-    simulation.mesh.fit_mesh.  ``end_levels`` = 0 is the source's mesh.
+    simulation.mesh.partition.fit_mesh.  ``end_levels`` = 0 is the source's mesh.
     """
 
     kind: MeshKind = choice(
@@ -363,7 +363,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Error that a run may have: mesh and steps follow from it, see physics.accuracy and simulation.mesh."""
+    """Error that a run may have: mesh and steps follow from it, see physics.accuracy and simulation.mesh.partition."""
 
     end_force: float = parameter(
         1e-3,
@@ -484,7 +484,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Inputs:
-    """What of the given motions is trusted, and how the rope's ends follow them: simulation.following."""
+    """What of the given motions is trusted, and how the rope's ends follow them: simulation.ends.following."""
 
     given: Trusted = choice(
         "all",

@@ -25,7 +25,7 @@ import subprocess
 from typing import Literal
 
 from .catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
-from .native.engine import NativeRope
+from .engine import NativeRope
 from .numerics.kernels import last_words
 from .parameters import (
     CHOICES,
@@ -47,14 +47,14 @@ from .parameters import (
 )
 from .shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
 from .simulation.balance_rope import BalanceRope, Snapshot, Status
+from .simulation.contact.neighbours import Account, Contacts, Neighbours
+from .simulation.contact.point_forces import PointForces
+from .simulation.contact.shaft import BODIES
+from .simulation.ends.paths import EndMotion
 from .simulation.fidelity import FIDELITIES
-from .simulation.neglected_effects import Effect, neglected_effects, neglected_text
-from .simulation.neighbours import Account, Contacts, Neighbours
-from .simulation.paths import EndMotion
-from .simulation.point_forces import PointForces
-from .simulation.shaft import BODIES
-from .simulation.signal_table import CAUSES as GUARD_CAUSES
-from .simulation.signal_table import SIGNALS, Signal
+from .simulation.outputs.neglected_effects import Effect, neglected_effects, neglected_text
+from .simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
+from .simulation.outputs.signal_table import SIGNALS, Signal
 from .simulation.simulator import RopeSimulator
 from .simulation.state import RopeState
 

@@ -9,7 +9,7 @@ from rope_model import BalanceRope, EndMotion, Neighbours, balance_rope
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
-from rope_model.simulation.self_contact import touches_of
+from rope_model.simulation.contact.self_contact import touches_of
 
 #: m, N/m^2, and m by which the planes of two ropes are apart
 DIAMETER, STIFFNESS, GAP = Rope().diameter, 1e6, 0.3

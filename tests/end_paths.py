@@ -8,9 +8,9 @@ from functools import cache
 from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
 from rope_model.parameters import CHOICES, Rope, Trusted
-from rope_model.simulation.following import Followed, Following, Limits, Rates, follow, follow_program
-from rope_model.simulation.misfit import follow_account
-from rope_model.simulation.paths import EndMotion, EndPath
+from rope_model.simulation.ends.following import Followed, Following, Limits, Rates, follow, follow_program
+from rope_model.simulation.ends.misfit import follow_account
+from rope_model.simulation.ends.paths import EndMotion, EndPath
 
 #: rad/s, of the 120 m rope at the standard level
 USUAL = Rates(1.0, 17.0)

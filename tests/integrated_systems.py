@@ -14,7 +14,7 @@ from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progr
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
-from rope_model.simulation.statics import find_equilibrium, hanging_guess
+from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]
 

@@ -17,17 +17,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rope_model.native.build import generate
-from rope_model.native.structures import GROUPS
+from rope_model.codegen.build import sources
+from rope_model.codegen.structures import GROUPS
 from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
 from rope_model.parameters import Mesh
-from rope_model.simulation.diagnostics import LoopBottom
+from rope_model.simulation.outputs.diagnostics import LoopBottom
 
 Array = NDArray[np.float64]
 
-NATIVE = Path(__file__).resolve().parent.parent / "rope_model" / "native"
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("mesh.c", "transfer.c", "shape.c", "shaft.c", "guards.c", "rigid.c", "ends.c", "parameters.c", "text.c")
+PARTS = ("partition.c", "transfer.c", "shape.c", "shaft.c", "guards.c", "rigid.c", "ends.c", "parameters.c", "text.c")
 MESSAGE, ROUNDING = 512, 1e-12
 
 
@@ -62,11 +61,11 @@ def compiled(folder: Path, texts: dict[str, str], parts: Iterable[str] = ()) -> 
     """A library of C texts and of the rope's own C files ``parts``; skips the test without a compiler."""
     if (compiler := find_compiler()) is None:
         pytest.skip("no C compiler")
-    for name, text in (generate() | texts).items():
-        (folder / name).write_text(text, encoding="ascii")
-    files = [*(str(NATIVE / name) for name in parts), *(str(folder / name) for name in texts if name.endswith(".c"))]
+    for name, text in (sources() | texts).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    files = [str(folder / name) for name in (*parts, *texts) if name.endswith(".c")]
     made = folder / f"compiled{LIBRARY_SUFFIX}"
-    command = [*compiler, *FLAGS, f"-I{NATIVE}", f"-I{folder}", *files, "-o", str(made), "-lm"]
+    command = [*compiler, *FLAGS, f"-I{folder}", *files, "-o", str(made), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return ct.CDLL(str(made))

@@ -32,7 +32,7 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.parameters import Model
-from rope_model.simulation.diagnostics import shape
+from rope_model.simulation.outputs.diagnostics import shape
 
 Array = NDArray[np.float64]
 SEED = 15

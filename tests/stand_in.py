@@ -10,7 +10,7 @@ import fmpy
 import pytest
 
 from fmu_src.native.build import PLATFORMS, host_platform
-from rope_model.native.tables import parameter_structures, signal_numbers
+from rope_model.codegen.tables import parameter_structures, signal_numbers
 
 ROOT = Path(__file__).resolve().parent.parent
 VERSIONS = (2, 3)
@@ -25,7 +25,7 @@ RUNNERS = {
 
 def stand_in() -> dict[str, str]:
     """What stands behind rope.h in these tests."""
-    files = (ROOT / "tests" / "native" / "stand_in.c", ROOT / "rope_model" / "native" / "rope.h")
+    files = (ROOT / "tests" / "native" / "stand_in.c", ROOT / "rope_model" / "csrc" / "rope.h")
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
     return texts | {"parameters.h": parameter_structures(), "signal_numbers.h": signal_numbers()}
 

@@ -7,17 +7,17 @@ from scenes import Trip, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.accuracy import turned_by_mesh
-from rope_model.simulation.audit import Audit
-from rope_model.simulation.ends import HangingEnds
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.ends import HangingEnds
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.outputs.audit import Audit
 from rope_model.simulation.rope_system import Array
 from rope_model.simulation.simulator import RopeSimulator
 
-pytest.importorskip("rope_model.native.build")
+pytest.importorskip("rope_model.codegen.build")
 
 FOUND = {"missing_loads", "unresolved_waves", "unresolved_bend"}
 SHORT = Scene(rope=Rope(length=60.0))

@@ -22,8 +22,8 @@ from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, el
 from rope_model.physics.rope_on_rope import places_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
-from rope_model.simulation.mesh import fit_mesh, partition
-from rope_model.simulation.mesh_fit import BLOW
+from rope_model.simulation.mesh.mesh_fit import BLOW
+from rope_model.simulation.mesh.partition import fit_mesh, partition
 from rope_model.simulation.rope_system import parameter_vector
 
 DIAMETER = 0.044

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from rope_model.parameters import Rope
 from rope_model.physics import element
 from rope_model.physics.element import PARAMETERS
-from rope_model.simulation.statics import find_equilibrium
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 CANTILEVER = {"EI": 1.0, "Qa": 50.0, "Qd": 0.7}
 LOAD = np.array([0.5, -3.0])

@@ -14,10 +14,10 @@ from numpy.testing import assert_allclose
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Inputs, Scene, balance_rope, rope_120
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import Trusted
 from rope_model.simulation.balance_rope import BalanceRope, Status
-from rope_model.simulation.following import Rates, follow_rates
+from rope_model.simulation.ends.following import Rates, follow_rates
 from rope_model.simulation.simulator import RopeSimulator
 
 H, TRAVEL = 0.01, 20.0

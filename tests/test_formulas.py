@@ -11,8 +11,8 @@ import pytest
 from native_parts import compiled
 from numpy.testing import assert_allclose
 
-from rope_model.native.formulas import FORMULAS, STRUCTURES, argument_of, function_code, shape_of, symbols_of
-from rope_model.native.structures import GROUPS, SceneStructure
+from rope_model.codegen.formulas import FORMULAS, STRUCTURES, argument_of, function_code, shape_of, symbols_of
+from rope_model.codegen.structures import GROUPS, SceneStructure
 from rope_model.parameters import Scene
 
 #: where a formula asks for more than a number between 0.5 and 1

@@ -22,7 +22,7 @@ from rope_model.physics.initial_curvature import START, directors
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.rope_kernels import CURVED, RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, parameter_vector
-from rope_model.simulation.statics import find_equilibrium
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 Array = np.ndarray[Any, Any]
 BENT, ELEMENT = curved_functions(), element_functions()

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import Model, Rope, Scene, at_level, rope_120, rope_240
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 
-pytest.importorskip("rope_model.native.build")
+pytest.importorskip("rope_model.codegen.build")
 
 H = 0.01
 LOADS = [f"{side}.{kind}{axis}" for kind in "fm" for side in ("left", "right") for axis in "xyz"]

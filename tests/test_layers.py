@@ -29,13 +29,14 @@ rope_model.catalogue: .parameter_table .parameters
 rope_model.physics:
 rope_model.numerics:
 rope_model.simulation: .parameter_table .parameters .shaft_parameters .physics .numerics
-rope_model.native: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts
-rope_model.public: .catalogue .parameters .shaft_parameters .numerics .simulation .native
+rope_model.codegen: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts
+rope_model.engine: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts .codegen
+rope_model.public: .catalogue .parameters .shaft_parameters .numerics .simulation .engine
 rope_model.version:
 rope_model.texts:
 rope_model: .public .version
 fmu_src.native: rope_model.parameters rope_model.shaft_parameters rope_model.simulation rope_model.numerics
-    rope_model.native rope_model.texts fmu_src
+    rope_model.codegen rope_model.texts fmu_src
 fmu_src.export: rope_model.parameters rope_model.simulation rope_model.version fmu_src .native
 fmu_src: rope_model.parameter_table rope_model.parameters rope_model.shaft_parameters rope_model.simulation
     rope_model.texts rope_model.version
@@ -67,11 +68,11 @@ HOMES = rules(
     """\
 casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
-    rope_model.physics.elementary rope_model.numerics rope_model.native.elements rope_model.native.cases
-    rope_model.native.formulas rope_model.native.state_values rope_model.native.tables
+    rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.cases
+    rope_model.codegen.formulas rope_model.codegen.state_values rope_model.codegen.tables
     hoist_demo.design hoist_demo.drive
     hoist_demo.drive_fmu.kernels
-scipy: rope_model.simulation.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling
+scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling
     hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.spectra
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_parameters

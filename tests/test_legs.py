@@ -13,7 +13,7 @@ from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, Model, RopeSimulator, Scene, balance_rope
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh, Swivel
-from rope_model.simulation.mesh import fit_mesh
+from rope_model.simulation.mesh.partition import fit_mesh
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")]
 
@@ -56,5 +56,5 @@ def test_steps_cut_at_transformations_err_several_times_more_than_meshes_that_wa
 
     exact = forces(Mesh("eem", elements=240))
     waiting = np.linalg.norm(forces(Mesh("auto")) - exact)
-    monkeypatch.setattr("rope_model.simulation.stepping.LATEST", 0.0)
+    monkeypatch.setattr("rope_model.simulation.stepping.stepping.LATEST", 0.0)
     assert np.linalg.norm(forces(Mesh("auto")) - exact) > 3 * waiting

@@ -5,7 +5,7 @@ from end_paths import Follower
 from masters import JERK, MISSED, random_steps
 from numpy.testing import assert_allclose
 
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 
 
 def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:

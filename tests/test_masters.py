@@ -23,7 +23,7 @@ from native_host import Host
 from numpy.testing import assert_allclose
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 
 LONGEST, MASS_PER_LENGTH = 0.02, rope_120().scene.rope.mass_per_length
 FORCES = ("left.fy", "right.fy")

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from rope_model.parameters import Mesh
 from rope_model.physics.element import PARAMETERS, element_functions
-from rope_model.simulation.mesh import GRADING, LEG_LENGTHS, Partition, partition, transform
-from rope_model.simulation.mesh_fit import DUE
-from rope_model.simulation.mesh_pattern import fewest_outer, inner_length, transformation_due
+from rope_model.simulation.mesh.mesh_fit import DUE
+from rope_model.simulation.mesh.mesh_pattern import fewest_outer, inner_length, transformation_due
+from rope_model.simulation.mesh.partition import GRADING, LEG_LENGTHS, Partition, partition, transform
+from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
-from rope_model.simulation.transfer import interpolate, transfer_fields
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from native_parts import compiled
 
-from rope_model.native.messages import SPOKEN
+from rope_model.codegen.messages import SPOKEN
 
 TEXTS: dict[str, Callable[..., str]] = {
     name: text for module in SPOKEN for name, text in inspect.getmembers(module, inspect.isfunction)

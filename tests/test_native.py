@@ -16,11 +16,11 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.balance_rope import BalanceRope
-from rope_model.simulation.paths import EndMotion
-from rope_model.simulation.signal_table import SIGNALS
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.outputs.signal_table import SIGNALS
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 

@@ -22,22 +22,22 @@ from scenes import CHOICES as WINDINGS
 from scenes import Choice
 
 from fmu_src.interface import scene_of, variables
-from rope_model.native.layout import FollowingStructure
-from rope_model.native.structures import EndStructure, SceneStructure, end_structure, scene_structure
+from rope_model.codegen.layout import FollowingStructure
+from rope_model.codegen.structures import EndStructure, SceneStructure, end_structure, scene_structure
 from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
-from rope_model.simulation.ends import frozen, refusal
+from rope_model.simulation.ends.ends import frozen, refusal
+from rope_model.simulation.ends.following import Following, Limits
+from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
-from rope_model.simulation.following import Following, Limits
-from rope_model.simulation.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.statics import StaticsError
+from rope_model.simulation.stepping.statics import StaticsError
 
 Array = NDArray[np.float64]
 Ends = tuple[EndMotion, EndMotion]
 
-PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameters.c", "shape.c", "mesh.c", "transfer.c")
+PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameters.c", "shape.c", "partition.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import FidelityChoice, Model, Rope, Scene, Solver
-from rope_model.simulation.paths import SIDES, EndMotion
-from rope_model.simulation.sensitivity import load_derivative
+from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.outputs.sensitivity import load_derivative
 from rope_model.simulation.simulator import RopeSimulator
 
 

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from native_parts import ROUNDING, Array, message
 from numpy.testing import assert_allclose, assert_array_equal
 
-from rope_model.native.structures import scene_structure
+from rope_model.codegen.structures import scene_structure
 from rope_model.parameters import Layout, Mesh, Rope, Scene
 from rope_model.shaft_parameters import Contact, Divider, Shaft
-from rope_model.simulation.mesh import Partition, fit_mesh, partition, transform
-from rope_model.simulation.mesh_pattern import distance_to_due, transformation_due
+from rope_model.simulation.mesh.mesh_pattern import distance_to_due, transformation_due
+from rope_model.simulation.mesh.partition import Partition, fit_mesh, partition, transform
+from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.transfer import interpolate, transfer_fields
 
 KINDS = ("tmn", "eem", "auto")
 

@@ -17,14 +17,14 @@ from lxml import etree
 from native_host import Host
 from stand_in import stand_in
 
-import rope_model.native
+import rope_model
 from fmu_src.interface import variables
 from fmu_src.native.build import host_platform, open_library
 from fmu_src.native.export import export_native
 from fmu_src.profile import FULL
 from rope_model.parameters import Inputs, rope_120
-from rope_model.simulation.ends import refusal
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.ends import refusal
+from rope_model.simulation.ends.paths import EndMotion
 
 SCHEMAS = Path(fmpy.__file__).with_name("schema")
 #: the native rope's question for the processor, and what it includes
@@ -80,14 +80,14 @@ def test_sources_rebuild_with_fmpy_compile(fmi: int, fmus: dict[int, Path], tmp_
 
 def made_by_cc(folder: Path) -> Path:
     """The question's library by the system's compiler."""
-    made, source = folder / "processor.so", Path(rope_model.native.__file__).with_name(QUESTION[0])
+    made, source = folder / "processor.so", Path(rope_model.__file__).with_name("csrc") / "numerics" / QUESTION[0]
     subprocess.run(["cc", "-std=c99", "-fPIC", "-shared", str(source), "-o", str(made)], check=True)
     return made
 
 
 def made_as_in_fmus(folder: Path) -> Path:
     """The same as FMUs are made, by ziglang if that is there: other flags would have it make its own library anew."""
-    files = (Path(rope_model.native.__file__).with_name(name) for name in QUESTION)
+    files = (Path(rope_model.__file__).with_name("csrc") / "numerics" / name for name in QUESTION)
     return open_library({file.name: file.read_text(encoding="utf-8") for file in files}, "processor", host_platform())
 
 

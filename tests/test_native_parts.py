@@ -16,8 +16,10 @@ from numpy.testing import assert_allclose
 
 from rope_model.parameters import Mesh
 from rope_model.physics.outline import heading
-from rope_model.simulation.adaptation import nearest_turn
-from rope_model.simulation.diagnostics import (
+from rope_model.simulation.contact.self_contact import overlap_of
+from rope_model.simulation.mesh.adaptation import nearest_turn
+from rope_model.simulation.mesh.partition import partition
+from rope_model.simulation.outputs.diagnostics import (
     LoopBottom,
     direction,
     leg_clearance,
@@ -27,10 +29,8 @@ from rope_model.simulation.diagnostics import (
     shape,
     shape_places,
 )
-from rope_model.simulation.mesh import partition
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.self_contact import overlap_of
-from rope_model.simulation.statics import hanging_guess
+from rope_model.simulation.stepping.statics import hanging_guess
 
 
 @given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))

@@ -7,10 +7,10 @@ from typing import Literal
 
 import pytest
 
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
 from rope_model.shaft_parameters import Lining, Shaft
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 
@@ -140,7 +140,7 @@ def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pyt
     assert re.match(
         r"at \S+ of 99 rad of twist, put in by \S+ rad at last and with \d+ iterations in all: no equil", said
     )
-    monkeypatch.setattr("rope_model.simulation.hang.MOST_CORRECTIONS", 1)
+    monkeypatch.setattr("rope_model.simulation.stepping.hang.MOST_CORRECTIONS", 1)
     told = python.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
     assert "more than twice what any rope needed that came to rest; put in less twist" in told
 

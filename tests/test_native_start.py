@@ -15,7 +15,7 @@ from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, 
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
-from rope_model.native.platforms import prebuilt_file
+from rope_model.codegen.platforms import prebuilt_file
 
 pytestmark = pytest.mark.skipif(host_platform() not in available_platforms(), reason="needs a C compiler")
 SOURCES = {

@@ -14,7 +14,7 @@ from rope_model.parameters import Rope, Scene, Solver
 from rope_model.physics.contact import ONSET
 from rope_model.physics.outline import enclosing_box
 from rope_model.shaft_parameters import Air, Contact, Shaft
-from rope_model.simulation.pair_contact import Pair, Rows, rows_of
+from rope_model.simulation.contact.pair_contact import Pair, Rows, rows_of
 
 Array = NDArray[np.float64]
 D, K = Rope().diameter, STIFFNESS

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import BalanceRope, EndMotion, balance_rope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
-from rope_model.simulation.point_forces import PointForces
+from rope_model.simulation.contact.point_forces import PointForces
 
 LENGTH, STEP, FORMS = 6.0, 0.01, ("python", "native")
 

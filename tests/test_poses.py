@@ -8,7 +8,7 @@ from random_poses import KINDS, NO_REASON, Pose, hang, poses
 
 from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope, rope_120
 from rope_model.public import Form
-from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.outputs.modal import natural_modes
 
 SEED = 7
 DRAWN, QUICK = list(poses(SEED, 5 * len(KINDS))), len(KINDS)
@@ -44,7 +44,7 @@ def test_the_rest_of_a_twisted_rope_is_stable_and_does_not_depend_on_the_step(
     twist: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rope = at_rest("auto", twist)
-    monkeypatch.setattr("rope_model.simulation.hang.TWIST_STEP", 0.5)
+    monkeypatch.setattr("rope_model.simulation.stepping.hang.TWIST_STEP", 0.5)
     half = at_rest("python", twist)
     assert isinstance(half, RopeSimulator)
     assert natural_modes(half.system, half.state.motion.q, 1).frequencies[0] > 0  # stable, or it raises

@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 
 import rope_model
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public
-from rope_model.native.build import library
+from rope_model.codegen.build import library
 from rope_model.numerics.kernels import find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -13,11 +13,11 @@ from scipy.optimize import brentq, fsolve
 from rope_model.parameters import Rope
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import end_moment
-from rope_model.simulation.diagnostics import loop_bottom, observation_points
-from rope_model.simulation.modal import assemble_matrix, natural_modes
+from rope_model.simulation.outputs.diagnostics import loop_bottom, observation_points
+from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector
-from rope_model.simulation.statics import Equilibrium, find_equilibrium, hanging_guess
+from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]
 

@@ -21,16 +21,16 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model import balance_rope
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
 from rope_model.shaft_parameters import Air, Shaft
-from rope_model.simulation import warning_messages
-from rope_model.simulation.cases import first_text
-from rope_model.simulation.following import Following
-from rope_model.simulation.paths import SIDES, EndMotion
-from rope_model.simulation.result_warnings import WARNINGS
+from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.messages import warning_messages
+from rope_model.simulation.messages.cases import first_text
+from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.messages.warning_cases import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
 from rope_model.simulation.state import Crossing, RopeState
-from rope_model.simulation.warning_cases import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
 
 WARNING = 1
 OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")

@@ -27,8 +27,8 @@ from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
 from rope_model.parameters import rope_120
-from rope_model.simulation.sensitivity import LOADS
-from rope_model.simulation.signal_table import SHAPE_POINTS
+from rope_model.simulation.outputs.sensitivity import LOADS
+from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
 from rope_model.simulation.simulator import RopeSimulator
 
 H, HERE = 0.01, (host_platform(),)

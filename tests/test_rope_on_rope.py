@@ -15,7 +15,7 @@ from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Shaft
-from rope_model.simulation.self_contact import RopeTouches, touches_of
+from rope_model.simulation.contact.self_contact import RopeTouches, touches_of
 
 Array = NDArray[np.float64]
 D, K = Rope().diameter, 1e6

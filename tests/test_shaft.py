@@ -38,12 +38,12 @@ from rope_model import (
 )
 from rope_model.physics import shaft as physics
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
-from rope_model.simulation.bodies import no_room
-from rope_model.simulation.diagnostics import LoopBottom, loop_turns
-from rope_model.simulation.mesh import Partition
+from rope_model.simulation.contact.bodies import no_room
+from rope_model.simulation.contact.shaft import RESOLUTION, clearances, with_passages
+from rope_model.simulation.mesh.partition import Partition
+from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_turns
 from rope_model.simulation.rope_system import arc_lengths
-from rope_model.simulation.shaft import RESOLUTION, clearances, with_passages
-from rope_model.simulation.transfer import interpolate
 
 Array = NDArray[np.float64]
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision

@@ -12,10 +12,10 @@ from numpy.testing import assert_allclose
 from rope_model import balance_rope
 from rope_model.parameters import Mesh, Rope, Scene, Solver, Swivel
 from rope_model.simulation.balance_rope import BalanceRope
-from rope_model.simulation.events import locate
-from rope_model.simulation.paths import EndMotion, EndPath
+from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
+from rope_model.simulation.stepping.events import locate
 
 H = 0.01
 #: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test run

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, arc_lengths, parameter_vector
-from rope_model.simulation.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
+from rope_model.simulation.stepping.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
 
 Array = NDArray[np.float64]
 

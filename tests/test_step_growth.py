@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.balance_rope import BalanceRope
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 FORMS = (RopeSimulator, pytest.param(NativeRope, marks=pytest.mark.skipif(not find_compiler(), reason="no compiler")))

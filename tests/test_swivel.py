@@ -12,9 +12,9 @@ from scipy.integrate import solve_ivp
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.physics.swivel import friction_moment
-from rope_model.simulation.ends import HangingEnds, Phase, SwivelState
+from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.model import RopeModel
-from rope_model.simulation.paths import EndMotion
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import Event
@@ -184,7 +184,7 @@ def test_a_search_for_an_event_that_always_fails_ends_with_its_cause(
         return replace(result, motion=None) if h == 1e-7 else result
 
     monkeypatch.setattr(RopeModel, "trial", fail)
-    monkeypatch.setattr("rope_model.simulation.switching.locate", lambda *_: 1e-7)
+    monkeypatch.setattr("rope_model.simulation.ends.switching.locate", lambda *_: 1e-7)
     rope = RopeSimulator(scene(left=STIFF_BEARING, right=Swivel()))
     assert rope.initialize(start, EndMotion(), EndMotion()).valid
     status = rope.advance_to(start + YAWED, EndMotion(), EndMotion(yaw=YAW))

@@ -22,7 +22,7 @@ from scenes import ends_at, fixed_steps
 from balance_rope import main
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import rope_120
 from rope_model.simulation.simulator import RopeSimulator
 

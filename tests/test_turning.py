@@ -9,10 +9,10 @@ from scenes import fixed_steps, turn, wound
 
 from rope_model import balance_rope
 from rope_model.parameters import Mesh, Rope, Scene, rope_120
-from rope_model.simulation.modal import natural_modes
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.simulator import RopeSimulator
-from rope_model.simulation.statics import find_equilibrium
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 SCENE = Scene(
     rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=40), solver=replace(fixed_steps(0.02), kernels="portable")

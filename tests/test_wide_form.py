@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from rope_model.native.build import sources
-from rope_model.native.engine import NativeRope, declare
+from rope_model.codegen.build import sources
+from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import FLAGS, cache_folder, compile_objects, find_compiler, object_files
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 
 #: thirteen elements: neither form's lanes are full at the end
 BASE = Scene(rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=13), left=Swivel(mode="coulomb"))

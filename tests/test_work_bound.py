@@ -10,11 +10,11 @@ from test_native import bounce
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from rope_model.native.engine import NativeRope
+from rope_model.engine import NativeRope
 from rope_model.parameters import Rope, Scene, Solver
 from rope_model.simulation.simulator import RopeSimulator
 
-pytest.importorskip("rope_model.native.build")
+pytest.importorskip("rope_model.codegen.build")
 
 #: winds 200 m, its swivels are released at 20 s, and it is stopped after that
 STOP = Trip("rope-240", "emergency stop", "draft", 0.01)

@@ -1,9 +1,9 @@
 """How much work ropes need that come to rest, and communication steps that succeed: ``python -m benchmarks.work``.
 
-The bounds on both, of rope_model.simulation.hang and stepping, stand above the largest numbers found here.  Ropes are
-turned in by up to TURNS turns, some in linings that leave no room.  Steps are those of the trips of benchmarks.shafts
-and of emergency stops, at errors of down to a hundredth of the usual.  The rests are those of the Python form, which
-makes the native one's corrections and tells their number.
+The bounds on both, of rope_model.simulation.stepping.hang and stepping, stand above the largest numbers found here.
+Ropes are turned in by up to TURNS turns, some in linings that leave no room.  Steps are those of the trips of
+benchmarks.shafts and of emergency stops, at errors of down to a hundredth of the usual.  The rests are those of the
+Python form, which makes the native one's corrections and tells their number.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from random_shafts import draw
 from hoist_demo.control.trajectory import emergency_stop, s_curve
 from rope_model import EndMotion, Layout, Lining, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, at_level, balance_rope
 from rope_model.parameters import Swivel
-from rope_model.simulation import hang as hanging
-from rope_model.simulation import statics
-from rope_model.simulation.stepping import most_work
+from rope_model.simulation.stepping import hang as hanging
+from rope_model.simulation.stepping import statics
+from rope_model.simulation.stepping.stepping import most_work
 
 SEED, RESTS, TRIPS = 27, 60, 30
 TURNS = 40.0
@@ -81,7 +81,7 @@ def search(scene: Scene, left: EndMotion, right: EndMotion) -> tuple[bool, Searc
         found.all, found.longest = found.all + rest.iterations, max(found.longest, rest.iterations)
         return rest
 
-    with patch("rope_model.simulation.hang.find_equilibrium", counted):
+    with patch("rope_model.simulation.stepping.hang.find_equilibrium", counted):
         return RopeSimulator(scene).initialize(0.0, left, right).valid, found
 
 

@@ -17,7 +17,7 @@ from evidence.reproduction.windings import COUPLINGS, TRAVEL
 from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
-from rope_model.simulation.mesh import fit_mesh
+from rope_model.simulation.mesh.partition import fit_mesh
 
 from . import depth
 from .front import pareto

@@ -18,7 +18,7 @@ from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel, balance_rope
 from rope_model.parameters import FidelityChoice, Rope
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
-from rope_model.simulation import fidelity_cases
+from rope_model.simulation.messages import fidelity_cases
 
 from .scenes import CASES, COUPLED, LONG_TRIP, P120, P240, STOP, Case
 

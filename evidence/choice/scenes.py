@@ -8,8 +8,8 @@ from benchmarks.kinematic import Winding, ends_at, wind
 from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import FidelityChoice, Model, Scene, Swivel, rope_120, rope_240
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.fidelity import Fidelity
-from rope_model.simulation.paths import EndMotion
 
 P120, P240 = rope_120(), rope_240()
 TRIP = s_curve(Trip())

@@ -15,7 +15,7 @@ import numpy as np
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Shaft
-from rope_model.simulation.self_contact import touches_of
+from rope_model.simulation.contact.self_contact import touches_of
 
 from .scenes import Array
 

@@ -8,8 +8,8 @@ from evidence.tables import Table, Tables, table
 from rope_model.parameters import Rope, Scene
 from rope_model.physics import contact, contact_places, rope_on_rope
 from rope_model.shaft_parameters import Contact, Divider, Shaft
-from rope_model.simulation import mesh_fit
-from rope_model.simulation.mesh import fit_mesh, partition
+from rope_model.simulation.mesh import mesh_fit
+from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 from . import brushed, brushes, plectoneme
 from .scenes import GRAVITY

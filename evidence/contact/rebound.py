@@ -18,9 +18,9 @@ from evidence.stability.chain import StaticBoundary
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Contact, Shaft, Sump
+from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, parameter_vector
-from rope_model.simulation.surroundings import surroundings
 
 #: m of rope, in so many elements, and the gap below it
 LENGTH, ELEMENTS, GAP = 2.0, 2, 0.01

@@ -22,11 +22,11 @@ from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart,
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.rope_on_rope import APART
 from rope_model.shaft_parameters import Contact, Shaft
+from rope_model.simulation.contact.self_contact import SelfTouchingRope
+from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem, arc_lengths, parameter_vector
-from rope_model.simulation.self_contact import SelfTouchingRope
-from rope_model.simulation.statics import find_equilibrium
-from rope_model.simulation.transfer import interpolate
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 from .scenes import Array
 

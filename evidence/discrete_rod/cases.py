@@ -28,7 +28,7 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
-from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.outputs.modal import natural_modes
 
 from .rod import Friction, Material, Rod
 from .solve import Record, equilibrium, first_guess, lowest_point, modes, move

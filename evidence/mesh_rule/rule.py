@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from evidence.tables import Table
 from rope_model.parameters import Mesh
 from rope_model.physics.elementary import sqrt
-from rope_model.simulation.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
+from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
 
 from . import laws
 from .laws import Laws

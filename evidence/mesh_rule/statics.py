@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from evidence.tables import Table, table
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Mesh
-from rope_model.simulation.diagnostics import loop_bottom
-from rope_model.simulation.mesh import Partition
-from rope_model.simulation.mesh_fit import LEG_WAVES
+from rope_model.simulation.mesh.mesh_fit import LEG_WAVES
+from rope_model.simulation.mesh.partition import Partition
+from rope_model.simulation.outputs.diagnostics import loop_bottom
 
 from .scenes import Sample
 

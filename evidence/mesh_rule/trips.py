@@ -13,7 +13,7 @@ from evidence.tables import Table, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh
-from rope_model.simulation.mesh import fit_mesh
+from rope_model.simulation.mesh.partition import fit_mesh
 
 from .scenes import KINDS, STEP, Sample
 

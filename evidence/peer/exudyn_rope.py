@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
-from rope_model.simulation.transfer import interpolate
+from rope_model.simulation.mesh.transfer import interpolate
 
 from .elements import BEAM, ELEMENTS
 

@@ -11,8 +11,8 @@ from benchmarks.kinematic import fixed_steps
 from evidence.errors import force_error
 from evidence.tables import Tables, table
 from rope_model.parameters import Mesh, Model
-from rope_model.simulation.modal import natural_modes
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.simulator import RopeSimulator
 
 from .elements import ELEMENTS

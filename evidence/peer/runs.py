@@ -15,7 +15,7 @@ from benchmarks.kinematic import ends_at
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, Mesh, Scene, balance_rope, rope_120
-from rope_model.simulation.diagnostics import loop_bottom
+from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.rope_system import arc_lengths
 
 from .exudyn_rope import Method, PeerError, PeerRope

@@ -15,14 +15,14 @@ from evidence.drawing import CURVES, figure
 from evidence.rendering import number
 from evidence.tables import Table, Tables, table
 from rope_model.parameters import Swivel, rope_120
-from rope_model.simulation.ends import HangingEnds, Phase, SwivelState, nominal_points
-from rope_model.simulation.mesh import fit_mesh, partition
-from rope_model.simulation.modal import natural_modes
-from rope_model.simulation.paths import EndMotion, EndPath
+from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, nominal_points
+from rope_model.simulation.ends.paths import EndMotion, EndPath
+from rope_model.simulation.mesh.partition import fit_mesh, partition
+from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, arc_lengths, parameter_vector
-from rope_model.simulation.statics import find_equilibrium, hanging_guess
-from rope_model.simulation.transfer import interpolate
+from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 from .section import Claim, Picture, Section
 

@@ -12,7 +12,7 @@ from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
-from rope_model.simulation.paths import SIDES
+from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.rope_system import ANGLE, POSITION, arc_lengths
 
 Array = NDArray[np.float64]

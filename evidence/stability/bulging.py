@@ -8,11 +8,11 @@ import numpy as np
 
 from evidence.claims import above, below
 from rope_model.parameters import Layout, Mesh, Rope
-from rope_model.simulation.ends import nominal_points
-from rope_model.simulation.mesh import partition
+from rope_model.simulation.ends.ends import nominal_points
+from rope_model.simulation.mesh.partition import partition
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, arc_lengths, parameter_vector
-from rope_model.simulation.statics import find_equilibrium, hanging_guess
+from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 from .chain import StaticBoundary, is_stable, plain_newton
 from .entry import Array, Entry, Finding

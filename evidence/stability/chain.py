@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.simulation.modal import ROUNDING, softest
+from rope_model.simulation.outputs.modal import ROUNDING, softest
 from rope_model.simulation.rope_system import ANGLE, RopeSystem
-from rope_model.simulation.statics import find_equilibrium
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 from .entry import Array
 

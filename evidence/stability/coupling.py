@@ -19,7 +19,7 @@ import numpy as np
 
 from evidence.claims import above, below
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .entry import Array, Entry, Finding

@@ -14,7 +14,7 @@ from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
-from rope_model.simulation.statics import find_equilibrium, hanging_guess
+from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 from .chain import StaticBoundary, potential
 from .entry import Array, Entry, Finding

@@ -10,7 +10,7 @@ import numpy as np
 from evidence.claims import above, below
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.frame import smallest_rotation_rate
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.rope_system import POSITION, SLOPE
 from rope_model.simulation.simulator import RopeSimulator
 

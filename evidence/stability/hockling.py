@@ -10,7 +10,7 @@ import numpy as np
 
 from evidence.claims import above, below
 from rope_model.physics.element import PARAMETERS, element_functions
-from rope_model.simulation import modal
+from rope_model.simulation.outputs import modal
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
 

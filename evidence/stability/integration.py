@@ -12,7 +12,7 @@ import numpy as np
 from evidence.claims import above, below
 from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart, step
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
 

@@ -9,7 +9,7 @@ import numpy as np
 from evidence.claims import below
 from rope_model import balance_rope
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 
 from . import bulging, falling, hockling, turn_over
 from .entry import Array, Entry, Finding

@@ -17,8 +17,8 @@ from rope_model.numerics import quintic
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.balance_rope import Status
-from rope_model.simulation.ends import Phase, SwivelState
-from rope_model.simulation.paths import EndMotion, EndPath
+from rope_model.simulation.ends.ends import Phase, SwivelState
+from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.simulator import RopeSimulator
 

@@ -12,7 +12,7 @@ from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
 from .entry import Array

@@ -9,10 +9,10 @@ import numpy as np
 
 from evidence.claims import above, below
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
-from rope_model.simulation.adaptation import with_loop_yaw
-from rope_model.simulation.ends import Phase, SwivelState
-from rope_model.simulation.modal import natural_modes
-from rope_model.simulation.paths import EndMotion
+from rope_model.simulation.ends.ends import Phase, SwivelState
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.mesh.adaptation import with_loop_yaw
+from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.rope_system import ANGLE, RopeSystem
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState

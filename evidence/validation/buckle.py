@@ -22,7 +22,7 @@ from evidence.tables import Table, table
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem, parameter_vector
-from rope_model.simulation.statics import find_equilibrium
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 from .statics import Array, clamped, turned
 

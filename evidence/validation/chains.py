@@ -21,10 +21,10 @@ from evidence.stability.chain import StaticBoundary
 from evidence.stability.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 from evidence.tables import Table, table
 from rope_model.parameters import Rope
-from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
-from rope_model.simulation.statics import find_equilibrium
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 Array = NDArray[np.float64]
 WEIGHT = Rope.mass_per_length * GRAVITY  # N/m

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from evidence.stability.chain import StaticBoundary
 from rope_model.simulation.rope_system import ANGLE, RopeSystem
-from rope_model.simulation.statics import Equilibrium, find_equilibrium
+from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
 
 Array = NDArray[np.float64]
 

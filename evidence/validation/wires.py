@@ -20,7 +20,7 @@ from evidence.tables import Table, rows, table
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeSystem
-from rope_model.simulation.statics import find_equilibrium
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 from .statics import clamped, turned
 

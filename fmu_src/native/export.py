@@ -89,7 +89,7 @@ def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
 
 def rope_sources() -> dict[str, str]:
     """The rope simulator in C: file name -> text."""
-    from rope_model.native.build import sources
+    from rope_model.codegen.build import sources
 
     return sources()
 

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Sequence
 
 from rope_model.shaft_parameters import PARTS
-from rope_model.simulation.sensitivity import LOADS
-from rope_model.simulation.signal_table import SIGNALS
+from rope_model.simulation.outputs.sensitivity import LOADS
+from rope_model.simulation.outputs.signal_table import SIGNALS
 from rope_model.texts import c_string
 
 from ..arrays import arrays, scalars

@@ -25,7 +25,7 @@ from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, Datum, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
-from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.outputs.modal import natural_modes
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, tuple[float, ...]]

@@ -1,7 +1,7 @@
 """What a formula needs beyond + - * /, of numbers, numpy arrays or CasADi expressions alike.
 
 A formula written with these has one text: Python evaluates it, and C is printed from its expression
-(native.formulas).  Numbers go to the functions of libm, as in C.
+(codegen.formulas).  Numbers go to the functions of libm, as in C.
 """
 
 from __future__ import annotations

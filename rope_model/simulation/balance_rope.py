@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import Scene
+from .contact.point_forces import PointForces
+from .ends.paths import EndMotion
 from .fidelity import Fidelity
-from .paths import EndMotion
-from .point_forces import PointForces
-from .signal_table import checked_names
+from .outputs.signal_table import checked_names
 from .state import RopeState
 
 
@@ -93,7 +93,7 @@ class BalanceRope(ABC):
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         """Follow the conveyances to ``t`` (s) by their motions at ``given_at``, or else at ``t``.
 
-        Motions of an earlier instant are extrapolated with constant acceleration; simulation.following has what
+        Motions of an earlier instant are extrapolated with constant acceleration; simulation.ends.following has what
         happens to motions that do not fit.  On failure the state stays what it was.  Less than 1e-9 s ahead nothing
         moves; the time is not lost, the next step begins where this one did.
         """

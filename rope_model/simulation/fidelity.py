@@ -20,9 +20,10 @@ from typing import Literal, NamedTuple
 
 from ..parameters import Scene
 from ..physics.element import ElementFidelity
-from . import fidelity_messages, messages
-from .cases import first_text
-from .fidelity_cases import (
+from .ends.paths import SIDES, EndMotion
+from .messages import fidelity_messages, messages
+from .messages.cases import first_text
+from .messages.fidelity_cases import (
     COMPLETE,
     INPUTS,
     SUFFICIENT,
@@ -33,7 +34,6 @@ from .fidelity_cases import (
     out_of_plane,
     unsupported_input,
 )
-from .paths import SIDES, EndMotion
 
 log = logging.getLogger(__name__)
 

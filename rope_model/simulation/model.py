@@ -16,17 +16,17 @@ from ..physics.contact_error import add_contact
 from ..physics.energy_balance import after_step as account_of_step
 from ..physics.energy_balance import with_energies
 from ..physics.shaft import KINDS
-from .audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
-from .ends import HangingEnds, Phase, nominal_points
+from .contact.point_forces import NO_FORCES, PointForces, nodal_forces
+from .contact.self_contact import SelfTouchingRope
+from .contact.surroundings import surroundings
+from .ends.ends import HangingEnds, Phase, nominal_points
+from .ends.paths import EndPath
 from .fidelity import flexible
-from .paths import EndPath
-from .point_forces import NO_FORCES, PointForces, nodal_forces
+from .outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from .rope_kernels import KernelCache
 from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters, parameter_vector
 from .scene_kernels import acting_along
-from .self_contact import SelfTouchingRope
 from .state import EnergyBalance, Powers, RopeState
-from .surroundings import surroundings
 
 
 @dataclass(frozen=True)

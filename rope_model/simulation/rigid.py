@@ -15,11 +15,11 @@ from ..numerics.generalized_alpha import Motion
 from ..parameters import Scene
 from ..physics.inextensible import Flow, energies, flow, lowest, pull, tension
 from ..physics.outline import suspension_points
-from . import messages
-from .ends import HangingEnds
-from .paths import EndMotion
+from .ends.ends import HangingEnds
+from .ends.paths import EndMotion
+from .messages import messages
 from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
-from .statics import find_equilibrium, hanging_guess
+from .stepping.statics import find_equilibrium, hanging_guess
 
 Ends = tuple[EndMotion, EndMotion]
 

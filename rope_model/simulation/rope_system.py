@@ -61,7 +61,7 @@ def arc_lengths(lengths: Array) -> Array:
 
 
 class Around(Protocol):
-    """The bodies that a rope may touch: simulation.surroundings."""
+    """The bodies that a rope may touch: simulation.contact.surroundings."""
 
     def numbers(self, q: Array, v: Array) -> Array:
         """What P has beyond element.PARAMETERS, for physics.contact_element."""

@@ -7,11 +7,11 @@ from dataclasses import replace
 from ..parameters import Scene
 from ..physics.element import ELEMENT_DOF, ElementFidelity
 from ..physics.wire_friction import wire_stiffness
+from .contact.surroundings import surroundings
 from .curvature import is_curved
 from .fidelity import FIDELITIES, Ends, choose_fidelity, flexible
 from .rope_kernels import AIR, CURVED, WIRES, Kinds
 from .rope_system import air_parameters
-from .surroundings import surroundings
 
 
 def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Kinds:

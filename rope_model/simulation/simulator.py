@@ -21,30 +21,30 @@ import numpy as np
 from ..numerics.generalized_alpha import Motion
 from ..parameters import CHOICES, Scene
 from ..physics.outline import suspension_points
-from . import fidelity_messages, messages
-from .adaptation import raise_fidelity
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
-from .bodies import no_room
-from .diagnostics import LoopBottom, direction, loop_bottom
-from .ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
+from .contact.bodies import no_room
+from .contact.point_forces import PointForces, at_places, elements_at, nodal_forces
+from .contact.shaft import LOOK_EVERY, with_passages
+from .ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
+from .ends.following import Following, follow, follow_limits, follow_program, follow_rates
+from .ends.misfit import follow_account
+from .ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
-from .following import Following, follow, follow_limits, follow_program, follow_rates
-from .guards import at_rest, with_guards
-from .hang import hang
-from .mesh import Partition, fit_mesh, partition
-from .misfit import follow_account
+from .mesh.adaptation import raise_fidelity
+from .mesh.partition import Partition, fit_mesh, partition
+from .messages import fidelity_messages, messages
+from .messages.result_warnings import WARNINGS
 from .model import RopeModel, ends_of
-from .paths import RESTS_BELOW, SIDES, EndMotion, EndPath
-from .point_forces import PointForces, at_places, elements_at, nodal_forces
-from .result_warnings import WARNINGS
+from .outputs.diagnostics import LoopBottom, direction, loop_bottom
+from .outputs.guards import at_rest, with_guards
+from .outputs.signal_table import checked_names
+from .outputs.signals import group_of
 from .rope_kernels import KernelCache
 from .rope_system import ANGLE, Array, RopeSystem
-from .shaft import LOOK_EVERY, with_passages
-from .signal_table import checked_names
-from .signals import group_of
 from .state import RopeState
-from .statics import StaticsError, hanging_guess
-from .stepping import as_rigid, most_work, step_towards
+from .stepping.hang import hang
+from .stepping.statics import StaticsError, hanging_guess
+from .stepping.stepping import as_rigid, most_work, step_towards
 from .wires import fresh_memory
 
 log = logging.getLogger(__name__)

@@ -18,12 +18,12 @@ from ..physics.energy_balance import residual, total
 from ..physics.guard import GuardState
 from ..physics.shaft import KINDS
 from ..shaft_parameters import FAR
-from .audit import Audit
-from .ends import SwivelState
+from .ends.ends import SwivelState
+from .ends.following import Following
+from .ends.paths import EndPath
 from .fidelity import Fidelity
-from .following import Following
-from .mesh import Partition
-from .paths import EndPath
+from .mesh.partition import Partition
+from .outputs.audit import Audit
 from .wires import NO_MEMORY, Array
 
 
@@ -87,7 +87,7 @@ class Powers(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """Where the rope came nearest to the bodies of a kind; see simulation.shaft."""
+    """Where the rope came nearest to the bodies of a kind; see simulation.contact.shaft."""
 
     clearance: float = FAR  # m, of its surface
     time: float = 0.0  # s
@@ -98,7 +98,7 @@ class Nearest(NamedTuple):
 
 class Crossing(NamedTuple):
     """How often one side of the rope has passed through the other, and how far the rope lay in itself, before a
-    passage or after; see simulation.shaft.
+    passage or after; see simulation.contact.shaft.
     """
 
     net: float = 0.0  # those that were not undone, with their sense

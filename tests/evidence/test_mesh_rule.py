@@ -22,8 +22,7 @@ from hoist_demo.control.trajectory import s_curve
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.mesh import fit_mesh, partition
-from rope_model.simulation.mesh_fit import (
+from rope_model.simulation.mesh.mesh_fit import (
     LEG_GRADING,
     LEG_WAVES,
     LOCKING_SHARE,
@@ -31,6 +30,7 @@ from rope_model.simulation.mesh_fit import (
     PUMPED_LEG,
     pumped_grading,
 )
+from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)

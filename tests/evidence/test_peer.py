@@ -10,8 +10,8 @@ pytest.importorskip("exudyn")
 from evidence.peer.exudyn_rope import Method, PeerRope
 from evidence.peer.runs import REFERENCE, TRAVEL, UNCOUPLED, hanging_shape
 from rope_model.parameters import Mesh
-from rope_model.simulation.diagnostics import loop_bottom
-from rope_model.simulation.modal import natural_modes
+from rope_model.simulation.outputs.diagnostics import loop_bottom
+from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.simulator import EndMotion, RopeSimulator
 
 HEIGHTS = (80.0, 0.0)

@@ -1,0 +1,1 @@
+"""Printers of the generated C, and the build of the native library."""

@@ -1,0 +1,86 @@
+"""The native rope's C sources, complete, and the library they make.
+
+An installed package brings the library for each platform, and the generated sources: another version of CasADi writes
+them in other words.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from ..numerics.kernels import cache_folder, compile_library, find_compiler
+from .cases import cases_code
+from .elements import element_code
+from .formulas import formulas_code
+from .layout import state_structures
+from .messages import messages_code
+from .platforms import host_platform, prebuilt_file, text_hash
+from .state_values import state_signals
+from .tables import parameter_bounds, parameter_structures, signal_numbers
+
+_FOLDER = Path(__file__).resolve().parent.parent / "csrc"
+NAME = "rope"
+
+
+@cache
+def sources() -> dict[str, str]:
+    """Text by file name: what is written by hand, and what is generated."""
+    files = (path for path in _FOLDER.rglob("*") if path.suffix in (".c", ".h", ".inc"))
+    written = {p.name: p.read_text(encoding="utf-8") for p in sorted(files, key=lambda path: path.name)}
+    return written | _generated()
+
+
+def _generated() -> dict[str, str]:
+    """The generated files: the package's, the cache's, or made and put there."""
+    brought = generated_file(_FOLDER.parent)
+    kept = cache_folder() / f"{brought.stem}-casadi-{importlib.metadata.version('casadi')}.json"
+    for file in (brought, kept):
+        if file.exists():
+            texts: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
+            return texts
+    texts = generate()
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=kept.parent) as scratch:
+        new = Path(scratch) / kept.name
+        new.write_text(json.dumps(texts), encoding="utf-8")
+        new.replace(kept)  # atomic: two processes may do so at once
+    return texts
+
+
+def generate() -> dict[str, str]:
+    """The generated files, made anew from the physics and the tables of signals and parameters."""
+    return {
+        "elements.inc": element_code(),
+        "formulas.h": formulas_code(),
+        "messages.h": messages_code(),
+        "cases.h": cases_code(),
+        "state.h": state_structures(),
+        "signal_numbers.h": signal_numbers(),
+        "state_signals.h": state_signals(),
+        "parameters.h": parameter_structures(),
+        "parameters.inc": parameter_bounds(),
+    }
+
+
+def generated_file(package: Path) -> Path:
+    """Where the generated files are as JSON, if ``package``, a folder rope_model, brings them for its Python text."""
+    return package / "csrc" / "prebuilt" / f"generated-{text_hash(package)}.json"
+
+
+@cache
+def library() -> Path:
+    """The compiled library: the package's, or from the cache of kernels, or compiled.
+
+    Raises RuntimeError without a C compiler, CalledProcessError when that fails.
+    """
+    if (brought := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
+        return brought
+    if (compiler := find_compiler()) is None:
+        raise RuntimeError(
+            "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
+        )
+    return compile_library(sources(), compiler, cache_folder(), NAME)

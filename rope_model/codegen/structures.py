@@ -1,0 +1,117 @@
+"""The structures of a scene and of motions for ctypes, made from the dataclasses that they mirror.
+
+In C the real numbers of a group come first, then its integers, each in the order of the dataclass; a word is its place
+in the list of choices.  The kernels' form is Python's own business.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import astuple, fields
+from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+
+from ..parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
+from ..shaft_parameters import PARTS
+from ..simulation.ends.paths import PATH, EndMotion, EndPath
+from .layout import PathStructure
+
+NOT_IN_C = {"kernels"}
+#: types of parameters, of the data classes asked for so far
+_KNOWN: dict[Any, dict[str, Any]] = {}
+
+
+class Member(NamedTuple):
+    """A parameter in C."""
+
+    name: str
+    real: bool  # a double, or an int
+    length: int = 0  # of an array
+
+
+def members(kind: type[Any]) -> tuple[Member, ...]:
+    """The members of a group's structure."""
+    hints = _hints(kind).items()
+    lengths = {name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints}
+    found = [Member(name, hint is float, lengths[name]) for name, hint in hints]
+    return tuple(sorted(found, key=lambda member: not member.real))
+
+
+def _hints(kind: type[Any]) -> dict[str, Any]:
+    """The types of the parameters that C has, by name."""
+    if kind not in _KNOWN:
+        _KNOWN[kind] = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
+    return _KNOWN[kind]
+
+
+def _structure(kind: type[Any]) -> type[ctypes.Structure]:
+    """The structure of one group of parameters."""
+    return type(kind.__name__, (ctypes.Structure,), {"_fields_": [(m.name, _type(m)) for m in members(kind)]})
+
+
+def _type(member: Member) -> type[Any]:
+    kind: type[Any] = ctypes.c_double if member.real else ctypes.c_int
+    return kind * member.length if member.length else kind
+
+
+_KINDS = (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Inputs, Stations, *PARTS.values())
+GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(_KINDS)}
+
+
+class ShaftStructure(ctypes.Structure):
+    """rope_model.shaft_parameters.Shaft"""
+
+    _fields_ = tuple((name, GROUPS[kind]) for name, kind in PARTS.items())
+
+
+class SceneStructure(ctypes.Structure):
+    """all that a rope is made of"""
+
+    _fields_ = (
+        ("rope", GROUPS[Rope]),
+        ("layout", GROUPS[Layout]),
+        ("swivels", GROUPS[Swivel] * 2),
+        ("mesh", GROUPS[Mesh]),
+        ("accuracy", GROUPS[Accuracy]),
+        ("solver", GROUPS[Solver]),
+        ("model", GROUPS[Model]),
+        ("inputs", GROUPS[Inputs]),
+        ("station", GROUPS[Stations]),
+        ("shaft", ShaftStructure),
+    )
+
+
+class EndStructure(ctypes.Structure):
+    """motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y"""
+
+    _fields_ = tuple((field.name, ctypes.c_double) for field in fields(EndMotion))
+
+
+def scene_structure(scene: Scene) -> SceneStructure:
+    """The scene as C sees it."""
+    swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
+    parts = scene.mesh, scene.accuracy, scene.solver, scene.model, scene.inputs, scene.station
+    groups = map(_fill, parts)
+    shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
+    return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
+
+
+def end_structure(motion: EndMotion) -> EndStructure:
+    """The motion of a suspension point as C sees it."""
+    return EndStructure(*astuple(motion))
+
+
+def path_structure(path: EndPath) -> PathStructure:
+    """The path of an end as C sees it."""
+    quintic = ctypes.c_double * 6
+    return PathStructure(path.start, path.stop, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients)))
+
+
+def _fill(group: Any) -> ctypes.Structure:
+    values = {name: _value(getattr(group, name), hint) for name, hint in _hints(type(group)).items()}
+    return GROUPS[type(group)](**values)
+
+
+def _value(value: Any, hint: Any) -> Any:
+    if get_origin(hint) is Literal:
+        return get_args(hint).index(value)
+    return tuple(value) if get_origin(hint) is tuple else value

@@ -1,0 +1,217 @@
+"""What the native rope takes from the Python one when it is built."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from enum import Enum
+from typing import Any, get_args
+
+import casadi as ca
+
+from ..numerics.program import no_simplification
+from ..parameter_table import Joint, Parameter, check_order, parameters_of
+from ..parameters import JOINT_CHECKS, MOST_ELEMENTS, FidelityChoice, Swivel
+from ..physics.elementary import both
+from ..shaft_parameters import PARTS
+from ..simulation.contact.shaft import BODIES
+from ..simulation.ends.paths import REACH, SIDES
+from ..simulation.fidelity import FIDELITIES
+from ..simulation.outputs.neglected_effects import neglected_text
+from ..simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
+from ..simulation.outputs.signals import group_of
+from ..simulation.simulator import SHORTEST_INTERVAL
+from ..texts import c_string
+from .formulas import structure_at, texts_of
+from .layout import structure_code
+from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
+
+_HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
+#: what a code's name has behind the word where that alone would not do
+_SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
+
+
+def signal_numbers() -> str:
+    """The text of signal_numbers.h: the signals' numbers and groups, and the warning of each simplified model.
+
+    A number is the place in SIGNALS, a group the function of simulation.outputs.signals that computes the signal.
+    """
+    numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
+    functions = list(dict.fromkeys(map(group_of, SIGNALS)))
+    groups = ", \\\n".join(f"    {functions.index(group_of(name))}" for name in SIGNALS)
+    names = ", ".join(function.__name__ for function in functions)
+    texts = ", \\\n".join(
+        f"    {c_string(neglected_text(fidelity) if fidelity in FIDELITIES else '')}"
+        for fidelity in get_args(FidelityChoice)
+    )
+    return (
+        "/* Generated from rope_model.simulation.outputs.signals and neglected_effects "
+        "by rope_model.codegen.tables. */\n"
+        "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
+        f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"
+        f"/* functions that compute signals, and the place of its own of each signal */\n"
+        f"#define GROUP_FUNCTIONS {{{names}}}\n#define SIGNAL_GROUPS {{ \\\n{groups}}}\n\n"
+        f"/* kinds of bodies in words */\n#define BODY_WORDS {{{', '.join(map(c_string, BODIES.values()))}}}\n\n"
+        f"/* the warning of each fidelity, by its code */\n#define LEFT_OUT_TEXTS {{ \\\n{texts}}}\n\n#endif\n"
+    )
+
+
+def constant(name: str) -> str:
+    """Name of a signal's number in C: SIGNAL_SHAPE_X_1 for ``shape.x[1]``."""
+    return "SIGNAL_" + re.sub(r"\W+", "_", name).strip("_").upper()
+
+
+def parameter_structures() -> str:
+    """The text of parameters.h: bounds of motions, the codes of choices, a structure for each group of parameters."""
+    parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
+    names, reach = ", ".join(map(c_string, REACH)), ", ".join(map(repr, REACH.values()))
+    parts.append(
+        "/* of the values of an EndMotion: names and largest sizes */\n"
+        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n"
+    )
+    parts.append(f"/* s, of rope_advance */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
+    parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
+    groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}
+    wholes = {ShaftStructure: "Shaft", SceneStructure: "Scene", EndStructure: "EndMotion"}
+    parts += [*(structure_code(kind, name, groups | wholes) for kind, name in wholes.items())]
+    text = "\n".join(parts)
+    return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
+
+
+def parameter_bounds() -> str:
+    """The text of parameters.inc: a function for each group that checks its parameters in their order."""
+    return _HEAD + "".join(map(_bounds, GROUPS)) + "".join(map(_joint_checks, JOINT_CHECKS)) + _scene_check()
+
+
+def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    for name, p in parameters_of(kind).items():
+        if p.choices and name not in NOT_IN_C:
+            yield name, tuple(p.choices)
+
+
+def _codes(name: str, words: tuple[str, ...]) -> str:
+    """The codes of a choice; its words are a macro to initialise an array with."""
+    codes = ", ".join(code_name(name, word) for word in words)
+    quoted = ", ".join(c_string(word) for word in words)
+    return f"enum {{ {codes} }};\n#define {_SUFFIXES[name][1:]}_WORDS {{{quoted}}}\n"
+
+
+def code_name(name: str, word: str) -> str:
+    """Name in C of the code that a ``word`` of the choice ``name`` has."""
+    return word.upper() + (_SUFFIXES[name] if word == "auto" or name in ("given", "mode") else "")
+
+
+class Word:
+    """A choice, which is compared with its words."""
+
+    def __init__(self, text: str, name: str) -> None:
+        self.text, self._name = text, name
+
+    def __eq__(self, word: object) -> Any:
+        return ca.SX.sym(self.text) == self._code(word)
+
+    def __ne__(self, word: object) -> Any:
+        return ca.SX.sym(self.text) != self._code(word)
+
+    def _code(self, word: object) -> ca.SX:
+        return ca.SX.sym(word.name if isinstance(word, Enum) else code_name(self._name, str(word)))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _structure(kind: type[Any]) -> str:
+    table = parameters_of(kind)
+    lines = []
+    for m in members(kind):
+        unit, text = table[m.name].unit, table[m.name].description
+        array = f"[{m.length}]" if m.length else ""
+        lines.append(f"    {'double' if m.real else 'int'} {m.name}{array}; /* {unit}{', ' * bool(unit)}{text} */\n")
+    return f"typedef struct {{\n{''.join(lines)}}} {kind.__name__};\n"
+
+
+def _bounds(kind: type[Any]) -> str:
+    """check_rope and so on: what require_in_bounds of rope_model.parameter_table does."""
+    known = {m.name: m for m in members(kind)}
+    table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
+    calls = [_choice(name, p) for name, p in table if p.choices]
+    calls += [f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
+    calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
+    body = "".join(f"    {call};\n" for call in calls)
+    head = f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"
+    return f"\n{head} {{\n{body}}}\n"
+
+
+def _scene_check() -> str:
+    """check_scene: every group by the name that it has for hosts."""
+    calls = [
+        f'    {check}(&(Check){{"{name}", message}}, &scene->{place});\n'
+        for name, place, kind in _groups_of_scene()
+        for check in (f"check_{kind.__name__.lower()}", *((_joint_name(kind),) if kind in JOINT_CHECKS else ()))
+    ]
+    return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
+
+
+def _joint_name(kind: type[Any]) -> str:
+    return f"check_{kind.__name__.lower()}_jointly"
+
+
+def _joint_checks(kind: type[Any]) -> str:
+    """The checks of several parameters of a group at once."""
+    with no_simplification():
+        body = "".join(_joint(kind, joint) for joint in JOINT_CHECKS[kind])
+    return f"\nstatic void {_joint_name(kind)}(const Check *check, const {kind.__name__} *x) {{\n{body}}}\n"
+
+
+def _joint(kind: type[Any], joint: Joint) -> str:
+    """A block that refuses what does not hold; numbers from whole ones alone are written as whole ones."""
+    x = structure_at(kind, "x->")
+    vars(x).update({name: Word(f"x->{name}", name) for name, _ in _choices(kind)})
+    holds, value, *number = joint.formula(x)
+    values = value if isinstance(value, tuple) else (value,)
+    lines, (condition, *numbers) = texts_of([both(*holds), *values, *number])
+    used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
+    whole = not any(m.real for m in members(kind) if m.name in used)
+    written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]
+    given, bound = written[0], c_string(joint.bound)
+    if isinstance(value, tuple):
+        form = ", ".join("%s" for _ in value)
+        lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
+        given = "given"
+    if place := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
+        text = f"ROUNDED({numbers[-1]}, {place[1]})" if place[1] else written[-1]
+        before, behind = c_string(joint.bound[: place.start()]), c_string(joint.bound[place.end() :])
+        bound = f"JOINED({before}, {text}, {behind})"
+    refused = f"refuse(check, {c_string(joint.what)}, {given}, {bound}, {c_string(joint.cure)})"
+    body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
+    return f"    {{\n{body}    }}\n"
+
+
+def _groups_of_scene() -> Iterator[tuple[str, str, type[Any]]]:
+    """Of each group its name for hosts, its place in C's Scene, and its data class."""
+    kinds: dict[Any, type[Any]] = {structure: kind for kind, structure in GROUPS.items()}
+    for member, of in SceneStructure._fields_:
+        if member == "swivels":
+            yield from ((f"{side}.swivel", f"swivels[{k}]", Swivel) for k, side in enumerate(SIDES))
+        elif member == "shaft":
+            yield from ((part, f"shaft.{part}", kind) for part, kind in PARTS.items())
+        else:
+            yield member, member, kinds[of]
+
+
+def _choice(name: str, p: Parameter) -> str:
+    words = ", ".join(f"{code} {word}" for code, word in enumerate(p.choices))
+    return f'choice(check, "{name}", x->{name}, {len(p.choices) - 1}, {c_string(words)})'
+
+
+def _range(name: str, p: Parameter, real: bool) -> str:
+    """The check of one parameter; a bound is a number, another parameter or none."""
+
+    def limit(bound: float | str | None, without: str) -> str:
+        return f"x->{bound}" if isinstance(bound, str) else without if bound is None else repr(float(bound))
+
+    limits = f"{limit(p.lower, '-INFINITY')}, {limit(p.upper, 'INFINITY')}"
+    before, _, behind = p.bound.partition("{}")
+    bound = c_string(before)
+    if p.other:
+        bound = f"JOINED({bound}, EXACT(x->{p.other}), {c_string(behind)})"
+    return f'{"real" if real else "whole"}(check, "{name}", x->{name}, {limits}, {bound}, {c_string(p.cure)})'

@@ -1,0 +1,23 @@
+/* Bodies in the shaft, and the rope among them: rope_model.simulation.contact.shaft. */
+#ifndef SHAFT_H
+#define SHAFT_H
+
+#include "formulas.h"
+
+enum { FIXED = -1, MOST_BODIES = 10 };
+typedef struct {
+    int kind, moves_with; /* LEFT or RIGHT, or FIXED */
+    Body body;
+} Placed;
+/* the bodies that are there with the rope's ends at these places: their number */
+int shaft_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies);
+/* where the rope is nearest to the bodies of each kind now */
+void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+/* the same where that is nearer than `nearest` says */
+void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+/* the box around some elements from first on, as body_least_distance takes it; the element behind the last of them */
+int shaft_group(int elements, const double *lengths, const double *q, int first, double box[6]);
+/* none is near */
+void shaft_not_near(Nearest nearest[KINDS]);
+
+#endif

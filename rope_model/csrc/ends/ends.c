@@ -1,0 +1,56 @@
+/* rope_model.simulation.ends.ends: checks of the motions that a host gives, and the swivels' friction. */
+#include <math.h>
+
+#include "cases.h"
+
+enum { YAW = 3, AXES = 4 };
+
+static int largest(const double sizes[AXES]) {
+    int worst = 0;
+    for (int axis = 0; axis < AXES; axis++)
+        if (sizes[axis] > sizes[worst]) worst = axis;
+    return worst;
+}
+
+void end_refusal(const Inputs *inputs, const EndMotion *target, const double limits[3][AXES], int side, char *message) {
+    static const char *const names[] = END_MOTION_NAMES;
+    static const double bounds[] = END_MOTION_REACH;
+    static const char *const units[2][2] = {{"m", "rad"}, {"m/s", "rad/s"}};
+    message[0] = '\0';
+    for (int i = 0; i < (int)(sizeof bounds / sizeof *bounds) && !message[0]; i++) {
+        const double value = end_value(target, i);
+        if (!isfinite(value))
+            say_input_not_finite(message, SIDE_NAMES[side], names[i], value);
+        else if (fabs(value) > bounds[i])
+            say_input_out_of_range(message, SIDE_NAMES[side], names[i], value, bounds[i]);
+    }
+    if (message[0]) return;
+    const double *peaks = limits[0];
+    for (int k = 1; k < 3; k++) {
+        const int worst = largest(limits[k]);
+        if (limits[k][worst] <= inputs->misfit_max) continue;
+        say_input_misfit(message, SIDE_NAMES[side], worst == YAW ? "yaw" : names[worst], limits[k][worst],
+                         units[k - 1][worst == YAW], inputs->misfit_max);
+        return;
+    }
+    const int worst = largest(peaks);
+    if (!(peaks[worst] <= inputs->acceleration_max))
+        say_inputs_do_not_fit(message, SIDE_NAMES[side], worst == YAW ? "yaw" : names[worst], peaks[worst],
+                              worst == YAW ? "rad/s^2" : "m/s^2", inputs->acceleration_max);
+}
+
+void end_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {
+    message[0] = '\0';
+    if (following->held > 0 && t - following->given_at > inputs->hold_max)
+        say_inputs_frozen(message, SIDE_NAMES[side], t - following->given_at, inputs->hold_max);
+}
+
+double swivel_moment(const Scene *scene, const State *state, int side, const double *reaction) {
+    return moment_of_swivel(&scene->swivels[side], &state->swivels[side], reaction[1], reaction[ANGLE]);
+}
+
+void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {
+    const EndMotion now = path_at(&state->paths[side], t);
+    relative[0] = theta - state->offsets[side] - YAW_SENSE[side] * now.yaw;
+    relative[1] = theta_t - YAW_SENSE[side] * now.yaw_rate;
+}

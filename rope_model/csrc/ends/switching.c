@@ -1,0 +1,115 @@
+/* Stick and slip: rope_model.simulation.ends.switching, which see. */
+
+#include <math.h>
+#include <string.h>
+
+#include "cases.h"
+#include "simulator.h"
+
+/* event function of one swivel */
+static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m) {
+    const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
+    const double *R = end_row(m->reaction, m->nodes, side);
+    double relative[2];
+    swivel_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
+    return swivel_excess(&rope->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
+}
+
+static double excess(const Simulator *rope, const State *state, double t, const Arrays *m) {
+    const double left = excess_of(rope, state, LEFT, t, m), right = excess_of(rope, state, RIGHT, t, m);
+    return left >= right ? left : right;
+}
+
+void release_swivels(Simulator *rope, State *state) {
+    int changed = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const Swivel *swivel = &rope->scene.swivels[side];
+        SwivelState *now = &state->swivels[side];
+        if (state->t >= released_at(swivel, now)) {
+            now->phase = frictionless(swivel) ? SLIP : STICK;
+            now->sign = 1;
+            changed = 1;
+        }
+    }
+    if (!changed) return;
+    restart(rope, state);
+    const Arrays m = state_arrays(state);
+    if (excess(rope, state, state->t, &m) >= 0) switch_swivels(rope, state);
+}
+
+double next_release(const Simulator *rope, const State *state) {
+    const Swivel *of = rope->scene.swivels;
+    return fmin(released_at(&of[LEFT], &state->swivels[LEFT]), released_at(&of[RIGHT], &state->swivels[RIGHT]));
+}
+
+typedef struct {
+    Simulator *rope;
+    State *state;
+    int64_t iterations, work;
+} Search;
+
+static double excess_after(void *with, double h) {
+    Search *search = with;
+    if (search->iterations >= search->work) return -1; /* the earliest instant known to be past it will do */
+    const Trial trial = trial_step(search->rope, search->state, h);
+    search->iterations += trial.newton.iterations;
+    return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
+}
+
+int switching_step(Simulator *rope, State *state, Trial *trial) {
+    const double at_end = excess(rope, state, trial->t, &rope->trial);
+    if (at_end < 0) return 0;
+    const Arrays m = state_arrays(state);
+    /* the step to the event, and one from there on, come after the trials */
+    Search search = {rope, state, 0, rope->work_end - state->counts.newton - 2 * STEP_WORK};
+    double at_start = excess(rope, state, state->t, &m);
+    if (at_start >= 0) /* a slip that has just begun has no rate yet */
+        at_start = -1e-12;
+    const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
+    *trial = trial_step(rope, state, h);
+    state->counts.newton += search.iterations + trial->newton.iterations;
+    state->counts.given_up += search.iterations >= search.work;
+    return trial->reached ? 1 : -1;
+}
+
+/* what a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip */
+static SwivelState next_phase(Simulator *rope, const State *state, const SwivelState swivels[2], int side) {
+    State *trial = rope->spare;
+    state_copy(rope, trial, state);
+    memcpy(trial->swivels, swivels, sizeof trial->swivels);
+    const Arrays m = state_arrays(trial);
+    SwivelState now = swivels[side];
+    if (now.phase == SLIP) {
+        double relative[2];
+        swivel_relative(trial, side, trial->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
+        now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
+        restart(rope, trial);
+        if (excess_of(rope, trial, side, trial->t, &m) < 0) return now;
+    }
+    now.phase = SLIP;
+    now.sign = copysign(1, -end_row(m.reaction, m.nodes, side)[ANGLE]);
+    return now;
+}
+
+void switch_swivels(Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    SwivelState swivels[2];
+    memcpy(swivels, state->swivels, sizeof swivels);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        if (excess_of(rope, state, side, state->t, &m) < 0) continue;
+        swivels[side] = next_phase(rope, state, swivels, side);
+        memmove(state->switchings + 1, state->switchings, sizeof(double) * (CHATTER_EVENTS - 1));
+        state->switchings[0] = state->t;
+        if (state->switched < CHATTER_EVENTS) state->switched += 1;
+        state->counts.swivel_events += 1;
+        const int slips = swivels[side].sign > 0 ? SLIPS_FORWARD : SLIPS_BACK;
+        record_event(state, swivels[side].phase == STICK ? STICKS : slips, side, 0, 0);
+    }
+    memcpy(state->swivels, swivels, sizeof swivels);
+    restart(rope, state);
+}
+
+int chatters(const State *state) {
+    return state->switched == CHATTER_EVENTS &&
+           state->switchings[0] - state->switchings[CHATTER_EVENTS - 1] < CHATTER_TIME;
+}

@@ -1,0 +1,191 @@
+/* Partitions of the rope into elements: the port of rope_model.simulation.mesh.partition, which says what is done and
+   why. */
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+#include "cases.h"
+
+static const int LONGER[] = LEG_LENGTHS;
+enum { LENGTHS = sizeof LONGER / sizeof *LONGER };
+
+static int as_int(double x) {
+    return x < INT_MAX ? (int)x : INT_MAX;
+}
+
+double mesh_fine_length(const Pattern *pattern, const double *lengths) {
+    return pattern->coarse > 0 ? fine_share(pattern->counts + 1) * pattern->coarse : lengths[0];
+}
+
+Mesh mesh_fit(const Scene *scene) {
+    Mesh fitted = scene->mesh;
+    if (fitted.kind != AUTO_MESH) return fitted;
+    const double asked = fitted.loop_error > 0 ? fitted.loop_error : MESH_SHARE * scene->accuracy.loop;
+    const FittedMesh of = fit_elements(scene, asked, log10(FADE_ERROR / asked));
+    fitted.kind = of.equal > 0 ? EEM : TMN;
+    if (fitted.kind == EEM)
+        fitted.elements = as_int(of.equal);
+    else {
+        const int counts[] = {2, 0, as_int(of.fine), 0, 2};
+        memcpy(fitted.counts, counts, sizeof counts);
+        fitted.coarse_length = of.coarse;
+        fitted.end_levels = (int)of.end_levels;
+        fitted.grading_length = of.grading;
+    }
+    return fitted;
+}
+
+/* elements of a leg of `units` l from the clamped end on, each as long as its distances from end and loop allow, in
+   units of l as `growth`; where the lengths go to every `stride`, NULL: nowhere */
+static int fill_leg(int units, double growth, double *lengths, int stride) {
+    int count = 0;
+    for (int at = 0, size; at < units; at += size, count++) {
+        size = 1;
+        for (int k = 0; growth > 0 && k < LENGTHS; k++) {
+            int longer = LONGER[k], gap = units - (at + longer);
+            if (longer > at || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer)) break;
+            if (at % longer == 0) size = longer;
+        }
+        if (lengths != NULL) lengths[(ptrdiff_t)stride * count] = size;
+    }
+    return count;
+}
+
+/* elements of both legs together, which have `units` l: as many as the worst place of the loop asks for */
+static int leg_elements(int units, double growth) {
+    int most = growth > 0 ? 0 : units;
+    for (int first = 1; growth > 0 && first <= units / 2; first++) {
+        int count = fill_leg(first, growth, NULL, 0) + fill_leg(units - first, growth, NULL, 0);
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+/* the index of the longest element but the outermost, of several the one nearest the loop; 0: there is no other */
+static int longest_of(const double *lengths, int stride, int count) {
+    int found = count > 1;
+    for (int k = 2; k < count; k++)
+        if (lengths[(ptrdiff_t)stride * k] >= lengths[(ptrdiff_t)stride * found]) found = k;
+    return found;
+}
+
+/* both legs from their ends on; what another place of the loop would ask for halves the longest elements; gives the
+   number of the left leg's */
+static int fill_legs(int first, int last, double growth, int elements, double *left, double *right) {
+    int counts[2] = {fill_leg(first, growth, left, 1), fill_leg(last, growth, right, -1)};
+    for (int spare = elements - counts[0] - counts[1]; spare > 0; spare--) {
+        int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]);
+        int side = i == 0 || (j > 0 && right[-j] > left[i]);
+        double *lengths = side ? right - j : left + i;
+        int stride = side ? -1 : 1;
+        for (int k = counts[side] - (side ? j : i); k > 0; k--)
+            lengths[(ptrdiff_t)stride * k] = lengths[(ptrdiff_t)stride * (k - 1)];
+        lengths[0] *= 0.5;
+        lengths[stride] = lengths[0];
+        counts[side]++;
+    }
+    return counts[0];
+}
+
+/* elements of the segments I and VII together, for l near coarse_length */
+static double outer_of(const Mesh *mesh, double length) {
+    return rint(length / mesh->coarse_length - inner_length(mesh->counts));
+}
+
+int mesh_elements(const Mesh *mesh, double length, char *message) {
+    message[0] = '\0';
+    if (mesh->kind == EEM) {
+        mesh_in_bounds(mesh, message); /* what 'auto' asks for may be too much */
+        return message[0] ? 0 : mesh->elements;
+    }
+    double outer = outer_of(mesh, length);
+    if (outer > (double)MOST_ELEMENTS)
+        return say_too_many_lengths(message, mesh->coarse_length, length, outer, MOST_ELEMENTS);
+    if (!(outer >= 2)) return say_too_few_lengths(message, inner_length(mesh->counts) * mesh->coarse_length, length);
+    double growth = mesh->grading_length / (length / (outer + inner_length(mesh->counts)));
+    double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
+    for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
+    if (elements > (double)MOST_ELEMENTS) return say_too_many_elements(message, elements, MOST_ELEMENTS);
+    return (int)elements;
+}
+
+/* elements of the segments II to VI, in units of l, but what the ends cut off; gives their number; NULL: only that */
+static int fill_inner(const int *counts, double *lengths) {
+    const double relative[SEGMENTS] = {1, 0.5, 0.25, fine_share(counts + 1), 0.25, 0.5, 1};
+    const double inner = inner_length(counts + 1);
+    const double begin = fmax(1 - counts[0], 0), end = inner - fmax(1 - counts[SEGMENTS - 1], 0);
+    double at = 0;
+    int n = 0;
+    for (int segment = 1; segment < SEGMENTS - 1; segment++)
+        for (int k = 0; k < counts[segment]; k++) {
+            const double from = fmax(at, begin), to = fmin(at += relative[segment], end);
+            if (!(to > from)) continue;
+            if (lengths != NULL) lengths[n] = to - from;
+            n++;
+        }
+    return n;
+}
+
+/* the outermost l from the end on: the last length twice, ..., l/4, l/2, none above `longest`; gives their number */
+static int fill_end(int levels, double longest, double *lengths, int stride) {
+    int n = 0;
+    for (int k = 0; k <= levels; k++) {
+        const double size = ldexp(1.0, k == 0 ? -levels : k - 1 - levels), each = fmin(size, longest);
+        for (double at = 0; at < size; at += each, n++)
+            if (lengths != NULL) lengths[(ptrdiff_t)stride * n] = each;
+    }
+    return n;
+}
+
+static void fill_lengths(const Pattern *pattern, int elements, double *lengths) {
+    double coarse = pattern->coarse;
+    const int *counts = pattern->counts;
+    int first = counts[0] > 1 ? counts[0] : 1, last = counts[SEGMENTS - 1] > 1 ? counts[SEGMENTS - 1] : 1;
+    const double growth = pattern->grading_length / coarse, fine = fine_share(counts + 1);
+    const int levels = pattern->end_levels, least = fill_leg(first, growth, NULL, 0) + fill_leg(last, growth, NULL, 0);
+    /* where the pattern is cut off the loop bends the rope up to its end */
+    double longest[2] = {counts[0] < 1 ? fine : 1, counts[SEGMENTS - 1] < 1 ? fine : 1};
+    int ends[2], legs;
+    for (;;) {
+        for (int side = 0; side < 2; side++) ends[side] = fill_end(levels, longest[side], NULL, 0) - 1;
+        legs = elements - ends[0] - ends[1] - fill_inner(counts, NULL);
+        if (legs >= least) break;
+        longest[0] = longest[1] = 1;
+    }
+
+    double *left = lengths + ends[0], *right = lengths + elements - 1 - ends[1];
+    fill_inner(counts, left + fill_legs(first, last, growth, legs, left, right));
+    fill_end(levels, longest[0], lengths, 1);
+    fill_end(levels, longest[1], lengths + elements - 1, -1);
+    for (int k = 0; k < elements; k++) lengths[k] *= coarse;
+}
+
+void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths) {
+    memset(pattern, 0, sizeof *pattern);
+    if (mesh->kind == EEM) {
+        for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
+        return;
+    }
+    double inner = inner_length(mesh->counts), outer = outer_of(mesh, length);
+    double coarse = length / (outer + inner);
+    double first = rint(bottom / coarse - 0.5 * inner), least = fewest_outer(mesh->counts);
+    first = first > least ? fmin(first, outer - least) : least;
+    pattern->coarse = coarse;
+    pattern->end_levels = mesh->end_levels;
+    pattern->grading_length = mesh->grading_length;
+    pattern->counts[0] = (int)first;
+    for (int k = 0; k < SEGMENTS - 2; k++) pattern->counts[k + 1] = mesh->counts[k];
+    pattern->counts[SEGMENTS - 1] = (int)(outer - first);
+    fill_lengths(pattern, elements, lengths);
+}
+
+void mesh_transform(Pattern *pattern, int direction, int elements, double *lengths) {
+    pattern->counts[0] += direction;
+    pattern->counts[SEGMENTS - 1] -= direction;
+    fill_lengths(pattern, elements, lengths);
+}
+
+void mesh_arc_lengths(int elements, const double *lengths, double *s) {
+    s[0] = 0.0;
+    for (int k = 0; k < elements; k++) s[k + 1] = s[k] + lengths[k];
+}

@@ -1,0 +1,125 @@
+/* Nodal values between the nodes, and carried from one partition of the rope to another: the port of
+   rope_model.simulation.mesh.transfer, which says what is done and why. */
+#include <math.h>
+#include <string.h>
+
+#include "formulas.h"
+
+enum { CUBIC = 4, LINEAR = 2, MOST_FIELDS = 8 };
+
+/* within which two arc lengths are the same */
+static double tolerance_of(int nodes, const double *s) {
+    return 1e-9 * s[nodes - 1];
+}
+
+void transfer_interpolate(int nodes, const double *x, const double *s, int places, const double *at, double *y) {
+    const double tolerance = tolerance_of(nodes, s);
+    int i = 0;
+    for (int k = 0; k < places; k++, y += DOF) {
+        /* the last element whose left node is left of the place, or the outermost; places mostly ascend */
+        while (i < nodes - 2 && s[i + 1] < at[k] + tolerance) i++;
+        while (i > 0 && s[i] >= at[k] + tolerance) i--;
+        const double left_s = s[i], right_s = s[i + 1], *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
+
+        /* a node's own place has its values exactly */
+        const int nearer_left = at[k] - left_s < right_s - at[k];
+        const double l = right_s - left_s;
+        if (fabs((nearer_left ? left_s : right_s) - at[k]) <= tolerance)
+            memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
+        else
+            node_values(smaller(larger((at[k] - left_s) / l, 0.0), 1.0), l, left, y);
+    }
+}
+
+/* A x = b for all columns of b (rows x columns), which becomes x; A, symmetric and positive definite, is lost: each of
+   its rows (width + 1) holds the diagonal and the entries right of it, nearest first */
+static void solve_banded(int rows, int width, double *A, int columns, double *b) {
+    const ptrdiff_t row = width + 1;
+    for (int i = 0; i < rows; i++)
+        for (int k = 1; k <= width && i + k < rows; k++) {
+            double *own = A + row * i, *below = own + row * k, *x = b + (ptrdiff_t)columns * i;
+            const double factor = own[k] / own[0];
+            for (int j = k; j <= width; j++) below[j - k] -= factor * own[j];
+            for (int c = 0; c < columns; c++) x[(ptrdiff_t)columns * k + c] -= factor * x[c];
+        }
+    for (int i = rows - 1; i >= 0; i--) {
+        double *own = A + row * i, *x = b + (ptrdiff_t)columns * i;
+        const double inverse = 1 / own[0];
+        for (int k = 1; k <= width && i + k < rows; k++)
+            for (int c = 0; c < columns; c++) x[c] -= own[k] * x[(ptrdiff_t)columns * k + c];
+        for (int c = 0; c < columns; c++) x[c] *= inverse;
+    }
+}
+
+/* integrals of the products of two shares over the elements, as solve_banded takes them: cubic (2 nodes x CUBIC),
+   linear (nodes x LINEAR), both zero before */
+static void add_products(int nodes, const double *s, double *cubics, double *lines) {
+    for (int e = 0; e < nodes - 1; e++, cubics += 2 * CUBIC, lines += LINEAR) {
+        double l = s[e + 1] - s[e], products[CUBIC * (CUBIC + 1) / 2], *product = products;
+        hermite_products(l, products);
+        for (int i = 0; i < CUBIC; i++)
+            for (int k = 0; k <= i; k++) cubics[CUBIC * (i - k) + k] += *product++;
+        lines[0] += l / 3;
+        lines[1] += l / 6;
+        lines[2] += l / 3;
+    }
+}
+
+/* what the fields y at the nodes new_s have less than x at old_s, times the shares, along the rope: r (2 nodes x 3 of
+   each field), theta (nodes x fields), both zero before; without elements that become one there is nothing */
+static void add_missing(int nodes, int fields, const double *const *x, const double *old_s, const double *const *y,
+                        const double *new_s, double *r, double *theta) {
+    const double tolerance = tolerance_of(nodes, old_s);
+    int old = 0;
+    for (int e = 0; e < nodes - 1; e++) {
+        double from = new_s[e], end = new_s[e + 1], l = end - from;
+        while (old < nodes - 2 && old_s[old + 1] <= from + tolerance) old++;
+        if (old_s[old + 1] >= end - tolerance) /* within an old one, and so the same */
+            continue;
+        /* between neighbours among all nodes, old and new, both are polynomials */
+        for (int k = old; from < end - tolerance; k++) {
+            double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end, old_l = old_s[k + 1] - old_s[k];
+            for (int f = 0; f < fields; f++) {
+                double load[2 * DOF], *part = load;
+                missing_load(from, to, new_s[e], l, old_s[k], old_l, x[f] + (ptrdiff_t)DOF * k,
+                             y[f] + (ptrdiff_t)DOF * e, load);
+                for (int i = 0; i < CUBIC; i++)
+                    for (int axis = 0; axis < 3; axis++) r[(ptrdiff_t)3 * (fields * (2 * e + i) + f) + axis] += *part++;
+                theta[(ptrdiff_t)fields * e + f] += part[0];
+                theta[(ptrdiff_t)fields * (e + 1) + f] += part[1];
+            }
+            from = to;
+        }
+    }
+}
+
+void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work) {
+    const ptrdiff_t n = nodes;
+    const int inner = nodes - 2; /* the ends keep their values */
+    double *cubics = work, *lines = cubics + 2 * CUBIC * n, *r = lines + LINEAR * n, *theta = r + 6 * n * fields;
+    const double *before[MOST_FIELDS], *after[MOST_FIELDS];
+    double *y[MOST_FIELDS];
+    memset(work, 0, sizeof *work * (size_t)((2 * CUBIC + LINEAR + DOF * fields) * n));
+    for (int f = 0; f < fields; f++) {
+        before[f] = x[f];
+        after[f] = y[f] = theta + n * fields + DOF * n * f;
+        transfer_interpolate(nodes, x[f], old_s, nodes, new_s, y[f]);
+    }
+    add_missing(nodes, fields, before, old_s, after, new_s, r, theta);
+    add_products(nodes, new_s, cubics, lines);
+    cubics += (ptrdiff_t)2 * CUBIC;
+    lines += LINEAR;
+    solve_banded(2 * inner, CUBIC - 1, cubics, 3 * fields, r + (ptrdiff_t)6 * fields);
+    solve_banded(inner, LINEAR - 1, lines, fields, theta + fields);
+    for (int f = 0; f < fields; f++) {
+        for (int k = 1; k <= inner; k++) {
+            double *node = y[f] + (ptrdiff_t)DOF * k;
+            for (int axis = 0; axis < 3; axis++) {
+                node[axis] += r[(ptrdiff_t)3 * (fields * (2 * k) + f) + axis];
+                node[SLOPE + axis] += r[(ptrdiff_t)3 * (fields * (2 * k + 1) + f) + axis];
+            }
+            node[ANGLE] += theta[(ptrdiff_t)fields * k + f];
+        }
+        memcpy(x[f], y[f], sizeof *work * (size_t)(DOF * n));
+    }
+}

@@ -1,0 +1,84 @@
+/* Warnings about results that are valid: the port of rope_model.simulation.messages.result_warnings, which see. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cases.h"
+#include "simulator.h"
+
+/* of the loop against its ends */
+static double yaw_of(State *state) {
+    const Arrays m = state_arrays(state);
+    return state->loop_yaw - shape_direction(&m);
+}
+
+static void neglected_effects(Simulator *rope, char *message) {
+    static const char *const texts[] = LEFT_OUT_TEXTS;
+    if (leaves_out(&rope->scene, rope->state)) snprintf(message, MESSAGE, "%s", texts[rope->state->fidelity]);
+}
+
+static void passed_bodies(Simulator *rope, char *message) {
+    static const char *const words[KINDS] = BODY_WORDS;
+    char told[MESSAGE] = "", before[MESSAGE], passed[MESSAGE];
+    double deepest = FAR;
+    for (int kind = 0; kind < KINDS; kind++) {
+        const Nearest *x = &rope->state->nearest[kind];
+        deepest = smaller(deepest, x->clearance);
+        if (!(x->clearance <= 0)) continue;
+        say_passed_into(passed, words[kind], x->touched_at, -x->clearance, x->time, x->s, x->y);
+        memcpy(before, told, sizeof before);
+        if (before[0])
+            say_and_another(told, before, passed);
+        else
+            memcpy(told, passed, sizeof told);
+    }
+    if (!told[0]) return;
+    if (!may_touch(&rope->scene.shaft))
+        say_rope_passed_into(message, told);
+    else if (deepest > -rope->scene.rope.diameter)
+        say_rope_struck(message, told);
+    else
+        say_rope_pressed_into(message, told, rope->scene.shaft.contact.stiffness);
+}
+
+static void leg_contact(Simulator *rope, char *message) {
+    tell_touching_legs(&rope->scene, rope->state, yaw_of(rope->state), message);
+}
+
+/* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */
+static double end_twist(State *state) {
+    const Arrays m = state_arrays(state);
+    const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
+    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * shape_direction(&m);
+}
+
+static void yaw_at_rest(Simulator *rope, char *message) {
+    const double yaw = yaw_of(rope->state);
+    char why[MESSAGE] = "";
+    if (!yawed_far_at_rest(&rope->scene, rope->state, yaw)) return;
+    tell_torque_source(&rope->scene, end_twist(rope->state), why);
+    say_yawed_at_rest(message, yaw, YAWED_FAR, why);
+}
+
+static void unfit_inputs(Simulator *rope, char *message) {
+    char told[MESSAGE] = "";
+    for (int side = LEFT; side <= RIGHT; side++)
+        if (tell_inputs_of_end(&rope->scene, &rope->state->following[side], rope->state->last_interval, told)) {
+            say_of_end(message, SIDE_NAMES[side], told);
+            return;
+        }
+}
+
+void rope_warning(Simulator *rope, int number, char *message) {
+    static void (*const by_shape[EXTRAPOLATION + 1])(Simulator *, char *) = {[PASSED_BODIES] = passed_bodies,
+                                                                             [NEGLECTED_EFFECTS] = neglected_effects,
+                                                                             [LEG_CONTACT] = leg_contact,
+                                                                             [YAW_AT_REST] = yaw_at_rest,
+                                                                             [UNFIT_INPUTS] = unfit_inputs};
+    message[0] = '\0';
+    if (!rope->initialized) return;
+    if (by_shape[number])
+        by_shape[number](rope, message);
+    else
+        tell_by_numbers(number, &rope->scene, rope->state, message);
+}

@@ -1,0 +1,167 @@
+/* Equations of a chain of elements, solved by Newton's method with block elimination: rope_model.numerics.block_chain
+   and numerics.newton.  Arrays have DOF entries a node; what a fidelity leaves out stays zero. */
+#ifndef CHAIN_H
+#define CHAIN_H
+
+#include <stddef.h>
+
+#include "rope.h"
+#include "shaft.h"
+
+enum {
+    BALANCE = 9,
+    FRAME = 21,
+    STRAINS = 3,
+    MOMENTUM = 9,
+    AIR_LAW = 9,
+    AIR = AIR_LAW + 2 * 4,
+    AIR_BALANCE = 7,
+    CURVED = 13
+};
+/* of physics.element.BALANCE */
+enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
+/* numerics.newton.NewtonStatus */
+enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
+
+/* of physics.contact_element.CONTACT_BALANCE */
+enum {
+    CONTACT_ENERGY,
+    CONTACT_DISSIPATED,
+    CONTACT_MOVED,
+    CONTACT_LOAD,
+    CONTACT_FORCES = CONTACT_LOAD + 6,
+    CONTACT_ROPE = CONTACT_FORCES + KINDS, /* the pressure of the rope on itself */
+    CONTACT_BALANCE
+};
+
+/* the rope where it was last looked at: q and lengths as they were, free: how far at least all was then, in m */
+typedef struct {
+    double free, *q, *lengths;
+} Seen;
+
+/* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
+   bits; any: whether there are such.  longest: element then, margin: how far at least what is not near was from all
+   elements at the latest look, made or spared, in m */
+typedef struct {
+    const Scene *scene;
+    int bodies, any;
+    Placed placed[MOST_BODIES];
+    double speeds[MOST_BODIES][3], margin, longest;
+    Seen seen;
+    unsigned *near;
+} Surroundings;
+
+/* Two places of the rope that press each other: the shares of r, r' of both elements' nodes, the second's negative; the
+   place in the second element; the length that the law is per length of. */
+typedef struct {
+    int elements[2];
+    double place, weight, shares[8];
+    Touch law;
+} RopeTouch;
+
+/* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements,
+   others: those near one, with the arc length from its end to each, and of a place of it how far they are and where in
+   them; scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients.  nearest: how far two places are that touch,
+   the least, and at which height.  presses: whether touches act; they have no room where they do not. */
+typedef struct {
+    const Scene *scene;
+    int number, *others;
+    double (*boxes)[6], *scratch, *ways, *distances, *where, nearest[2];
+    int presses;
+    Seen seen;
+    RopeTouch *touches;
+} OwnContact;
+enum { OWN_SCRATCH = 4 };
+
+/* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
+   newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
+   elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
+   own: NULL where the rope does not press itself.  forces, at `time`: NULL where there are none.
+   air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
+   element, NULL where no wires rub; latest: WIRE_LATEST of each, where their latest tangent was, scratch as frames are.
+   curved: physics.curved_element.CURVED numbers of each element, NULL of a rope without permanent curvature. */
+typedef struct {
+    int elements, free[2][DOF];
+    const double *lengths;
+    double *frames;
+    Surroundings *around;
+    OwnContact *own;
+    const PointForces *forces;
+    const double *wires, *curved;
+    double time, *latest, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
+} System;
+
+typedef struct {
+    int status, iterations, applies;      /* applies: whether the latest correction does */
+    double norm, error, contraction, sum; /* sum: of the norms of all that did */
+} Progress;
+
+typedef struct {
+    /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2] */
+    Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
+                      double tolerance, double balance[BALANCE]);
+    /* J x = M a with the J that solve was left with, work as it left it */
+    void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
+                    const double *known, double *x);
+    /* J x = -R on the free degrees of freedom */
+    void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
+                        const double *known, const double c[3], double *x, double *R);
+    void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
+                     double balance[BALANCE]);
+    void (*losses)(const System *, const double *q, const double *v, double powers[2]);
+    /* of physics.air.AIR_BALANCE */
+    void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
+    void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
+    /* of physics.element.MOMENTUM, q being what the frames are counted from; with the spin of what turns at the ends */
+    void (*momentum)(const System *, const double *q, const double *v, double sums[MOMENTUM]);
+    /* the frames of the system are counted from q from now on */
+    void (*refer)(const System *, const double *q);
+    /* the same, and what the angles gain by it: each element's `transport` of physics.element */
+    void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
+} Chain;
+
+/* surroundings.c: rope_model.simulation.contact.surroundings, physics.contact_element; q, v: of all nodes.  In an
+   element, r and r' of its two nodes are twelve numbers */
+enum { CONTACT_DOF = 12 };
+/* sees which elements may touch a body, or would if they moved by margin (m) */
+void look_for_bodies(const System *s, const double *q, const double *v, double margin);
+/* looks for more than were seen before Newton's corrections, the sum of whose norms is given; whether there are any */
+int see_more_bodies(const System *s, const double *q, double corrections);
+/* the rope is looked at now, and whether all is surely farther than `least` by how far it and its ends moved since */
+void see(const System *s, Seen *seen, const double *q);
+int still_free(const System *s, const Seen *seen, const double *q, double least);
+void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]);
+void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
+                     double tangent[CONTACT_DOF][CONTACT_DOF]);
+/* the longest of the elements that may touch a body, m; 0 for none */
+double longest_near(const System *s);
+/* of bodies and of the rope with itself, all elements, where they are */
+void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+
+/* point_forces.c: rope_model.simulation.contact.point_forces */
+/* to R; and what they do as a load, and their power */
+void add_point_forces(const System *s, double *R);
+void add_point_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+
+/* self_contact.c: rope_model.simulation.contact.self_contact */
+/* r (or its speed) at a place of an element */
+void place_on(const double *x, int element, const double shares[4], double y[3]);
+/* what it takes in this scene, and that in as much memory, aligned to 64 bytes */
+size_t own_contact_bytes(const Scene *scene, int elements);
+OwnContact *own_contact(const Scene *scene, int elements, void *memory);
+/* where the rope touches itself, and how often it presses there, with tangents along (cq, cv) of q and v */
+int find_rope_touches(const System *s, const double *q, const double *v, double cq, double cv);
+/* to R, and the product of the tangent with x to y */
+void add_rope_force(const OwnContact *own, double *R);
+void add_rope_tangent(const OwnContact *own, const double *x, double *y);
+void add_rope_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+
+/* bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
+size_t chain_work_bytes(int elements);
+/* bytes of the frames of so many elements */
+size_t chain_frames_bytes(int elements);
+/* of the fidelities TORSIONAL to PLANAR, in the fastest form that this processor runs */
+const Chain *fastest_chains(void);
+const char *newton_text(int status);
+
+#endif

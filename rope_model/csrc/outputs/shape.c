@@ -1,0 +1,283 @@
+/* What is read off the rope's shape, and the shape it is given to start from: the port of
+   rope_model.simulation.outputs.diagnostics and rope_model.simulation.stepping.statics.hanging_guess. */
+#include <math.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "messages.h"
+
+/* points of one leg of the shape for the clearance, and how many of them are passed over together */
+enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
+
+static double clip(double x, double low, double high) {
+    return fmin(fmax(x, low), high);
+}
+
+/* the centre line at arc length `at`: r, r', theta */
+static void point_at(int nodes, const double *q, const double *s, double at, double row[DOF]) {
+    transfer_interpolate(nodes, q, s, 1, &at, row);
+}
+
+double shape_nearest_turn(double angle, double last) {
+    return angle + 2 * PI * rint((last - angle) / (2 * PI));
+}
+
+int shape_lowest_node(int nodes, const double *q) {
+    int lowest = 0;
+    for (int k = 1; k < nodes; k++)
+        if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1]) lowest = k;
+    return lowest;
+}
+
+double shape_direction(const Arrays *m) {
+    return line_yaw(m->q, m->q + (ptrdiff_t)DOF * m->elements);
+}
+
+LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
+    int lowest = shape_lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
+
+    double fine[FINE], rows[FINE][DOF], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
+    for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
+    transfer_interpolate(nodes, q, s, FINE, fine, rows[0]);
+    int j = 0;
+    for (int k = 1; k < FINE; k++)
+        if (rows[k][1] < rows[j][1]) j = k;
+    /* the lowest point of the parabola through three points */
+    j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
+    double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
+    double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
+    LoopBottom bottom;
+    bottom.s = fine[j] + clip(shift, -1.0, 1.0) * (fine[1] - fine[0]);
+    point_at(nodes, q, s, bottom.s, row);
+    memcpy(bottom.position, row, sizeof bottom.position);
+    bottom.yaw = atan2(-row[SLOPE + 2], row[SLOPE]);
+    return bottom;
+}
+
+void shape_places(double total, double bottom_s, double loop, int points, double *at) {
+    double step = 2.0 / (points - 1);
+    for (int k = 0; k < points; k++) {
+        double u = k < points - 1 ? k * step - 1.0 : 1.0;
+        at[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
+    }
+}
+
+void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
+    /* the places ascend */
+    for (int k = 0, i = 0; k < points; k++, xyz += 3) {
+        while (i < nodes - 2 && s[i + 1] < at[k]) i++;
+        const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
+        place_between((at[k] - s[i]) / l, l, a, a + DOF, xyz);
+    }
+}
+
+void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension) {
+    const double *s = arrays->s;
+    double before[3] = {0, 0, 0}, row[DOF];
+    int i = 0;
+    for (int k = 0; k < points; k++) {
+        /* int a dx over the elements to the left, of the cubic through the nodes */
+        for (; i < arrays->elements - 1 && s[i + 1] <= at[k]; i++) {
+            const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+            double l = arrays->lengths[i];
+            for (int axis = 0; axis < 3; axis++)
+                before[axis] += hermite_integral(l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
+        }
+        /* and over a part of the element in which the point lies */
+        const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
+        double l = arrays->lengths[i], xi = (at[k] - s[i]) / l, force[3];
+        point_at(arrays->nodes, arrays->q, s, at[k], row);
+        for (int axis = 0; axis < 3; axis++) {
+            double within = hermite_integral_to(xi, l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
+            force[axis] = rho * (before[axis] + within) - arrays->reaction[axis];
+        }
+        force[1] += rho * gravity * at[k];
+        tension[k] = dot(force, row + SLOPE) / sqrt(dot(row + SLOPE, row + SLOPE));
+    }
+}
+
+int shape_middle_before(int nodes, const double *s, int k, double at) {
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at) k++;
+    return k;
+}
+
+double shape_interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next) {
+    double middle = 0.5 * (s[k] + s[k + 1]);
+    if (k == nodes - 2 || at <= middle) return value;
+    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (at - middle) + value;
+}
+
+/* The points of a leg, from the bottom upwards, from where it first reaches `height`: their number.  `first` is the
+   leg's lowest point, `stride` (in points) leads to the next. */
+static int part_above(const double *first, int stride, double height, double part[LEG][3]) {
+    int i = 0, n = 0;
+    while (i < LEG && first[3 * stride * i + 1] < height) i++;
+    if (i == LEG) return 0;
+    const double *below = first + 3 * stride * (i > 0 ? i - 1 : 0), *above = first + 3 * stride * i;
+    double rise = above[1] - below[1], share = rise > 0 ? (height - below[1]) / rise : 1.0;
+    for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + share * (above[axis] - below[axis]);
+    for (n = 1, i += share >= 1.0; i < LEG; i++, n++) memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
+    return n;
+}
+
+/* the lowest and the highest coordinates of some points */
+static void bounds_of(int points, double point[][3], double bounds[6]) {
+    for (int axis = 0; axis < 3; axis++) {
+        bounds[axis] = bounds[3 + axis] = point[0][axis];
+        for (int n = 1; n < points; n++) {
+            bounds[axis] = smaller(bounds[axis], point[n][axis]);
+            bounds[3 + axis] = larger(bounds[3 + axis], point[n][axis]);
+        }
+    }
+}
+
+static int at_most(int number, int most) {
+    return number < most ? number : most;
+}
+
+/* The points of a leg in blocks, each with the first point of the next: their bounds. */
+static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]) {
+    for (int n = 0; n < points; n += BLOCK) bounds_of(at_most(points - n, BLOCK + 1), point + n, bounds[n / BLOCK]);
+}
+
+/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least` */
+static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
+    for (int m = 0; m < pieces; m++) {
+        const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        for (int n = 0; n < points; n++) least = smaller(least, squared_distance(point[n], a, along));
+    }
+    return least;
+}
+
+/* square of the smallest distance of either leg's points from the straight pieces between those of the other */
+static double smallest_squared(int lefts, double left[LEG][3], int rights, double right[LEG][3]) {
+    double of_left[BLOCKS][6], of_right[BLOCKS][6], least = HUGE_VAL;
+    blocks_of(lefts, left, of_left), blocks_of(rights, right, of_right);
+    /* from the top, where legs are mostly nearest: what is found first spares the rest */
+    for (int m = (lefts - 1) / BLOCK; m >= 0; m--)
+        for (int n = (rights - 1) / BLOCK; n >= 0; n--) {
+            if (!(least_squared_distance(of_left[m], of_right[n]) < least)) continue;
+            const int i = m * BLOCK, k = n * BLOCK, some = at_most(lefts - i, BLOCK),
+                      others = at_most(rights - k, BLOCK);
+            least = nearest_squared(some, left + i, at_most(rights - 1 - k, BLOCK), right + k, least);
+            least = nearest_squared(others, right + k, at_most(lefts - 1 - i, BLOCK), left + i, least);
+        }
+    return least;
+}
+
+double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                           double diameter, double above) {
+    double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
+    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
+    shape_points(nodes, q, s, OUTLINE, at, outline[0]);
+    double height = bottom->position[1] + above;
+    int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
+    if (lefts < 2 || rights < 2) return HUGE_VAL;
+    return sqrt(smallest_squared(lefts, left, rights, right)) - diameter;
+}
+
+/* A leg on the way up, in PIECES of each element: the last of its points that is higher than all before it, and the
+   next such point; where there is none, the leg's end with what hangs above it. */
+typedef struct {
+    const Arrays *m;
+    int point, last;
+    double low[3], high[3];
+} Climb;
+
+static void point_of(const Arrays *m, int point, double place[3]) {
+    const int element = point / PIECES, piece = point % PIECES;
+    const double *a = m->q + (ptrdiff_t)DOF * element;
+    if (piece == 0)
+        memcpy(place, a, 3 * sizeof *place);
+    else
+        place_between((double)piece / PIECES, m->lengths[element], a, a + DOF, place);
+}
+
+static void climb_on(Climb *leg) {
+    const int step = leg->last == 0 ? -1 : 1;
+    double place[3];
+    memcpy(leg->low, leg->high, sizeof leg->low);
+    leg->high[1] = HUGE_VAL;
+    for (; (leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL; leg->point += step) {
+        point_of(leg->m, leg->point, place);
+        if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
+    }
+}
+
+/* its place along an axis at a height between low and high */
+static double climb_at(const Climb *leg, double height, int axis) {
+    const double part = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
+    return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
+}
+
+int shape_legs_apart(const Arrays *m, const double across[2], double diameter, double above) {
+    const int lowest = shape_lowest_node(m->nodes, m->q);
+    const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
+    double normal[3];
+    int apart = 0 < lowest && lowest < m->elements, k = 0;
+    plane_between(left, right, low, across, normal);
+    for (const double *q = left; q < low; q += DOF, k++)
+        apart &= side_gap(-1.0, m->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
+    for (const double *q = low; q < right; q += DOF, k++)
+        apart &= side_gap(1.0, m->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
+    return apart && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+           least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
+}
+
+static double point_s(const Arrays *m, int point) {
+    const int element = point / PIECES;
+    return m->s[element] + m->lengths[element] * (point % PIECES) / PIECES;
+}
+
+LoopTurns shape_loop_turns(const Arrays *m, const LoopBottom *bottom) {
+    const int last = PIECES * m->elements;
+    int next = 1;
+    while (next < last && point_s(m, next) < bottom->s) next++;
+    Climb left = {m, next - 1, 0, {0}, {0}}, right = {m, next, last, {0}, {0}};
+    memcpy(left.high, bottom->position, sizeof left.high);
+    memcpy(right.high, bottom->position, sizeof right.high);
+    climb_on(&left);
+    climb_on(&right);
+    double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
+    LoopTurns turns = {0, below};
+    heading(bottom->yaw, across);
+    for (double height; (height = fmin(left.high[1], right.high[1])) < HUGE_VAL;) {
+        const double then[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
+                                climb_at(&right, height, 2) - climb_at(&left, height, 2)};
+        const double turned = turn_about_y(across, then);
+        if (fabs(turned) > sharpest) sharpest = fabs(turned), turns.sharpest_y = 0.5 * (below + height);
+        angle -= turned;
+        below = height;
+        memcpy(across, then, sizeof across);
+        if (left.high[1] <= height) climb_on(&left);
+        if (right.high[1] <= height) climb_on(&right);
+    }
+    turns.number = angle / (2 * PI);
+    return turns;
+}
+
+/* length of the elements at arc length `at`, interpolated between their middles */
+static double cell_at(int nodes, const double *s, double at) {
+    int k = shape_middle_before(nodes, s, 0, at);
+    return shape_interpolate_midpoints(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
+}
+
+void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
+                         char *message) {
+    message[0] = '\0';
+    double length = s[nodes - 1];
+    double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
+    double width = hypot(across[0], across[2]);
+    if (width == 0) {
+        say_ends_above_each_other(message, fabs(left[1] - right[1]));
+        return;
+    }
+    for (int axis = 0; axis < 3; axis++) across[axis] /= width;
+    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
+    Hanging legs = hanging_shape(length, middle, width, cell_at(nodes, s, middle));
+    if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
+        say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
+        return;
+    }
+    for (int k = 0; k < nodes; k++) hanging_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+}

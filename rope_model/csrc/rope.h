@@ -1,0 +1,83 @@
+/* The balance rope for C hosts: an FMI shell, or Python by ctypes.  SI units, angles in radians.
+
+   The simulator does what rope_model.simulation.RopeSimulator does, step for step; tests hold the two equal.
+   All memory is taken by rope_create; nothing is allocated afterwards.  There are no globals: simulators are
+   independent of each other, and one may be used by one thread at a time. */
+#ifndef ROPE_H
+#define ROPE_H
+
+#include <stddef.h>
+
+#include "parameters.h" /* codes of choices; Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Scene and EndMotion: generated */
+
+enum { LEFT, RIGHT };
+/* degrees of freedom of a node: r (3), r' (3), theta */
+enum { SLOPE = 3, ANGLE = 6, DOF = 7 };
+/* room for a message, its end included */
+enum { MESSAGE = 512 };
+
+/* where memory comes from and goes to; as calloc and free */
+typedef struct {
+    void *(*take)(size_t number, size_t size);
+    void (*give_back)(void *);
+} Memory;
+
+typedef struct Simulator Simulator;
+
+/* A rope for the scene, not yet initialised.  NULL, and message (MESSAGE bytes) says why, for a parameter out of range,
+   a mesh that does not fit the rope, or no memory. */
+Simulator *rope_create(const Scene *scene, const Memory *memory, char *message);
+void rope_destroy(Simulator *rope);
+
+/* The calls below return 1 when all is well; 0 when not, then rope_message says why and the state is what it was. */
+int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
+/* less than ROPE_SHORTEST_INTERVAL ahead nothing moves, and the time is not lost: the next step begins where this one
+   did.  The motions are those at the instant given_at, t or before, and are extrapolated with constant accelerations */
+int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double given_at);
+
+/* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
+int rope_retune(Simulator *rope, const Scene *scene);
+/* Forces at places of the rope: the arc length from its left end, m, in ascending order, and the force at `start` and
+   at `stop`, N, linear between them and held beyond. */
+typedef struct {
+    int number;
+    double start, stop;
+    const double (*places)[7];
+} PointForces;
+/* They act until others are given.  The places stay the caller's and must stay where they are; they are no part of the
+   state. */
+void rope_apply(Simulator *rope, const PointForces *forces);
+/* of each node: arc length, r, r', and the rates of both */
+void rope_rows(const Simulator *rope, double (*rows)[13]);
+/* by how much each of the places is moved by their forces at `start`, when those come in at the end of a step as long
+   as the last, as far as the equations are linear in it */
+void rope_displacement(Simulator *rope, const PointForces *forces, double (*moved)[3]);
+const char *rope_message(const Simulator *rope);
+
+int rope_is_initialized(const Simulator *rope);
+double rope_time(const Simulator *rope);
+int rope_elements(const Simulator *rope);
+const char *rope_fidelity(const Simulator *rope); /* "torsional" ... */
+const char *rope_fidelity_reason(const Simulator *rope);
+
+/* A warning about valid results, by its number below ROPE_WARNINGS, or ROPE_EXTRAPOLATION for hosts that extrapolate
+   the ends' motions: a sentence in message (MESSAGE bytes), or "". */
+enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
+void rope_warning(Simulator *rope, int number, char *message);
+
+/* The value of an output, by its number in rope_model.simulation.outputs.signals.SIGNALS; booleans and integers are
+   exact.  Computed when first asked for after a change of state. */
+double rope_signal(Simulator *rope, int signal);
+/* The values of many outputs at once. */
+void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
+
+/* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 22 inputs
+   (11 of EndMotion on the left, then on the right), held at the end of a step as long as the last. */
+int rope_derivative(Simulator *rope, int input, double derivative[12]);
+
+/* The complete state: plain bytes without addresses, the same in every process. */
+size_t rope_state_bytes(const Simulator *rope);
+void rope_save(const Simulator *rope, void *to);
+int rope_restore(Simulator *rope, const void *from, size_t bytes);
+
+#endif

@@ -1,0 +1,80 @@
+/* Equilibrium by pseudo-transient continuation: rope_model.simulation.stepping.statics, which see. */
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "simulator.h"
+#include "messages.h"
+
+enum { MAX_ITERATIONS = 10000 };
+#define TOLERANCE 1e-11
+/* m, or rad */
+#define LARGEST_MOVE 0.3
+
+/* what the residual R does along x, which is zero where the rope is held */
+static double work_along(const System *s, const double *R, const double *x) {
+    double work = 0;
+    for (size_t i = 0; i < (size_t)(s->elements + 1) * DOF; i++) work += R[i] * x[i];
+    return work;
+}
+
+/* largest unbalanced force, N */
+static double imbalance(const System *s, const double *R) {
+    return largest_of(s, R, 1. / s->shortest);
+}
+
+int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message) {
+    const Arrays m = state_arrays(state), *scratch = &rope->trial;
+    const System s = system_of(rope, state);
+    const Chain *chain = chain_of(rope, state);
+    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
+    double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
+    double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
+    int balanced = 0;
+    rope->turned = 0;
+    const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
+    memset(rest, 0, bytes);
+    memset(m.reaction, 0, bytes);
+    prescribe(rope, state, &s, state->t, 1, &(double *){m.q});
+    refer(rope, state, m.q);
+    for (int k = 1; k <= MAX_ITERATIONS && tau >= 1e-7; k++) {
+        rope->corrections = k;
+        const double c[3] = {1, 0, pow(tau, -2)};
+        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, now);
+        previous = imbalance(&s, now);
+        const double move = largest_of(&s, x, 1), norm = largest_of(&s, x, s.shortest); /* x is 0 where it is held */
+        if (!isfinite(move)) {
+            tau *= 0.1;
+            continue;
+        }
+        const double error = -work_along(&s, now, x);
+        /* what has no energy is not in the tangent, and the correction misses it */
+        if (s.P[4] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
+        last = error;
+        const double step = fmin(relaxed, LARGEST_MOVE / fmax(move, 1e-300));
+        for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
+        chain->evaluate(&s, trial, rest, rest, now, R, balance);
+        const double force = imbalance(&s, R);
+        /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
+           that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given */
+        if (!isfinite(force) || !(work_along(&s, R, x) <= 3 * error || force <= previous + rounding)) {
+            tau *= 0.3;
+            last = 0;
+            continue;
+        }
+        turned += transport_angles(rope, state, trial, rest, rest, rest);
+        rope->turned = fabs(turned) > most_turn;
+        if (rope->turned) break;
+        memcpy(m.q, trial, bytes);
+        memcpy(m.reaction, R, bytes);
+        balanced += force <= rounding;
+        if (balanced > BALANCED || (tau > 1e8 && norm < TOLERANCE * m.s[m.elements])) {
+            state->offsets[RIGHT] += turned;
+            return 1;
+        }
+        tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
+        tau = fmin(tau, 1e12);
+    }
+    return say_no_equilibrium(message, rope->corrections, previous);
+}

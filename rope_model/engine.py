@@ -1,0 +1,394 @@
+"""The native form of the rope: the C library behind the interface of BalanceRope."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import struct
+from collections.abc import Callable, Iterable, Sequence
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+from functools import cache, lru_cache
+from typing import Any, cast, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .codegen.build import library
+from .codegen.layout import (
+    ARRAYS,
+    MESSAGE,
+    AuditStructure,
+    ContactStructure,
+    CountsStructure,
+    CrossingStructure,
+    EnergyStructure,
+    ErrorStructure,
+    EventStructure,
+    FollowingStructure,
+    GuardStructure,
+    NearestStructure,
+    PathStructure,
+    PatternStructure,
+    StateStructure,
+    SwivelStructure,
+)
+from .codegen.structures import scene_structure
+from .numerics.generalized_alpha import Motion
+from .parameters import FidelityChoice, Scene
+from .physics.accuracy import ErrorSums
+from .physics.contact_error import ContactSums
+from .physics.guard import GuardState
+from .simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
+from .simulation.contact.point_forces import PointForces
+from .simulation.ends.ends import Phase, SwivelState
+from .simulation.ends.following import Following
+from .simulation.ends.paths import SIDES, EndMotion, EndPath
+from .simulation.fidelity import Fidelity
+from .simulation.mesh.partition import Partition
+from .simulation.messages import messages
+from .simulation.messages.result_warnings import WARNINGS
+from .simulation.outputs.audit import Audit, audit_of
+from .simulation.outputs.signal_table import SIGNALS, checked_names
+from .simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
+from .simulation.wires import NO_MEMORY
+
+_MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
+_SWITCHES = ("sticks", "slips +", "slips -")
+_FIDELITY_NAMES = get_args(FidelityChoice)
+
+
+def _event(event: EventStructure) -> Event:
+    """As RopeSimulator tells it."""
+    side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
+    words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
+    return Event(event.t, words[event.what], event.kinetic, event.potential)
+
+
+class _Memory(Structure):
+    _fields_ = (("take", c_void_p), ("give_back", c_void_p))
+
+
+class _PointForces(Structure):
+    _fields_ = (("number", c_int), ("start", c_double), ("stop", c_double), ("places", c_void_p))
+
+
+@cache
+def _load() -> ctypes.CDLL:
+    return declare(ctypes.CDLL(str(library())))
+
+
+def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
+    """The library with its functions' types."""
+    rope = c_void_p
+    results = {
+        "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
+        "rope_destroy": (None, (rope,)),
+        "rope_initialize": (c_int, (rope, c_double, c_char_p)),
+        "rope_advance": (c_int, (rope, c_double, c_char_p, c_double)),
+        "rope_retune": (c_int, (rope, c_void_p)),
+        "rope_apply": (None, (rope, c_void_p)),
+        "rope_rows": (None, (rope, c_void_p)),
+        "rope_displacement": (None, (rope, c_void_p, c_void_p)),
+        "rope_message": (c_char_p, (rope,)),
+        "rope_is_initialized": (c_int, (rope,)),
+        "rope_time": (c_double, (rope,)),
+        "rope_elements": (c_int, (rope,)),
+        "rope_fidelity": (c_char_p, (rope,)),
+        "rope_fidelity_reason": (c_char_p, (rope,)),
+        "rope_warning": (None, (rope, c_int, c_char_p)),
+        "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
+        "rope_derivative": (c_int, (rope, c_int, POINTER(c_double))),
+        "rope_state_bytes": (c_size_t, (rope,)),
+        "rope_save": (None, (rope, c_void_p)),
+        "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
+    }
+    for name, (result, arguments) in results.items():
+        function = getattr(lib, name)
+        function.restype, function.argtypes = result, arguments
+    return lib
+
+
+class NativeRope(BalanceRope):
+    """The native form of the rope: the same steps as RopeSimulator's, several times as fast.
+
+    Raises ValueError as RopeSimulator does, RuntimeError without a C compiler, and OSError or CalledProcessError when
+    the library does not load or the compiler fails.
+    """
+
+    _library = staticmethod(_load)
+
+    def __init__(self, scene: Scene) -> None:
+        self._lib = self._library()
+        memory = _memory()
+        self._text = ctypes.create_string_buffer(MESSAGE)  # what the library says
+        self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
+        if not self._rope:
+            raise ValueError(self._text.value.decode())
+        self._scene = scene
+        self._state: RopeState | None = None  # the present one, when it was asked for
+        self._forces: tuple[Structure, Any] | None = None  # kept for the library, which does not copy them
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy, or the rope that a pickle makes, is a rope of its own in the same state."""
+        initialized = self._lib.rope_is_initialized(self._rope)
+        return _made, (type(self), self._scene, self.native_state() if initialized else b"")
+
+    def __del__(self) -> None:
+        if rope := self.__dict__.pop("_rope", None):
+            self._lib.rope_destroy(rope)
+
+    @property
+    def scene(self) -> Scene:
+        return self._scene
+
+    @property
+    def form(self) -> str:
+        return "native"
+
+    @property
+    def elements(self) -> int:
+        return int(self._lib.rope_elements(self._rope))
+
+    @property
+    def time(self) -> float:
+        self._require_state()
+        return float(self._lib.rope_time(self._rope))
+
+    @property
+    def fidelity(self) -> Fidelity:
+        self._require_state()
+        return cast(Fidelity, self._lib.rope_fidelity(self._rope).decode())
+
+    @property
+    def fidelity_reason(self) -> str:
+        self._require_state()
+        return str(self._lib.rope_fidelity_reason(self._rope).decode())
+
+    @property
+    def state(self) -> RopeState:
+        if self._state is None:
+            self._state = _unpack(self.native_state())
+        return self._state
+
+    def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+        return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
+
+    def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
+        self._require_state()
+        at = t if given_at is None else given_at
+        return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right), at))
+
+    def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
+        self._require_state()
+        wanted = checked_names(names)
+        values = (c_double * len(wanted))()
+        self._lib.rope_signals(self._rope, len(wanted), _numbers(wanted), values)
+        return dict(zip(wanted, values[:], strict=True))
+
+    def reader(self, names: Sequence[str]) -> Callable[[], NDArray[np.float64]]:
+        wanted = checked_names(names)
+        values = (c_double * len(wanted))()
+        view: NDArray[np.float64] = np.ctypeslib.as_array(values)
+        read, arguments = self._lib.rope_signals, (self._rope, len(wanted), _numbers(wanted), values)
+
+        def read_now() -> NDArray[np.float64]:
+            self._require_state()
+            read(*arguments)
+            return view.copy()
+
+        return read_now
+
+    def apply(self, forces: PointForces) -> None:
+        forces.require_on(self._scene.rope.length)
+        self._forces = _forces(forces)
+        self._lib.rope_apply(self._rope, byref(self._forces[0]))
+
+    def rows(self) -> NDArray[np.float64]:
+        self._require_state()
+        found = np.empty((self.elements + 1, 13))
+        self._lib.rope_rows(self._rope, found.ctypes.data)
+        return found
+
+    def displacement(self, forces: PointForces) -> NDArray[np.float64]:
+        self._require_state()
+        forces.require_on(self._scene.rope.length)
+        given, found = _forces(forces), np.empty((forces.s.size, 3))
+        self._lib.rope_displacement(self._rope, byref(given[0]), found.ctypes.data)
+        return found
+
+    def warnings(self) -> dict[str, str]:
+        self._require_state()
+        told, text, warn = {}, self._text, self._lib.rope_warning
+        for number, subject in enumerate(WARNINGS):
+            warn(self._rope, number, text)
+            if said := text.value:
+                told[subject] = said.decode()
+        return told
+
+    def snapshot(self) -> Snapshot:
+        return Snapshot(self.native_state(), _unpack)
+
+    def restore(self, data: bytes | RopeState | Snapshot) -> None:
+        kept = data.kept if isinstance(data, Snapshot) else None
+        packed = kept if isinstance(kept, bytes) else _pack(state_in(data))
+        # a rope whose wires do not rub yet has room for what they will remember
+        packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
+        if not (status := self.restore_native(packed)).valid:
+            raise ValueError(status.message)
+
+    def retune(self, scene: Scene) -> None:
+        if not (status := self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
+            raise ValueError(status.message)
+        self._scene = scene
+
+    def derivative(self, side: int, name: str) -> list[float]:
+        """Derivatives of left.fx ... left.mz, right.fx ... right.mz to an input of one side, as an FMU gives them."""
+        out = (c_double * 12)()
+        number = 11 * side + list(EndMotion.__dataclass_fields__).index(name)
+        if not self._lib.rope_derivative(self._rope, number, out):
+            raise RuntimeError(self._message())
+        return list(out)
+
+    def native_state(self) -> bytes:
+        """The state as the native rope keeps it."""
+        self._require_state()
+        data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
+        self._lib.rope_save(self._rope, data)
+        return data.raw
+
+    def restore_native(self, data: bytes) -> Status:
+        """Go on from what ``native_state`` gave."""
+        return self._done(self._lib.rope_restore(self._rope, data, len(data)))
+
+    def _require_state(self) -> None:
+        if not self._lib.rope_is_initialized(self._rope):
+            raise RuntimeError(messages.no_state())
+
+    def _done(self, well: int) -> Status:
+        if well:
+            self._state = None
+        return _VALID if well else Status(False, self._message())
+
+    def _message(self) -> str:
+        return str(self._lib.rope_message(self._rope).decode())
+
+
+def _forces(forces: PointForces) -> tuple[Structure, Any]:
+    """As rope.h has them, and the places, which stay where they are as long as they are kept."""
+    places = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
+    return _PointForces(forces.s.size, forces.start, forces.stop, places.ctypes.data), places
+
+
+def _made(kind: type[NativeRope], scene: Scene, state: bytes) -> NativeRope:
+    rope = kind(scene)
+    if state and not (status := rope.restore_native(state)).valid:
+        raise ValueError(status.message)
+    return rope
+
+
+def _memory() -> _Memory:
+    libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
+    return _Memory(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
+
+
+_VALID = Status(True)
+_NUMBER = {name: i for i, name in enumerate(SIGNALS)}
+
+
+@lru_cache
+def _numbers(names: tuple[str, ...]) -> ctypes.Array[c_int]:
+    """The signals' numbers, kept because a host asks for the same ones again and again."""
+    return (c_int * len(names))(*(_NUMBER[name] for name in names))
+
+
+def _ends(left: EndMotion, right: EndMotion) -> bytes:
+    """Both motions as they lie in an array of EndMotion of rope.h."""
+    return _MOTIONS.pack(*left.__dict__.values(), *right.__dict__.values())
+
+
+def _unpack(data: bytes) -> RopeState:
+    s = StateStructure.from_buffer_copy(data)
+    n = s.elements
+    values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(StateStructure))
+    size = 7 * (n + 1)
+    x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(ARRAYS)}
+    return RopeState(
+        motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
+        partition=Partition(
+            values[6 * size : 6 * size + n].copy(),
+            tuple(s.pattern.counts),
+            s.pattern.coarse,
+            s.pattern.end_levels,
+            s.pattern.grading_length,
+        ),
+        offsets=(s.offsets[0], s.offsets[1]),
+        swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
+        paths=tuple(EndPath(p.start, p.stop, tuple(map(tuple, p.coefficients))) for p in s.paths),  # type: ignore[arg-type]
+        following=(_following(s.following[0]), _following(s.following[1])),
+        step_next=s.step_next,
+        last_interval=s.last_interval,
+        force_mean=(s.force_mean[0], s.force_mean[1]),
+        calm_since=s.calm_since,
+        loop_yaw=s.loop_yaw,
+        snapped_at=s.snapped_at,
+        fidelity=_FIDELITY_NAMES[s.fidelity],
+        fidelity_reason=s.fidelity_reason.decode(),
+        events=tuple(_event(event) for event in s.events[: s.event_count]),
+        energy_balance=EnergyBalance(*(getattr(s.energy_balance, name) for name in EnergyBalance._fields)),
+        errors=ErrorSums(*(_numbers_of(getattr(s.errors, name)) for name in ErrorSums._fields)),
+        contact=ContactSums(*(_numbers_of(getattr(s.contact, name)) for name in ContactSums._fields)),
+        powers=Powers(s.power_ends, s.power_swivel),
+        counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
+        given_up_since=s.given_up_since,
+        looked_at=s.looked_at,
+        audit=audit_of(getattr(s.audit, name) for name in Audit._fields),
+        nearest=tuple(Nearest(*(getattr(x, name) for name in Nearest._fields)) for x in s.nearest),
+        crossing=Crossing(*(getattr(s.crossing, name) for name in Crossing._fields)),
+        guard=GuardState(*(_numbers_of(getattr(s.guard, name)) for name in GuardState._fields)),
+        hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_MEMORY,
+    )
+
+
+def _pack(state: RopeState) -> bytes:
+    m, p = state.motion, state.partition
+    s = StateStructure(
+        t=m.t,
+        h=m.h,
+        step_next=state.step_next,
+        last_interval=state.last_interval,
+        calm_since=state.calm_since,
+        loop_yaw=state.loop_yaw,
+        snapped_at=state.snapped_at,
+        given_up_since=state.given_up_since,
+        looked_at=state.looked_at,
+        offsets=state.offsets,
+        force_mean=state.force_mean,
+        power_ends=state.powers.ends,
+        power_swivel=state.powers.swivel,
+        swivels=tuple(SwivelStructure(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
+        paths=tuple(PathStructure(q.start, q.stop, q.coefficients) for q in state.paths),
+        following=tuple(FollowingStructure(*x) for x in state.following),
+        pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels),
+        energy_balance=EnergyStructure(*state.energy_balance),
+        errors=ErrorStructure(*state.errors),
+        contact=ContactStructure(*state.contact),
+        audit=AuditStructure(*state.audit),
+        nearest=tuple(NearestStructure(*x) for x in state.nearest),
+        crossing=CrossingStructure(*state.crossing),
+        guard=GuardStructure(*state.guard),
+        counts=CountsStructure(*state.counts),
+        elements=p.lengths.size,
+        fidelity=_FIDELITY_NAMES.index(state.fidelity),
+        fidelity_reason=state.fidelity_reason.encode()[: MESSAGE - 1],
+        rubs=state.hysteresis.size > 0,
+    )
+    arrays = [getattr(m, name).tobytes() for name in ARRAYS]
+    return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()])
+
+
+def _numbers_of(x: Any) -> Any:
+    return x if isinstance(x, float) else tuple(map(_numbers_of, x))
+
+
+def _following(s: Structure) -> Following:
+    return Following(*(_numbers_of(getattr(s, name)) for name in Following._fields))

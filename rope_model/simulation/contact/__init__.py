@@ -1,0 +1,1 @@
+"""Bodies around the rope, and forces that act at places of it."""

@@ -1,0 +1,79 @@
+"""The bodies of a scene where they are now, and whether they leave room for the rope's ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from ...physics import shaft as physics
+from ...physics.elementary import both, either, smaller
+from ...physics.outline import suspension_points
+from ...physics.shaft import KINDS, Body
+from ...shaft_parameters import FAR, Shaft
+from ..messages import messages
+from ..messages.cases import Cases, first_text
+
+LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
+#: what moves with no end of the rope
+FIXED = -1
+
+
+class Placed(NamedTuple):
+    """A body, of which kind it is, and with which end of the rope (0 left, 1 right) it moves."""
+
+    kind: int
+    moves_with: int
+    body: Body
+
+
+def bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
+    """The bodies that are there with the rope's ``ends`` (2 of (3,)) at these places."""
+    if shaft.lining.width > 0:
+        yield Placed(LINING, FIXED, physics.lining(shaft.lining))
+    for side, end in enumerate(ends):
+        if shaft.conveyance.width > 0:
+            yield Placed(CONVEYANCE, side, physics.conveyance(shaft.conveyance, end))
+        if shaft.head_ropes.diameter > 0:
+            yield Placed(HEAD_ROPES, side, physics.head_ropes(shaft.head_ropes, shaft.conveyance, end))
+    for divider in (shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4):
+        if divider.size > 0:
+            yield Placed(DIVIDER, FIXED, physics.divider(divider))
+    if shaft.sump.level > -FAR:
+        yield Placed(FLOOR, FIXED, physics.floor(shaft.sump))
+
+
+def may_touch(shaft: Any) -> Any:
+    """Whether there are bodies that hold the rope."""
+    dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
+    sizes = sum((divider.size for divider in dividers), shaft.lining.width)
+    sizes += shaft.conveyance.width + shaft.head_ropes.diameter
+    return both(shaft.contact.stiffness > 0, either(sizes > 0, shaft.sump.level > -FAR))
+
+
+def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+    shaft, lining, diameter = scene.shaft, scene.shaft.lining, scene.rope.diameter
+    least = _least_distance(scene, left, right, physics.lining(lining))
+    # ends that are pressed but for their middle are no reason to find no rest
+    beyond = either(least < 0, smaller(lining.width, lining.depth) < diameter)
+    applies = both(fidelity != "rigid", shaft.contact.stiffness > 0, lining.width > 0, beyond)
+    return applies, 0.5 * diameter - least, lining.width, lining.depth, lining.x, lining.z
+
+
+def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+    shaft, level = scene.shaft, scene.shaft.sump.level
+    least = _least_distance(scene, left, right, physics.floor(shaft.sump))
+    return both(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, least < 0), -least, level
+
+
+def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
+    """Of the rope's ends from the body, m."""
+    return smaller(*(physics.distance(point, body) for point in suspension_points(scene.layout, left, right)))
+
+
+#: why a rope finds no rest where bodies hold it
+NO_ROOM: Cases = {messages.end_in_lining: _in_lining, messages.end_below_floor: _below_floor}
+
+
+def no_room(scene: Any, fidelity: Any, left: Any, right: Any) -> str:
+    """Which body leaves a rope of this fidelity no rest between its ends; '' for none that is known to."""
+    return first_text(NO_ROOM, scene, fidelity, left, right)

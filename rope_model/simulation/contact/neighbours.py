@@ -1,0 +1,340 @@
+"""Contact of ropes that hang side by side, each a BalanceRope that goes its own steps.
+
+Between two of them the law of physics.rope_on_rope holds.  Over a step of the host, from t to t + h, forces act at
+places of both ropes, linear in time, on the one what is taken from the other: they cancel to the bit.  Those at t were
+found in the step before; those at t + h, F, are such that the law f holds where the ropes then are:
+
+    F = f(x(F)) ,    x, the places' distances and their rates, by letting the ropes go from t to t + h
+
+Newton's method solves it for all ropes at once.  With the law's tangent K and the ropes' compliance Y to such forces
+(BalanceRope.displacement) a correction is r - K dx, r = f - F, with (1 + Y K) dx = Y r: conjugate gradients of
+numerics.coupled_newton, in which each rope answers for itself.  Where every rope takes one step of its own from t to
+t + h this is its integrator's step of all ropes as one system.
+
+The springs' work and the rest of the forces' are booked apart.  What the first misses of the energy stored was made by
+the steps.  A blow that one step cannot follow makes much of it: such a step is halved, as often as it takes.
+
+Ropes at rest hang as if each was alone.  Those that then hang into each other are taken to be thinner by as much at the
+start, and grow to what they are in GROWTH; what that gives the ropes was made, too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from ...numerics.coupled_newton import conjugate_gradients
+from ...numerics.generalized_alpha import Coefficients
+from ...parameter_table import require
+from ...parameters import Scene
+from ..balance_rope import BalanceRope
+from ..rope_system import Array
+from .pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
+from .point_forces import NO_FORCES, PointForces
+
+#: of Newton's method at most
+ITERATIONS = 15
+#: of all forces, and N, by which the law may be missed
+TOLERANCE, SMALL = 1e-4, 1e-3
+#: a step is halved that makes more than this part of the largest work of any, or of the energy of a metre of the rope
+#: at so many m/s, if it is not shorter than so many s
+MADE, SLOW, SHORTEST = 0.02, 0.1, 2e-3
+#: and one in which touching places come nearer by so many diameters: they might pass through each other
+LEAP = 0.5
+#: s
+GROWTH = 1.0
+
+Two = tuple[int, int]
+_NOWHERE = (math.nan, math.nan, math.nan)
+
+
+class Partner(Protocol):
+    """A rope that takes part in a step, and takes it as often as it must."""
+
+    @property
+    def rope(self) -> BalanceRope | None:
+        """The rope as it is now; None once it hangs in pieces."""
+
+    def begin(self, t: float, h: float) -> None:
+        """The next step is that from here, ``t``, to ``t`` + ``h`` (s)."""
+
+    def go(self) -> bool:
+        """Whether it can be advanced over the step."""
+
+    def back(self) -> None:
+        """Back to where the step begins."""
+
+    def accept(self) -> None:
+        """The step counts."""
+
+
+class Account(NamedTuple):
+    """What happened between two ropes until now."""
+
+    pressure: float = 0.0  # N, now: the sum of the law's normal forces
+    energy: float = 0.0  # J, stored now
+    work: float = 0.0  # J, done on both ropes
+    dissipated: float = 0.0  # J
+    made: float = 0.0  # J, energy that the steps made
+    largest: float = 0.0  # J, the largest work of a step
+    approach: float = 0.0  # m, by which touching places came nearer in the last step
+    missed: float = 0.0  # of the forces, by which the law was missed at worst
+    peak: float = 0.0  # N, the largest pressure
+    peak_t: float = math.nan  # s
+    peak_place: tuple[float, float, float] = _NOWHERE  # m, the centre of that pressure
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The state of ``Neighbours``: of each two ropes, by their numbers, the forces now and their account.
+
+    At ``start`` (s) they hung by ``insets`` (m) into each other.
+    """
+
+    start: float
+    insets: Mapping[Two, float]
+    forces: Mapping[Two, Pressing]
+    accounts: Mapping[Two, Account]
+
+
+class Neighbours:
+    """Ropes of these scenes, which count their places from these origins (m) in the shaft.
+
+    Raises ValueError where their contact differs or is off, or a model leaves it out.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], origins: Sequence[tuple[float, float, float]]) -> None:
+        law = scenes[0].shaft.contact
+        require(law.rope_stiffness > 0, "contact.rope_stiffness", law.rope_stiffness, "above 0", "use 1e6 N/m2")
+        for scene in scenes:
+            told = "that of the first rope", "give all ropes the same contact"
+            require(scene.shaft.contact == law, "contact", scene.shaft.contact, *told)
+            model = scene.model.fidelity
+            require(
+                model not in ("planar", "rigid"), "model.fidelity", model, "auto, torsional or spatial", "set it so"
+            )
+        self._origins = [np.array(origin) for origin in origins]
+        self._method = Coefficients(scenes[0].solver.rho_inf)
+        self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
+        self._pairs = {(i, j): Pair(scenes[i], scenes[j]) for i, j in combinations(range(len(scenes)), 2)}
+        nothing, unused = dict.fromkeys(self._pairs, NOTHING), dict.fromkeys(self._pairs, Account())
+        self.contacts = self._begun = Contacts(0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused)
+
+    def begin(self, t: float, ropes: Sequence[BalanceRope]) -> None:
+        """They hang at rest at ``t`` (s)."""
+        rows = [rows_of(rope, origin) for rope, origin in zip(ropes, self._origins, strict=True)]
+        insets = {(i, j): pair.inset(rows[i], rows[j]) for (i, j), pair in self._pairs.items()}
+        self.contacts = replace(self._begun, start=t, insets=insets)
+
+    def step(self, t: float, h: float, partners: Sequence[Partner]) -> bool:
+        """Whether all partners can be advanced from ``t`` to ``t`` + ``h`` (s)."""
+        before = self.contacts
+        for partner in partners:
+            partner.begin(t, h)
+        well = self._whole_step(t, h, partners)
+        if 0.5 * h < SHORTEST or (well and not self._too_long(before)):
+            for partner in partners:
+                partner.accept()
+            return well
+        for partner in partners:
+            partner.back()
+        self.contacts, half = before, 0.5 * h
+        return self.step(t, half, partners) and self.step(t + half, half, partners)
+
+    def _too_long(self, before: Contacts) -> bool:
+        return any(
+            abs(now.made - before.accounts[two].made) > MADE * max(now.largest, self._least)
+            or now.approach > LEAP * self._pairs[two].diameter
+            for two, now in self.contacts.accounts.items()
+        )
+
+    def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> bool:
+        before, end, going = self._rows(partners), self.contacts.forces, set(range(len(partners)))
+        for iteration in range(ITERATIONS):
+            for k in sorted(going) if iteration > 0 else ():
+                partners[k].back()
+            self._apply(t, h, partners, end)
+            if not all(partners[k].go() for k in sorted(going)):
+                return False
+            rows = self._rows(partners)
+            found = self._found(t + h, rows, self._method.newton(h))
+            joint = _Joint(end, found)
+            if joint.missed <= TOLERANCE or iteration == ITERATIONS - 1:
+                break
+            end, going = joint.corrected(partners), joint.ropes
+        self._book(t + h, before, rows, joint.forces(), found, joint.missed)
+        return True
+
+    def _rows(self, partners: Sequence[Partner]) -> list[Rows | None]:
+        ropes = [partner.rope for partner in partners]
+        return [
+            None if rope is None else rows_of(rope, origin) for rope, origin in zip(ropes, self._origins, strict=True)
+        ]
+
+    def _found(self, t: float, rows: Sequence[Rows | None], c: Array) -> dict[Two, Pressing]:
+        found, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
+        for (i, j), pair in self._pairs.items():
+            one, other = rows[i], rows[j]
+            found[i, j] = (
+                NOTHING
+                if one is None or other is None
+                else pair.pressing(one, other, c, (1.0 - grown) * self.contacts.insets[i, j])
+            )
+        return found
+
+    def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Mapping[Two, Pressing]) -> None:
+        """Forces from those of now to those of the ``end``."""
+        now = self.contacts.forces
+        for k, partner in enumerate(partners):
+            starts, stops = ([_side(two, k, one) for two, one in x.items() if k in two] for x in (now, end))
+            s = np.concatenate([s for s, _ in (*starts, *stops)])
+            forces = [np.concatenate([f for _, f in x]) for x in (starts, stops)]
+            first, last = (np.concatenate(x) for x in ((forces[0], 0 * forces[1]), (0 * forces[0], forces[1])))
+            if partner.rope is not None:
+                order = np.argsort(s, kind="stable")
+                partner.rope.apply(PointForces(s[order], first[order], last[order], t, t + h) if s.size else NO_FORCES)
+
+    def _book(
+        self,
+        t: float,
+        before: Sequence[Rows | None],
+        after: Sequence[Rows | None],
+        end: Mapping[Two, Pressing],
+        found: Mapping[Two, Pressing],
+        missed: float,
+    ) -> None:
+        now, accounts = self.contacts.forces, dict(self.contacts.accounts)
+        for two, account in self.contacts.accounts.items():
+            if not (now[two].number.size or end[two].number.size):
+                continue
+            work, of_springs, approach = 0.0, 0.0, 0.0
+            for forces in (now[two], end[two]):
+                moved = _moved(two, forces, before, after)
+                work += 0.5 * float(np.vdot(forces.force, moved))
+                of_springs += 0.5 * float(np.vdot(forces.spring, moved))
+                approach = max(approach, -float(np.einsum("mi,mi->m", moved, _along(forces.force)).min(initial=0.0)))
+            one = found[two]
+            pressure = float(one.pressure.sum())
+            account = account._replace(
+                pressure=pressure,
+                energy=one.energy,
+                work=account.work + work,
+                dissipated=account.dissipated + of_springs - work,
+                made=account.made + of_springs + one.energy - account.energy,
+                largest=max(account.largest, abs(work)),
+                approach=approach,
+                missed=max(account.missed, missed if end[two].number.size else 0.0),
+            )
+            if pressure > account.peak:
+                x, y, z = (one.pressure @ one.place / pressure).tolist()
+                account = account._replace(peak=pressure, peak_t=t, peak_place=(x, y, z))
+            accounts[two] = account
+        self.contacts = replace(self.contacts, forces=end, accounts=accounts)
+
+
+class _Joint:
+    """Forces that were tried and what the law says of them, of all that press each other."""
+
+    def __init__(self, tried: Mapping[Two, Pressing], found: Mapping[Two, Pressing]) -> None:
+        self._twos = [two for two in tried if tried[two].number.size or found[two].number.size]
+        self.ropes = {k for two in self._twos for k in two}
+        parts = [(_joined(tried[two], found[two]), found[two]) for two in self._twos]
+        self._all = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
+        laws = [_spread(one, x.number, one.force) for x, one in parts]
+        self._tried = _stacked([x.force for x, _ in parts])
+        law = _stacked(laws)
+        self._missing = law - self._tried
+        largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
+        self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL / TOLERANCE)
+
+    def forces(self) -> Mapping[Two, Pressing]:
+        """Those that were tried, with the part of springs in them."""
+        return self._all
+
+    def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
+        """The forces of the next iteration."""
+        K = np.concatenate([self._all[two].tangent for two in self._twos])
+
+        def resisted(x: Array) -> Array:
+            force: Array = np.einsum("mij,mj->mi", K, x)
+            return force
+
+        x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
+        force, at, corrected = self._tried + self._missing - resisted(x), 0, dict(self._all)
+        for two in self._twos:
+            size = self._all[two].number.size
+            corrected[two] = self._all[two]._replace(force=force[at : at + size])
+            at += size
+        return corrected
+
+    def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
+        """How the distances of places change when these forces come in."""
+        moved, at = np.zeros_like(force), {}
+        ends = np.cumsum([0] + [self._all[two].number.size for two in self._twos]).tolist()
+        for two, start, stop in zip(self._twos, ends[:-1], ends[1:], strict=True):
+            at[two] = slice(start, stop)
+        for k in sorted(self.ropes):
+            mine = [two for two in self._twos if k in two]
+            sense = np.concatenate([np.full(self._all[two].number.size, 1.0 - 2.0 * two.index(k)) for two in mine])
+            index = np.concatenate([np.arange(ends[-1])[at[two]] for two in mine])
+            s = np.concatenate([self._all[two].s[two.index(k)] for two in mine])
+            order = np.argsort(s, kind="stable")
+            given = sense[order, None] * force[index[order]]
+            rope = partners[k].rope
+            if rope is not None:
+                answer = rope.displacement(PointForces(s[order], given, given, 0.0, 1.0))
+                np.add.at(moved, index[order], sense[order, None] * answer)
+        return moved
+
+
+def _side(two: Two, k: int, forces: Pressing) -> tuple[Array, Array]:
+    """Places on rope ``k`` and the forces on it."""
+    return (forces.s[0], forces.force) if two[0] == k else (forces.s[1], -forces.force)
+
+
+def _moved(two: Two, forces: Pressing, before: Sequence[Rows | None], after: Sequence[Rows | None]) -> Array:
+    """(m, 3): how far places on the one were moved from those on the other, m."""
+    moved = np.zeros_like(forces.force)
+    for side, k in enumerate(two):
+        was, now = before[k], after[k]
+        if was is not None and now is not None:
+            moved += (1 - 2 * side) * (now.places(forces.s[side]) - was.places(forces.s[side]))
+    return moved
+
+
+def _along(force: Array) -> Array:
+    """Unit vectors, 0 where there is no force."""
+    size = np.linalg.norm(force, axis=1, keepdims=True)
+    return force / np.where(size > 0.0, size, 1.0)
+
+
+def _joined(tried: Pressing, found: Pressing) -> Pressing:
+    """The forces ``tried`` at all places of both, each where it was found last, with spring and tangent of the law."""
+    number = np.union1d(tried.number[np.any(tried.force != 0.0, axis=1)], found.number)
+    s = _spread(tried, number, tried.s.T)
+    here = np.isin(number, found.number)
+    s[here] = found.s.T
+    return found._replace(
+        number=number,
+        s=s.T,
+        force=_spread(tried, number, tried.force),
+        spring=_spread(found, number, found.spring),
+        tangent=_spread(found, number, found.tangent),
+    )
+
+
+def _spread(of: Pressing, number: Numbers, values: Array) -> Array:
+    """``values`` of the places of ``of`` at those of these numbers, 0 at the rest."""
+    out = np.zeros((number.size, *values.shape[1:]))
+    known = np.isin(of.number, number)
+    out[np.searchsorted(number, of.number[known])] = values[known]
+    return out
+
+
+def _stacked(parts: Sequence[Array]) -> Array:
+    return np.concatenate(parts) if parts else np.zeros((0, 3))

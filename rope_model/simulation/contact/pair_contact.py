@@ -1,0 +1,219 @@
+"""Where one rope presses another: physics.rope_on_rope between two ropes, of all places at once.
+
+Places stand along the first rope, evenly, whatever its mesh: a place keeps its number from step to step.  Each is
+looked at against the nearest place of each strand of the other rope.  Which elements are near each other follows from
+boxes around them.
+"""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...parameters import Scene
+from ...physics import hermite
+from ...physics.outline import enclosing_box
+from ...physics.rope_on_rope import (
+    APART,
+    CORRECTIONS,
+    MOST_STRANDS,
+    PROBES,
+    SPACING,
+    STRETCH,
+    nearer_place,
+    rope_touch,
+)
+from ..balance_rope import BalanceRope
+from ..rope_system import Array
+from .point_forces import at_places, elements_at
+from .self_contact import TANGENT_ENTRIES, strands
+
+#: places that are looked at by their middle first
+GROUP = 16
+
+Numbers = np.ndarray[Any, np.dtype[np.int64]]
+
+
+class Rows(NamedTuple):
+    """A rope's nodes: arc lengths, r and r' in the shaft (nodes, 6), and their rates; its elements' lengths and boxes.
+
+    Boxes (6, elements) have centre and half widths.
+    """
+
+    s: Array
+    q: Array
+    v: Array
+    lengths: Array
+    boxes: Array
+
+    def places(self, s: Array) -> Array:
+        """(n, 3): at arc lengths."""
+        return at_places(self.q, *elements_at(s, self.lengths))
+
+    def speeds(self, s: Array) -> Array:
+        """(n, 3): at arc lengths."""
+        return at_places(self.v, *elements_at(s, self.lengths))
+
+
+def rows_of(rope: BalanceRope, origin: Array) -> Rows:
+    """The nodes of a rope that counts its places from ``origin`` (3,)."""
+    s, q, v = np.split(rope.rows(), (1, 7), axis=1)
+    q[:, :3] += origin
+    lengths = np.diff(s[:, 0])
+    return Rows(s[:, 0], q, v, lengths, np.array(enclosing_box(lengths, q[:-1].T, q[1:].T)))
+
+
+class Pressing(NamedTuple):
+    """Places of two ropes that press each other, in ascending order of their numbers."""
+
+    number: Numbers  # (m,)
+    s: Array  # (2, m), arc lengths on the one and the other, m
+    force: Array  # (m, 3), on the one, N
+    spring: Array  # (m, 3), the part of it that stores energy
+    tangent: Array  # (m, 3, 3), N/m
+    pressure: Array  # (m,), N
+    energy: float  # J
+    place: Array  # (m, 3), m
+
+
+NOTHING = Pressing(
+    np.zeros(0, dtype=np.int64),
+    np.zeros((2, 0)),
+    np.zeros((0, 3)),
+    np.zeros((0, 3)),
+    np.zeros((0, 3, 3)),
+    np.zeros(0),
+    0.0,
+    np.zeros((0, 3)),
+)
+
+
+class Pair:
+    """Two ropes that may touch."""
+
+    def __init__(self, one: Scene, other: Scene) -> None:
+        self._law = one.shaft.contact
+        self._lossless = SimpleNamespace(**(vars(self._law) | {"damping": 0.0, "friction": 0.0}))
+        self.diameter = 0.5 * (one.rope.diameter + other.rope.diameter)
+        self._spacing = one.rope.length / math.ceil(one.rope.length / (SPACING * self.diameter))
+
+    def pressing(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> Pressing:
+        """Where they press each other, with the tangent along (c[0], c[1]) of places and speeds.
+
+        They are taken to be thinner by ``inset`` (m).
+        """
+        near = self._near(one, other)
+        if not near[0].size:
+            return NOTHING
+        number, s = self._touching(*self._nearest(one, other, *near), self.diameter - inset)
+        return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NOTHING
+
+    def inset(self, one: Rows, other: Rows) -> float:
+        """By how much (m) the one is within the other, where it is most."""
+        near = self._near(one, other)
+        distance = self._nearest(one, other, *near)[-1] if near[0].size else np.zeros(0)
+        return max(self.diameter - float(distance.min(initial=self.diameter)), 0.0)
+
+    def _near(self, one: Rows, other: Rows) -> tuple[Numbers, Numbers]:
+        """Elements of the one, and of the other, that may touch."""
+        (low, high), (their_low, their_high) = (
+            ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1)) for x in (one, other)
+        )
+        if (low - their_high >= self.diameter).any() or (their_low - high >= self.diameter).any():
+            return NOTHING.number, NOTHING.number
+        mine, theirs = one.boxes[:, :, None], other.boxes[:, None]
+        gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
+        found = np.nonzero((gaps < self.diameter).all(axis=0))
+        return found[0], found[1]
+
+    def _nearest(self, one: Rows, other: Rows, mine: Numbers, theirs: Numbers) -> tuple[Numbers, Array, Array, Array]:
+        """Numbers and arc lengths of places on the one, arc lengths of the nearest on the other, their distances."""
+        # numbers of the places on each of my elements, in groups; far groups are left out by their middles
+        first = np.ceil(one.s / self._spacing - 0.5).astype(np.int64)
+        groups, start = _expanded(-(-np.diff(first)[mine] // GROUP))
+        start = first[mine[groups]] + GROUP * start
+        stop = np.minimum(start + GROUP, first[mine[groups] + 1])
+        middle: Any = 0.5 * (start + stop) * self._spacing
+        theirs = theirs[groups]
+        ends, l = _ends(other, theirs), other.lengths[theirs]
+        reach = self.diameter + STRETCH * (GROUP * self._spacing + 0.5 * (PROBES[1] - PROBES[0]) * l)
+        near = _probed(ends, l, one.places(middle)).min(axis=0) < reach
+        groups, number = _expanded((stop - start)[near])
+        number, theirs = start[near][groups] + number, theirs[near][groups]
+        s: Any = (number + 0.5) * self._spacing
+        their_s, distance = _projected(other, theirs, one.places(s))
+        return number, s, their_s, distance
+
+    def _touching(
+        self, number: Numbers, s: Array, their_s: Array, distance: Array, diameter: float
+    ) -> tuple[Numbers, Array]:
+        """Of what is near, what touches, once for each strand; a place's strands are numbered along the other rope."""
+        order = np.lexsort((their_s, distance, number))
+        order = order[distance[order] < diameter]
+        _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
+        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < APART * self.diameter
+        kept = [(order[begin], 0 * begin)]
+        for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
+            here = order[number[order] == number[order[k]]]
+            taken = here[strands(their_s[here].tolist(), APART * self.diameter)]
+            ranks = np.argsort(np.argsort(their_s[taken]))
+            kept[0][1][kept[0][0] == taken[0]] = ranks[0]
+            kept.append((taken[1:], ranks[1:]))
+        found, rank = (np.concatenate(x) for x in zip(*kept, strict=True))
+        name = number[found] * MOST_STRANDS + rank
+        found = found[np.argsort(name)]
+        return np.sort(name), np.array((s[found], their_s[found]))
+
+    def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> Pressing:
+        r, their_r = one.places(s[0]), other.places(s[1])
+        apart, speed = (r - their_r).T, (one.speeds(s[0]) - other.speeds(s[1])).T
+        law = rope_touch(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
+        spring = rope_touch(self._lossless, diameter, apart, speed, 1.0, 0.0)
+        tangent = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
+        energy = float(np.sum(law.sums[0]) * self._spacing)
+        force, spring_force = (self._spacing * np.array(x.force).T for x in (law, spring))
+        return Pressing(
+            number,
+            s,
+            force,
+            spring_force,
+            self._spacing * tangent,
+            self._spacing * np.asarray(law.sums[-1]),
+            energy,
+            0.5 * (r + their_r),
+        )
+
+
+def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
+    """Which of the counts each thing counted belongs to, and its number there."""
+    of = np.arange(counts.size).repeat(counts)
+    return of, np.arange(of.size) - (np.cumsum(counts) - counts).repeat(counts)
+
+
+def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Array]:
+    """Arc lengths of the places of elements that are nearest to points (m, 3), and their distances, m."""
+    l, ends = rope.lengths[elements], _ends(rope, elements)
+    xi = np.array(PROBES)[_probed(ends, l, points).argmin(axis=0)]
+    rows = np.ascontiguousarray(ends.reshape(-1, 12).T)
+    for _ in range(CORRECTIONS):
+        xi = nearer_place(xi, l, points.T, rows[:6], rows[6:])
+    return rope.s[elements] + xi * l, _distances(ends, l, points, xi)
+
+
+def _ends(rope: Rows, elements: Numbers) -> Array:
+    """(m, 4, 3): r, r' at both nodes."""
+    return np.concatenate((rope.q[elements], rope.q[elements + 1]), axis=1).reshape(-1, 4, 3)
+
+
+def _probed(ends: Array, l: Array, points: Array) -> Array:
+    """(probes, m): distances of points from PROBES of elements."""
+    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in PROBES])
+
+
+def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:
+    """(m,): of points from places of elements with these ``ends``, m."""
+    found: Array = np.linalg.norm(np.einsum("kn,nki->ni", np.array(hermite.shares(xi, l)), ends) - points, axis=1)
+    return found

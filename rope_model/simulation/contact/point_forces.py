@@ -1,0 +1,83 @@
+"""Forces that a host puts on places of the rope, between two instants that they change linearly between.
+
+They act on the rope from when they are applied until others are; they are no part of its state.  On the nodes of an
+element they act by its shape functions, so that their power is that of the places they act on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...physics import hermite
+from ...physics.point_forces import part_of_time
+from ..rope_system import ANGLE, POSITION, SLOPE, Array
+
+#: of the rope's length, by which places may be off its ends
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class PointForces:
+    """Places ``s`` (n,), m along the rope, in ascending order, and the forces on them (n, 3), N, at two instants, s."""
+
+    s: Array
+    at_start: Array
+    at_stop: Array
+    start: float
+    stop: float
+
+    def __post_init__(self) -> None:
+        shape = (self.s.size, 3)
+        if not (self.at_start.shape == shape == self.at_stop.shape):
+            shapes = f"{self.at_start.shape} and {self.at_stop.shape}"
+            raise ValueError(f"forces have the shapes {shapes}, both must be {shape}: give three components per place")
+        if not self.start < self.stop:
+            raise ValueError(f"start = {self.start:g} s must be before stop = {self.stop:g} s: give the step's ends")
+        if not (np.diff(self.s) >= 0.0).all():
+            raise ValueError("s goes back along the rope and must ascend: sort the places")
+
+    def require_on(self, length: float) -> None:
+        """Raise ValueError unless all places are on a rope of this ``length`` (m), but for rounding."""
+        if self.s.size and not (-ROUNDING * length <= self.s[0] and self.s[-1] <= (1.0 + ROUNDING) * length):
+            reach = f"from {self.s[0]:g} m to {self.s[-1]:g} m"
+            raise ValueError(
+                f"s goes {reach} and must be between 0 and the rope's length = {length:g} m: mend the places"
+            )
+
+    def at(self, t: float) -> Array:
+        """(n, 3): at ``t``, N."""
+        part = part_of_time(self.start, self.stop, t)
+        now: Array = self.at_start + part * (self.at_stop - self.at_start)
+        return now
+
+
+NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.0)
+
+
+def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
+    """The element that each place is in, and the shares (4, n) of its nodes' r, r'."""
+    ends = np.cumsum(lengths)
+    elements: Any = np.searchsorted(ends[:-1], s)
+    l = lengths[elements]
+    return elements, np.array(hermite.shares((s - (ends[elements] - l)) / l, l))
+
+
+def at_places(x: Array, elements: Array, shares: Array) -> Array:
+    """(n, 3): what rows (nodes, 6 or more) of r, r' have there."""
+    ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
+    found: Array = np.einsum("kn,nki->ni", shares, ends)
+    return found
+
+
+def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
+    """(nodes, 7): what they are at the nodes, at ``t``."""
+    found, now = np.zeros((lengths.size + 1, 7)), forces.at(t)
+    elements: Any
+    elements, shares = elements_at(forces.s, lengths)
+    for k, share in enumerate(shares):
+        columns = (POSITION, SLOPE)[k % 2]
+        np.add.at(found[:, columns], elements + k // 2, share[:, None] * now)
+    return found

@@ -1,0 +1,218 @@
+"""The rope's equations of motion where it may touch itself: physics.rope_on_rope in a RopeSystem.
+
+Which elements are near each other follows from boxes around them.  Along an element of such a pair the distance changes
+by no more than the way along it, so that places which are certainly far are left out: what a leg's length of rope costs
+is then a few looks.  Nothing is remembered: the state has no part in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...numerics.coupled_newton import Iterate, conjugate_gradients
+from ...numerics.generalized_alpha import Solution
+from ...parameters import Scene
+from ...physics import hermite
+from ...physics.contact import SUMS, Touch
+from ...physics.outline import enclosing_box
+from ...physics.rope_on_rope import (
+    APART,
+    CORRECTIONS,
+    MOST_STRANDS,
+    PROBES,
+    nearer_place,
+    places,
+    places_skipped,
+    rope_touch,
+)
+from ..rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
+
+#: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
+TANGENT_ENTRIES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+#: from the number of an element to those of its nodes, of two elements
+_ENDS = np.array([0, 1, 0, 1])
+
+
+class RopeTouch(NamedTuple):
+    """Two places that press each other: their elements, what they take of r, r' of the nodes, length, the law."""
+
+    elements: tuple[int, int]
+    shares: tuple[float, ...]  # (8,) those of the second element's nodes negative
+    weight: float
+    touch: Touch
+
+
+class RopeTouches:
+    """All of them at one instant, (m,): what they do to the nodes."""
+
+    def __init__(self, found: list[RopeTouch]) -> None:
+        self.any = bool(found)
+        self._nodes = np.array([x.elements for x in found], dtype=int).reshape(-1, 2).repeat(2, axis=1) + _ENDS
+        self._shares = np.array([x.shares for x in found]).reshape(-1, 4, 2)
+        self._weights = np.array([x.weight for x in found])
+        self._forces = np.array([x.touch.force for x in found]).reshape(-1, 3)
+        self._tangents = np.array([x.touch.tangent for x in found]).reshape(-1, 6)[:, TANGENT_ENTRIES]
+        self._sums = np.array([x.touch.sums for x in found]).reshape(-1, len(SUMS))
+
+    def sums(self) -> dict[str, float]:
+        """Energy (J), dissipation (W), the couple that friction leaves (N m) and the pressure (N)."""
+        total = dict(zip(SUMS, (self._weights @ self._sums).tolist(), strict=True))
+        couple = {f"contact_{name}": total[name] for name in ("mx", "my", "mz")}
+        dissipated = {"contact_dissipated": total["dissipated"]}
+        return {"contact": total["energy"], **dissipated, **couple, "rope": total["pressure"]}
+
+    def take_force(self, R: Array) -> None:
+        """Subtract the forces on the nodes from ``R`` (nodes, 7)."""
+        self._spread(-self._forces, R)
+
+    def times(self, x: Array) -> Array:
+        """The tangent's product with ``x`` (nodes, 7)."""
+        rows = x[self._nodes, : SLOPE.stop].reshape(-1, 8, 3)
+        apart = np.einsum("mk,mki->mi", self._shares.reshape(-1, 8), rows)
+        y = np.zeros_like(x)
+        self._spread(np.einsum("mij,mj->mi", self._tangents, apart), y)
+        return y
+
+    def _spread(self, f: Array, y: Array) -> None:
+        weighted = self._weights[:, None] * f
+        for k, columns in enumerate((slice(0, SLOPE.start), SLOPE)):
+            np.add.at(y[:, columns], self._nodes, self._shares[..., k, None] * weighted[:, None, :])
+
+
+def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> RopeTouches:
+    """Where a rope in elements of these ``lengths`` presses itself, with the tangent along (cq, cv) of q and v."""
+    rows, speeds, found = _rows(q), _rows(v), []
+    diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
+    start = (np.cumsum(lengths) - lengths).tolist()
+    for e, shares, weight, point, touching in _touching(q, rows, lengths, diameter):
+        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], APART * diameter):
+            _, other, xi = touching[n]
+            partner = hermite.shares(xi, l[other])
+            apart = _difference(point, _at(rows, other, partner))
+            speed = _difference(_at(speeds, e, shares), _at(speeds, other, partner))
+            one = rope_touch(law, diameter, apart, speed, cq, cv)
+            found.append(RopeTouch((e, other), (*shares, *(-share for share in partner)), weight, one))
+    return RopeTouches(found)
+
+
+def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]:
+    """By how much (m) the rope lies in itself, at most, and at which height (m); 0 and no height where it does not."""
+    found = _touching(q, _rows(q), lengths, diameter)
+    return max(((diameter - near[0][0], point[1]) for *_, point, near in found if near), default=(0.0, math.nan))
+
+
+def _touching(
+    q: Array, rows: list[list[float]], lengths: Array, diameter: float
+) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
+    """Places of elements whose boxes touch: element, shares, length, place, and what is near: distance, element, xi."""
+    l = lengths.tolist()
+    for e, others in _near(q, lengths, diameter):
+        number, k = int(places(l[e], diameter)), 0
+        weight = l[e] / number
+        while k < number:
+            shares = hermite.shares((k + 0.5) / number, l[e])
+            point = _at(rows, e, shares)
+            near = sorted(_nearest(rows, l[o], o, point) for o in others)
+            yield e, shares, weight, point, [x for x in near if x[0] < diameter]
+            k += 1 + int(places_skipped(near[0][0], diameter, weight, number))
+
+
+class SelfTouchingRope(RopeSystem):
+    """A RopeSystem with what ``scene`` has of contact of the rope with itself."""
+
+    def __init__(self, scene: Scene, *parts: Any) -> None:
+        super().__init__(*parts)
+        self.scene = scene
+
+    def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> RopeTouches:
+        """Where the rope presses itself, with the tangent along (cq, cv) of q and v."""
+        return touches_of(self.scene, q, v, self.lengths, cq, cv)
+
+    def _newton(
+        self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
+    ) -> Solution[Evaluation]:
+        if not self.touches(q, v).any:
+            found = super()._newton(near, q, v, a, reaction, c, tolerance)
+            if not self.touches(found.q, found.v).any:
+                return found
+        return self._iterate(near, q, v, a, reaction, c, tolerance)
+
+    def _coupling(self, at: Iterate, c: Array) -> Callable[[Array], Array] | None:
+        return self.touches(at.q, at.v, float(c[0]), float(c[1])).times
+
+    def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
+        touches = self.touches(q, v)
+        R = found.reaction.copy()
+        touches.take_force(R)
+        return Evaluation(R, found.balance | {"contact": found.balance["contact"] + touches.sums()["contact"]})
+
+    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+        touches = self.touches(q, v, float(c[0]), float(c[1]))
+        if not touches.any:
+            return super().newton_step(q, v, a, reaction, c)
+        R = self.evaluate(q, v, a, reaction).reaction
+        solve = self._solver(*self._with_bodies(self._near(q, 0.0), q, v), Iterate(q, v, a, reaction), c)
+        return conjugate_gradients(solve, touches.times, R), R
+
+    def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
+        return self._with_touches(super().evaluate(q, v, a, reaction), q, v)
+
+    def outside(self, q: Array, v: Array) -> dict[str, float]:
+        found, more = super().outside(q, v), self.touches(q, v).sums()
+        return {**found, **{name: found[name] + value for name, value in more.items()}}
+
+    def losses(self, q: Array, v: Array) -> Losses:
+        found = super().losses(q, v)
+        return found._replace(contact=found.contact + self.touches(q, v).sums()["contact_dissipated"])
+
+
+def _near(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
+    """Elements that may touch others, and which of those to their right."""
+    rows = q[:, : SLOPE.stop].T
+    box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
+    gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
+    start = np.cumsum(lengths) - lengths
+    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= APART * diameter)
+    return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
+
+
+def strands(s: list[float], reach: float) -> list[int]:
+    """Which of the places ``s``, nearest first, are of strands of their own: ``reach`` or more from those before."""
+    taken: list[int] = []
+    for n, place in enumerate(s):
+        if len(taken) < MOST_STRANDS and all(abs(place - s[before]) >= reach for before in taken):
+            taken.append(n)
+    return taken
+
+
+def _rows(x: Array) -> list[list[float]]:
+    """r and r' of the nodes, or their speeds."""
+    rows: list[list[float]] = x[:, : SLOPE.stop].tolist()
+    return rows
+
+
+def _at(rows: list[list[float]], element: int, shares: tuple[float, ...]) -> tuple[float, float, float]:
+    """Place of an element, or its speed."""
+    a, b = rows[element], rows[element + 1]
+    x, y, z = (shares[0] * a[k] + shares[1] * a[k + 3] + shares[2] * b[k] + shares[3] * b[k + 3] for k in range(3))
+    return x, y, z
+
+
+def _difference(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(x - y for x, y in zip(a, b, strict=True))
+
+
+def _nearest(rows: list[list[float]], l: float, element: int, point: tuple[float, ...]) -> tuple[float, int, float]:
+    """Distance (m) of the element from ``point``, the element, and where in it."""
+
+    def distance(xi: float) -> float:
+        return float(np.linalg.norm(_difference(_at(rows, element, hermite.shares(xi, l)), point)))
+
+    xi = min(PROBES, key=distance)
+    for _ in range(CORRECTIONS):
+        xi = nearer_place(xi, l, point, rows[element], rows[element + 1])
+    return distance(xi), element, xi

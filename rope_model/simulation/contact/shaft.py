@@ -1,0 +1,150 @@
+"""The rope among the bodies of its scene: where they are, how near it comes to them, when it passes through something.
+
+The clearance from a kind of bodies is the least distance of the rope's surface from one of them over the whole centre
+line, not over samples of it: a piece of an element is looked at more closely, half by half, as long as the upright box
+about it comes nearer to the body than the nearest place that is known, by RESOLUTION or more.  A straight leg along a
+wall fills no such box, so it costs no more than its nodes.  A conveyance and its head ropes are what the other leg,
+from the lowest node on, may come near: the rope's own end hangs below them.
+
+The rope lies in itself where contact would press it, or presses it (self_contact).  The legs pass through each other,
+or one of them through what hangs above the other's end, where the turns over the height (diagnostics.loop_turns) jump
+by one, which the loop's yaw, counted in time, does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...parameters import Scene
+from ...physics.outline import enclosing_box, middle, turns
+from ...physics.shaft import KINDS, distance, least_distance
+from ..mesh.adaptation import nearest_turn
+from ..outputs.diagnostics import direction, legs_apart, loop_bottom, loop_turns
+from ..rope_system import SLOPE
+from ..state import Crossing, Nearest, RopeState
+from .bodies import Placed, bodies
+from .self_contact import overlap_of
+
+#: kinds of bodies in words
+BODIES = {
+    "lining": "the shaft's lining",
+    "conveyance": "a conveyance",
+    "head_ropes": "head ropes",
+    "divider": "a divider",
+    "floor": "the sump's floor",
+}
+#: m: by how much a clearance may be less than what is found
+RESOLUTION = 1e-3
+#: rad: legs that are apart have crossed if the loop has yawed by more
+TURNED_FAR = 0.5 * math.pi
+#: s: in this time a rope that swings at 10 m/s moves by less than bodies are thick
+LOOK_EVERY = 0.01
+#: of each kind
+NOT_NEAR = (Nearest(),) * len(KINDS)
+
+
+class _Search:
+    """The place of the rope, from one node to another, that is nearest to a body."""
+
+    def __init__(self, placed: Placed, nodes: tuple[int, int], radius: float, t: float, known: Nearest) -> None:
+        self.kind, self._body, self.nearest = placed.kind, placed.body, known
+        self.first, self.last = nodes
+        self._radius, self._t = radius, t
+
+    def beats(self, box: Any) -> Any:
+        """Whether what is in this box, or in each of several, may be nearer than what is known."""
+        return least_distance(box[:3], box[3:], self._body) - self._radius < self.nearest.clearance - RESOLUTION
+
+    def look(self, s: float, place: Any) -> None:
+        """Compare the place at arc length ``s`` with the nearest."""
+        clearance = distance(place, self._body) - self._radius
+        if clearance < self.nearest.clearance:
+            now = self._t if clearance <= 0 < self.nearest.clearance else self.nearest.touched_at
+            self.nearest = Nearest(clearance, self._t, s, place[1], now)
+
+    def refine(self, s: float, length: float, a: Any, b: Any) -> None:
+        """Look at the piece of this length from ``s`` on, between the places and slopes ``a`` and ``b``."""
+        if not self.beats(enclosing_box(length, a, b)):
+            return
+        half, between = 0.5 * length, middle(length, a, b)
+        self.look(s + half, between)
+        self.refine(s, half, a, between)
+        self.refine(s + half, half, between, b)
+
+
+def _searches(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
+    """One for each body, all from what is known."""
+    q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
+    around = [*bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
+    lowest = int(q[:, 1].argmin()) if around else 0
+    parts = (0, last), (lowest, last), (0, lowest)
+    return [
+        _Search(placed, parts[placed.moves_with + 1], 0.5 * scene.rope.diameter, t, known[placed.kind])
+        for placed in around
+    ]
+
+
+def _nearest_of(searches: Sequence[_Search], known: Sequence[Nearest]) -> tuple[Nearest, ...]:
+    found = list(known)
+    for search in searches:
+        if search.nearest.clearance < found[search.kind].clearance:
+            found[search.kind] = search.nearest
+    return tuple(found)
+
+
+def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[Nearest, ...]:
+    """Of each kind, the nearest place of the present rope, or the ``known`` one where none is nearer."""
+    if not (searches := _searches(scene, state, known)):
+        return known
+    lengths, s, rows = state.partition.lengths, state.partition.nodes_s.tolist(), state.motion.q[:, : SLOPE.stop]
+    box = np.array(enclosing_box(lengths, rows[:-1].T, rows[1:].T))
+    for search in searches:
+        part = slice(search.first, search.last)
+        for k in (np.flatnonzero(search.beats(box[:, part])) + search.first).tolist():
+            if search.beats(box[:, k].tolist()):
+                a, b = rows[k].tolist(), rows[k + 1].tolist()
+                search.look(s[k], a)
+                search.look(s[k + 1], b)
+                search.refine(s[k], float(lengths[k]), a, b)
+    return _nearest_of(searches, known)
+
+
+def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
+    """Of each kind, the nearest place of the present rope."""
+    searches, s = _searches(scene, state, NOT_NEAR), state.partition.nodes_s.tolist()
+    for search in searches:
+        for k in range(search.first, search.last + 1):
+            search.look(s[k], state.motion.q[k, : SLOPE.stop].tolist())
+    return nearer(scene, state, _nearest_of(searches, NOT_NEAR))
+
+
+def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
+    """With how far the rope lies in itself at the state's instant, where that is further than before."""
+    crossing = state.crossing
+    overlap, y = overlap_of(state.motion.q, state.partition.lengths, scene.rope.diameter)
+    if not overlap > crossing.overlap:
+        return crossing
+    touched_at = crossing.touched_at if crossing.overlap > 0 else state.motion.t
+    return crossing._replace(overlap=overlap, touched_at=touched_at, touched_y=y)
+
+
+def with_passages(scene: Scene, state: RopeState) -> RopeState:
+    """The state with what the rope came near to, and passed through, at its instant.
+
+    For the end of every communication step, and after LOOK_EVERY in longer ones.
+    """
+    q, lengths, t = state.motion.q, state.partition.lengths, state.motion.t
+    near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)
+    crossing = _with_overlap(scene, state) if near or scene.shaft.contact.rope_stiffness > 0 else state.crossing
+    if near or crossing.net != 0 or abs(state.loop_yaw - direction(q)) > TURNED_FAR:
+        bottom = loop_bottom(q, lengths)
+        sides, yaw = loop_turns(q, lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
+        net = float(np.rint(turns(yaw, direction(q), sides.number)))
+        if net != crossing.net:
+            since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
+            crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)
+    return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, looked_at=t)

@@ -1,0 +1,61 @@
+"""The bodies around a rope: where they are, how they move, and which elements are near them.
+
+A body that moves does so with an end of the rope, whose row in q and v has its place and speed.  What hangs below a
+conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...parameters import Scene
+from ...physics.contact import OWN_LENGTH
+from ...physics.contact_element import LAW
+from ...physics.outline import enclosing_box
+from ...physics.shaft import Body, least_distance
+from ..rope_system import POSITION, Array
+from .bodies import FIXED, bodies, may_touch
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The bodies of a scene, of these kinds in their order."""
+
+    scene: Scene
+    kinds: tuple[int, ...]
+
+    def numbers(self, q: Array, v: Array) -> Array:
+        """What P has of contact, as physics.contact_element takes it."""
+        law = {"diameter": self.scene.rope.diameter} | vars(self.scene.shaft.contact)
+        numbers = [law[name] for name in LAW]
+        for _, end, body in bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()):
+            speed = (0.0, 0.0, 0.0) if end == FIXED else v[-end, POSITION]
+            numbers += [*body.centre, *body.half, *body[2:], *speed]
+        return np.array(numbers)
+
+    def distances(self, q: Array, lengths: Array) -> Array:
+        """(elements, bodies): what the distance of an element's surface from a body (m) is at least."""
+        box = np.array(enclosing_box(lengths, q[:-1].T, q[1:].T))[:, :, None]
+        _, ends, placed = zip(*bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
+        found = least_distance(box[:3], box[3:], _together(placed))
+        along = np.cumsum(lengths) - 0.5 * lengths
+        own = np.array([along, along[-1] + 0.5 * lengths[-1] - along]) < OWN_LENGTH
+        for k, end in enumerate(ends):
+            if end != FIXED:
+                found[own[end], k] = np.inf
+        return np.asarray(found - 0.5 * self.scene.rope.diameter)
+
+
+def surroundings(scene: Scene) -> Surroundings | None:
+    """What the rope of ``scene`` may touch; None where there is nothing."""
+    kinds = tuple(placed.kind for placed in bodies(scene.shaft, 2 * [(0.0, 0.0, 0.0)]))
+    return Surroundings(scene, kinds) if may_touch(scene.shaft) else None
+
+
+def _together(placed: tuple[Body, ...]) -> Any:
+    """The bodies as one of which every number is an array."""
+    numbers = np.array([[*body.centre, *body.half, *body[2:]] for body in placed]).T
+    return Body(tuple(numbers[:3]), tuple(numbers[3:6]), *numbers[6:])

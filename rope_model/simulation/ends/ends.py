@@ -1,0 +1,143 @@
+"""The rope's two ends: how the conveyances move them, and how the swivels hold them.
+
+An end is vertical (tangent -Y on the left, +Y on the right); its position and tangent direction are prescribed, only
+the stretch |r'| is free.  theta is prescribed while the swivel holds and free while it slips:
+
+    theta = offset + s yaw + b,   s = -1 on the left, +1 on the right
+
+with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame: theta is
+counted from the left end on along the rope (physics.frame), so the right end's changes as the rope turns in space.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...parameters import Inputs, Swivel
+from ...physics.elementary import atan2
+from ...physics.swivel import friction_moment
+from ..messages import messages
+from ..rope_system import ANGLE, Array
+from .following import Following, Limits
+from .paths import PATH, REACH, EndMotion, EndPath
+from .swivel_phases import Phase as Phase
+from .swivel_phases import SwivelState as SwivelState
+from .swivel_phases import moment_of_swivel, swivel_friction
+
+#: sense of the conveyance's yaw in theta, left and right
+YAW_SENSE = (-1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class HangingEnds:
+    """A rope_system.Boundary: both ends on their paths, each swivel in its phase.
+
+    ``points`` are the nominal suspension points (2, 3), ``offsets`` those of theta (2,).
+    """
+
+    points: Array
+    paths: tuple[EndPath, EndPath]
+    swivels: tuple[Swivel, Swivel]
+    states: tuple[SwivelState, SwivelState]
+    offsets: tuple[float, float]
+
+    def free(self, nodes: int) -> NDArray[np.bool_]:
+        free = np.ones((nodes, 7), dtype=bool)
+        free[[0, -1]] = False
+        free[[0, -1], 4] = True
+        for node, state in zip((0, -1), self.states, strict=True):
+            free[node, ANGLE] = state.phase is Phase.SLIP
+        return free
+
+    def prescribed_motion(self, t: float, nodes: int) -> Array:
+        motion = np.zeros((3, nodes, 7))
+        for side, node in enumerate((0, -1)):
+            angle = self.offsets[side] + self.states[side].angle
+            motion[:, node] = held_end(self.paths[side], t, float(self.points[side, 0]), YAW_SENSE[side], angle)
+        return motion
+
+    def load(self, nodes: int) -> Array:
+        return self._slip_moments(nodes, [x.seal_moment for x in self.swivels])
+
+    def friction_load(self, nodes: int) -> Array:
+        return self._slip_moments(
+            nodes, [friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels]
+        )
+
+    def _slip_moments(self, nodes: int, moments: Sequence[float]) -> Array:
+        """(nodes, 7): ``moments`` against the slip of the ends that slip."""
+        load = np.zeros((nodes, 7))
+        for node, state, swivel, moment in zip((0, -1), self.states, self.swivels, moments, strict=True):
+            if state.phase is Phase.SLIP and swivel.mode != "free":
+                load[node, ANGLE] = -state.sign * moment
+        return load
+
+    def friction(self, side: int, reaction: Array, kinetic: bool) -> float:
+        """Moment (N m) the swivel's friction has, or at most has, at the end's present tension."""
+        swivel = self.swivels[side]
+        mu = swivel.mu_kinetic if kinetic else swivel.mu_static
+        return float(swivel_friction(swivel, mu, float(reaction[-side, 1])))
+
+    def moment(self, side: int, reaction: Array) -> float:
+        """Moment (N m, about the tangent) of the conveyance on the rope's end."""
+        tension, held = float(reaction[-side, 1]), float(reaction[-side, ANGLE])
+        return float(moment_of_swivel(self.swivels[side], self.states[side], tension, held))
+
+    def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
+        """The swivel's angle b (rad) and rate b_t (rad/s)."""
+        yaw, yaw_rate = self.paths[side].yaw(t)
+        return theta - self.offsets[side] - YAW_SENSE[side] * yaw, theta_t - YAW_SENSE[side] * yaw_rate
+
+
+def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: float) -> tuple[tuple[Any, ...], ...]:
+    """(3, 7): position, velocity and acceleration at ``t`` of an end that is held ``angle`` off its conveyance."""
+    (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
+    return (
+        (nominal_x + x, y, z, 0.0, 0.0, 0.0, sense * yaw + angle),
+        (vx, vy, vz, 0.0, 0.0, 0.0, sense * yaw_rate),
+        (ax, ay, az, 0.0, 0.0, 0.0, sense * yaw_acceleration),
+    )
+
+
+def nominal_points(spacing: float) -> Array:
+    """(2, 3): the suspension points at height zero."""
+    return np.array([[-0.5 * spacing, 0.0, 0.0], [0.5 * spacing, 0.0, 0.0]])
+
+
+def right_offset(left: Any, right: Any) -> Any:
+    """Offset (rad) of theta at the right end of an untwisted rope in the vertical plane of its ends at these points.
+
+    Turning that plane by psi about Y turns the frame by psi at the left end, by -psi at the right.
+    """
+    return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
+
+
+def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str:
+    """'' when an end can follow ``target`` on a path with these limits; else what is wrong, and a cure."""
+    for name, bound in REACH.items():
+        if -bound <= (value := getattr(target, name)) <= bound:
+            continue
+        if not math.isfinite(value):
+            return messages.input_not_finite(side, name, value)
+        return messages.input_out_of_range(side, name, value, bound)
+    worst = [max(range(4), key=sizes.__getitem__) for sizes in limits]
+    for sizes, k, units in zip(limits[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
+        if not sizes[k] <= inputs.misfit_max:
+            return messages.input_misfit(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max)
+    if not limits.peaks[worst[0]] <= inputs.acceleration_max:
+        unit = "rad/s^2" if worst[0] == 3 else "m/s^2"
+        return messages.inputs_do_not_fit(side, PATH[worst[0]], limits.peaks[worst[0]], unit, inputs.acceleration_max)
+    return ""
+
+
+def frozen(inputs: Inputs, t: float, following: Following, side: str) -> str:
+    """'' while an end is given new samples; else since when it is not."""
+    if following.held > 0 and t - following.given_at > inputs.hold_max:
+        return messages.inputs_frozen(side, t - following.given_at, inputs.hold_max)
+    return ""

@@ -1,0 +1,335 @@
+"""How the rope's ends follow the motions that their host gives.
+
+Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower
+parts repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The
+end's motion x is therefore a state of its own.  It integrates the given acceleration A and draws the given position X
+and speed V in slowly, as a critically damped observer of second order:
+
+    x_tt = A + 2 w (V - x_t) + w^2 (X - x).
+
+Its bandwidth w follows from the accuracy asked for: a misfit as large as the error of the loop's place, e_L, must not
+disturb the end forces by more than their error, e_F.  It does so by w^2 e_L / g, so w = sqrt(e_F g / e_L).
+
+A smooth motion leaves a remainder too: the quintic path between two samples knows only the accelerations at its ends.
+What their change within a step explains is therefore met within the step, and only the rest is left to the observer.
+A motion that fits is followed exactly.
+
+What a host does not give is estimated by fading-memory filters: E. Brookner, Tracking and Kalman Filtering Made Easy,
+1998, chapter 7.  A filter of n-th order with the bandwidth W lags behind an acceleration of the rate J by n J / W.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import chain
+from typing import Any, NamedTuple
+
+from ...numerics import quintic
+from ...numerics.program import Program
+from ...physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
+from ...physics.estimates import axial_frequency
+from .paths import PATH, RESTS_BELOW, EndMotion, EndPath
+
+#: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits
+LEAST_JERK = 0.1
+#: rad/s^3: the same of a yaw, which twists the rope alone; torsion is softer, and FMI gives no acceleration of yaw
+LEAST_YAW_JERK = 100.0
+_JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
+#: of the slowest axial wave of the whole rope: a filter as fast as that would pass on what sets it swinging
+ESTIMATE_SHARE = 1.0 / 3.0
+#: m: positions are looked at for being whole multiples of these, and how closely
+GRIDS, ON_GRID = (1e-2, 1e-3, 1e-4, 1e-5), 1e-6
+#: s: positions of 1e4 m are rounded by 2e-12 m; met in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
+SHORTEST_AIM = 1e-5
+#: m/s: least change of speed between two samples from which a broken line can be told
+LEAST_CHANGE = 2e-4
+#: parts of that change: below the one the line is straight, above the other it is broken
+STRAIGHT, BROKEN = 0.2, 1.8
+#: breaks behind pieces of one length that make a table, and the part by which these lengths may differ
+FEWEST_BREAKS = 8.0
+ALIKE = 0.01
+
+Four = tuple[float, float, float, float]
+Axis = tuple[float, float, float]
+
+
+class Following(NamedTuple):
+    """What an end was given last, how it follows, and what was amiss since the start; y alone tells the causes."""
+
+    given: tuple[float, float, float, float, float, float, float, float, float, float, float] = (0.0,) * 11
+    given_at: float = 0.0  # s, of the latest sample that is no repetition
+    motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
+    asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
+    lively: Four = (0.0,) * 4  # largest recent changes of those between two steps
+    time: float = 0.0  # s
+    position: float = 0.0  # m, largest misfit
+    speed: float = 0.0  # m/s
+    acceleration: float = 0.0  # m/s^2
+    squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
+    wave: tuple[float, float] = (
+        0.0,
+        0.0,
+    )  # m/s^2, of the leg's slowest axial wave, now and a quarter of a period later
+    lag: float = 0.0  # m/s^2, of an estimated acceleration of y behind the true one
+    force: float = 0.0  # N^2 s, time integral of the square of the end force's error
+    drift: float = 0.0  # m, slow part of the misfit of y
+    farthest: float = 0.0  # m, largest size of it
+    repeats: float = 0.0  # steps that were given the sample of an earlier one
+    held: float = 0.0  # steps since the latest sample
+    sent_every: float = 0.0  # s, between the latest samples with repetitions between them
+    grid: float = 1.0  # m, coarsest of GRIDS on which all positions lie; 1 before the first, 0: none
+    samples: float = 0.0  # of an end that moves
+    slope: float = 0.0  # m/s, of y between the latest two samples
+    straight: float = 0.0  # samples since y's line was broken last
+    broken_at: float = 0.0  # s
+    breaks: float = 0.0  # behind straight pieces that took as long as the one before
+    table_every: float = 0.0  # s, between the latest two
+
+    @staticmethod
+    def at_rest(t: float, at: EndMotion) -> Following:
+        """Before anything moves."""
+        x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
+        return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
+
+
+class Rates(NamedTuple):
+    """Bandwidths, rad/s: of the observer, and of the filters for what is not given."""
+
+    observer: float
+    estimate: float
+
+
+def follow_rates(scene: Any) -> Rates:
+    """Bandwidths as chosen, or as they follow from the accuracy asked for and from the rope."""
+    chosen, accuracy = scene.inputs, scene.accuracy
+    derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
+    slowest = ESTIMATE_SHARE * axial_frequency(scene.rope, scene.rope.length)
+    return Rates(
+        where(chosen.bandwidth > 0, chosen.bandwidth, derived),
+        where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),
+    )
+
+
+def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end: Any) -> Following:
+    """``now`` with what the host gives of the instant ``given_at`` for a step ``h``, unless it is a repetition.
+
+    ``trusted`` is the place of inputs.given among its choices.
+    """
+    values = tuple(vars(end).values())
+    moves = either(*(abs(value) > RESTS_BELOW for value in (end.vx, end.vy, end.vz, end.yaw_rate)))
+    repeated = both(trusted <= 1, moves, *(a == b for a, b in zip(values, now.given, strict=True)))
+    since = larger(given_at - now.given_at, h)
+    motion = []
+    speeds = (*end.velocity, end.yaw_rate)
+    # FMI gives no yaw acceleration: take the mean since the sample before
+    accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / since)
+    for was, x, v, a in zip(now.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
+        new = _completed(was, trusted, exp(-rates.estimate * since), since, (x, v, a))
+        motion.append(tuple(where(repeated, old, found) for old, found in zip(was, new, strict=True)))
+    fades = exp(-rates.estimate * h)
+    lively = tuple(
+        larger(abs(axis[2] - asked), fades * before)
+        for axis, asked, before in zip(motion, now.asked, now.lively, strict=True)
+    )
+    looked = _looked_at(now, given_at, since, end, either(*(abs(v) > RESTS_BELOW for v in speeds)))
+    kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
+    sampled: Following = now._replace(
+        given=values,
+        given_at=where(repeated, now.given_at, given_at),
+        motion=tuple(motion),
+        lively=lively,
+        repeats=now.repeats + where(repeated, 1.0, 0.0),
+        held=where(repeated, now.held + 1.0, 0.0),
+        sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
+        **kept,
+    )
+    return sampled
+
+
+def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
+    """Position, speed and acceleration of one coordinate, ``h`` after they ``was``, by what is trusted of ``sample``.
+
+    ``kept`` is the part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3.
+    """
+    x, v, a = was
+    lost = 1.0 - kept
+    ahead, faster = quintic.extrapolate(x, v, a, h)
+    by_speed, by_place = sample[1] - faster, sample[0] - ahead
+    speed, acceleration = faster + (1.0 - kept * kept) * by_speed, a + lost * lost / h * by_speed
+    integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
+    place = ahead + (1.0 - kept * kept * kept) * by_place
+    speed_of_place = faster + 1.5 * lost * lost * (1.0 + kept) / h * by_place
+    acceleration_of_place = a + lost * lost * lost / (h * h) * by_place
+    return (
+        where(trusted <= 1, sample[0], where(trusted <= 2, place, integrated)),
+        where(trusted <= 0, sample[1], where(abs(trusted - 2) < 0.5, speed_of_place, speed)),
+        where(trusted <= 0, sample[2], where(abs(trusted - 2) < 0.5, acceleration_of_place, acceleration)),
+    )
+
+
+def _looked_at(now: Any, given_at: Any, since: Any, end: Any, moves: Any) -> dict[str, Any]:
+    """What a new sample tells of the grid that positions lie on, and of a table that they are interpolated in."""
+    fits: Any = 0.0
+    for grid in reversed(GRIDS):
+        place = end.y / grid
+        fits = where(abs(place - floor(place + 0.5)) < ON_GRID, grid, fits)
+    slope = (end.y - now.motion[1][0]) / since
+    change, expected = abs(slope - now.slope), abs(end.ay) * since
+    seen = expected > LEAST_CHANGE
+    breaks = both(seen, change > BROKEN * expected)
+    straight = both(seen, change < STRAIGHT * expected)
+    counts, piece = both(breaks, now.straight > 0), given_at - now.broken_at
+    found = now.breaks >= FEWEST_BREAKS
+    alike = either(found, abs(piece - now.table_every) < ALIKE * piece)
+    return {
+        "grid": where(moves, smaller(now.grid, fits), now.grid),
+        "samples": now.samples + where(moves, 1.0, 0.0),
+        "slope": slope,
+        "straight": where(straight, now.straight + 1.0, 0.0),
+        "broken_at": where(breaks, given_at, now.broken_at),
+        "breaks": where(counts, where(alike, now.breaks + 1.0, 1.0), now.breaks),
+        "table_every": where(both(counts, 1 - found), piece, now.table_every),
+    }
+
+
+def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
+    """The path from the end of ``path`` on, that follows what is given until ``stop``; a short one leads beyond."""
+    start = path.stop
+    h = larger(stop - start, SHORTEST_AIM)
+    ahead = stop - now.given_at + (h - (stop - start))
+    places, speeds, accelerations = path.motion(start)
+    axes = (
+        _followed(bandwidth, ahead, h, *axis)
+        for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
+    )
+    x, y, z, yaw = axes
+    return EndPath(start, stop, (x, y, z, yaw))
+
+
+def _followed(
+    w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
+) -> tuple[Any, ...]:
+    """The quintic of one coordinate from x, v, a on, over the step ``h``."""
+    given_place, given_speed, acceleration = motion
+    place, speed = quintic.extrapolate(given_place, given_speed, acceleration, ahead)
+    # what the sample has beyond a motion of linear acceleration
+    faster = speed - v - 0.5 * h * (asked + acceleration)
+    farther = place - x - h * v - h * h / 6.0 * (2.0 * asked + acceleration)
+    change = abs(acceleration - asked)
+    rest_speed = _unexplained(faster, h * (change + 0.5 * lively + jerk * h))
+    rest_place = _unexplained(farther, h * h * (change + 0.125 * lively + jerk * h))
+    # the rest fades out as the observer has it, from the step's start on
+    at_start = rest_place - h * rest_speed
+    leaning = rest_speed + w * at_start
+    fades = exp(-w * h)
+    left, left_speed = (at_start + leaning * h) * fades, (rest_speed - w * leaning * h) * fades
+    return quintic.coefficients(
+        h,
+        *(x, v, a),
+        *(place - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)),
+    )
+
+
+def _unexplained(misfit: Any, explained: Any) -> Any:
+    """The part of a misfit that a motion which fits cannot have: none up to ``explained``, all from twice that on.
+
+    Continuous: masters that look for events vary the step.
+    """
+    return misfit - misfit * smaller(larger(2.0 - abs(misfit) / explained, 0.0), 1.0)
+
+
+class Limits(NamedTuple):
+    """Of an end's path: largest accelerations on it, sampled, and misfit of place and speed at its end, by PATH."""
+
+    peaks: Four
+    place: Four
+    speed: Four
+
+
+def follow_limits(path: Any, now: Any) -> Limits:
+    """What decides whether the path can be followed; NaN where a coordinate is."""
+    places, speeds, _ = path.motion(path.stop)
+    ahead = path.stop - now.given_at
+    missed = [
+        (abs(given[0] - x), abs(given[1] - v))
+        for given, x, v in zip(
+            (quintic.extrapolate(x, v, a, ahead) for x, v, a in now.motion), places, speeds, strict=True
+        )
+    ]
+    (x, vx), (y, vy), (z, vz), (yaw, yaw_t) = missed
+    return Limits(path.peak_accelerations(), (x, y, z, yaw), (vx, vy, vz, yaw_t))
+
+
+class Followed(NamedTuple):
+    """An end's next path, and what decides whether it can be followed."""
+
+    following: Following
+    path: EndPath
+    limits: Limits
+
+
+_PATH = 2 + 6 * len(PATH)
+_END = len(EndMotion.__dataclass_fields__)
+_FOLLOWING = 0
+
+
+def following_of(values: Iterable[Any]) -> Following:
+    """A Following from its numbers in a row."""
+    rest = iter(values)
+    return Following(*(_taken(rest, zero) for zero in Following()))
+
+
+def _taken(rest: Any, zero: Any) -> Any:
+    return tuple(_taken(rest, part) for part in zero) if isinstance(zero, tuple) else next(rest)
+
+
+def numbers_of(x: Any) -> list[Any]:
+    """The numbers of nested tuples in a row."""
+    return [n for part in x for n in numbers_of(part)] if isinstance(x, tuple) else [x]
+
+
+def path_of(x: Sequence[Any]) -> EndPath:
+    """The path of these numbers."""
+    return EndPath(x[0], x[1], (tuple(x[2:8]), tuple(x[8:14]), tuple(x[14:20]), tuple(x[20:26])))
+
+
+_FOLLOWING = len(numbers_of(Following()))
+
+
+def follow_program() -> Program:
+    """follow_sample, follow_path and follow_limits in CasADi's virtual machine, for ``follow``."""
+    return Program(_follow, _FOLLOWING + _PATH + 5 + _END)
+
+
+def follow(
+    program: Program,
+    now: Following,
+    path: EndPath,
+    rates: Rates,
+    trusted: int,
+    given_at: float,
+    stop: float,
+    end: EndMotion,
+) -> Followed:
+    """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
+    numbers = (*numbers_of(now), *path[:2], *chain(*path.coefficients))
+    found = program(*numbers, *rates, float(trusted), given_at, stop, *vars(end).values())
+    split = _FOLLOWING + _PATH
+    peaks, place, speed = found[split : split + 4], found[split + 4 : split + 8], found[split + 8 :]
+    return Followed(
+        following_of(found[:_FOLLOWING]),
+        path_of(found[_FOLLOWING:split]),
+        Limits(peaks, place, speed),  # type: ignore[arg-type]
+    )
+
+
+def _follow(x: Sequence[Any]) -> tuple[Any, ...]:
+    split = _FOLLOWING + _PATH
+    path, (observer, estimate, trusted, given_at, stop) = path_of(x[_FOLLOWING:split]), x[split : split + 5]
+    end = EndMotion(*x[split + 5 :])
+    now = follow_sample(
+        following_of(x[:_FOLLOWING]), Rates(observer, estimate), trusted, given_at, stop - path.stop, end
+    )
+    path = follow_path(path, now, stop, observer)
+    limits = follow_limits(path, now)
+    return (*numbers_of(now), *path[:2], *chain(*path.coefficients), *numbers_of(limits))

@@ -1,0 +1,143 @@
+"""How the conveyances move the rope's ends.
+
+Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
+acceleration are continuous whatever the host's step.  simulation.ends.following says where a path leads.  Works on
+numbers and CasADi expressions: C has its structures and formulas from here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any, NamedTuple
+
+from ...numerics import quintic
+from ...parameter_table import numeric_bounds, parameter, parameters_of
+from ...physics.elementary import larger, smaller
+
+SIDES = ("left", "right")
+#: columns of an end's path
+PATH = ("x", "y", "z", "yaw")
+#: m/s and rad/s: an end that moves no faster is at rest
+RESTS_BELOW = 1e-6
+
+#: m and rad, m/s and rad/s, m/s^2 and rad/s^2: motions beyond are refused
+FARTHEST, FASTEST, HARDEST = 1e4, 60.0, 100.0
+
+
+def _motion(unit: str, description: str, reach: float) -> float:
+    """A field of EndMotion; {side} stands for left or right."""
+    return parameter(0.0, unit, description, lower=-reach, upper=reach)
+
+
+@dataclass(frozen=True)
+class EndMotion:
+    """Motion of a conveyance's suspension point; x and z from the nominal point, y the height in the shaft.
+
+    Metres, seconds, radians; yaw about Y (up).
+    """
+
+    x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", FARTHEST)
+    y: float = _motion("m", "position of the {side} suspension point, up", FARTHEST)
+    z: float = _motion("m", "position of the {side} suspension point, out of plane", FARTHEST)
+    vx: float = _motion("m/s", "speed of the {side} suspension point, in plane", FASTEST)
+    vy: float = _motion("m/s", "speed of the {side} suspension point, up", FASTEST)
+    vz: float = _motion("m/s", "speed of the {side} suspension point, out of plane", FASTEST)
+    ax: float = _motion("m/s2", "acceleration of the {side} suspension point, in plane", HARDEST)
+    ay: float = _motion("m/s2", "acceleration of the {side} suspension point, up", HARDEST)
+    az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", HARDEST)
+    yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
+    yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
+
+    def extrapolate(self, h: float) -> EndMotion:
+        """The motion ``h`` seconds later if the accelerations stay as they are."""
+        x, vx = quintic.extrapolate(self.x, self.vx, self.ax, h)
+        y, vy = quintic.extrapolate(self.y, self.vy, self.ay, h)
+        z, vz = quintic.extrapolate(self.z, self.vz, self.az, h)
+        return EndMotion(x, y, z, vx, vy, vz, *self.acceleration, self.yaw + self.yaw_rate * h, self.yaw_rate)
+
+    def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
+        """The motion ``after`` so many seconds, on quintics to a motion ``h`` seconds later."""
+        starts = *zip(self.position, self.velocity, self.acceleration, strict=True), (self.yaw, self.yaw_rate, 0.0)
+        stops = *zip(to.position, to.velocity, to.acceleration, strict=True), (to.yaw, to.yaw_rate, 0.0)
+        motions = [
+            quintic.rates(quintic.coefficients(h, *start, *stop), after)
+            for start, stop in zip(starts, stops, strict=True)
+        ]
+        (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_rate, _) = motions
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """x, y, z, m."""
+        return self.x, self.y, self.z
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """Rates of x, y, z, m/s."""
+        return self.vx, self.vy, self.vz
+
+    @property
+    def acceleration(self) -> tuple[float, float, float]:
+        """Second rates of x, y, z, m/s^2."""
+        return self.ax, self.ay, self.az
+
+
+#: coefficients of 1, s, s^2 ... of one coordinate
+Quintic = tuple[float, float, float, float, float, float]
+#: of x, y, z and yaw
+OfAxes = tuple[Any, Any, Any, Any]
+
+
+class EndPath(NamedTuple):
+    """A quintic in s = t - start for each of x, y, z and yaw; held from ``stop`` on."""
+
+    start: float
+    stop: float
+    coefficients: tuple[Quintic, Quintic, Quintic, Quintic]
+
+    @staticmethod
+    def at_rest(t: float, at: EndMotion) -> EndPath:
+        """No motion at all."""
+        x, y, z, yaw = ((place, 0.0, 0.0, 0.0, 0.0, 0.0) for place in (*at.position, at.yaw))
+        return EndPath(t, t, (x, y, z, yaw))
+
+    def at_constant_acceleration(self, t: float) -> EndPath:
+        """The motion at ``t`` with its accelerations kept, before and after."""
+        x, y, z, yaw = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in zip(*self.motion(t), strict=True))
+        return EndPath(t, math.inf, (x, y, z, yaw))
+
+    def height(self, t: float) -> Any:
+        """y at ``t``."""
+        return quintic.value(self.coefficients[1], smaller(t, self.stop) - self.start)
+
+    def yaw(self, t: float) -> tuple[Any, Any]:
+        """Yaw and its rate at ``t``."""
+        return quintic.rates(self.coefficients[3], smaller(t, self.stop) - self.start)[:2]
+
+    def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
+        """Position, velocity and acceleration at ``t``."""
+        s = smaller(t, self.stop) - self.start
+        (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_t, yaw_tt) = [quintic.rates(c, s) for c in self.coefficients]
+        return (x, y, z, yaw), (vx, vy, vz, yaw_t), (ax, ay, az, yaw_tt)
+
+    def at(self, t: float) -> EndMotion:
+        """The motion at ``t``."""
+        (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+
+    def peak_accelerations(self) -> OfAxes:
+        """Largest accelerations on the path, sampled; NaN where the first sample is."""
+        times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        x, y, z, yaw = (reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in self.coefficients)
+        return x, y, z, yaw
+
+
+def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMotion]:
+    """The motions of both ends at ``t``."""
+    return paths[0].at(t), paths[1].at(t)
+
+
+#: largest size of each value of EndMotion
+REACH = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}

@@ -1,0 +1,129 @@
+"""Stick and slip: when a swivel must change its phase, and what it does then.
+
+The event function of a swivel is negative while its phase may last: |M| - M_static while it sticks, the rate against
+the sense of the slip while it slips.  The step that would carry it past zero is shortened to end there; then the
+swivel switches and the integrator restarts with consistent accelerations.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+
+import numpy as np
+
+from ...numerics.generalized_alpha import Motion, StepResult
+from ..model import RopeModel, ends_of
+from ..rope_system import ANGLE, Evaluation, RopeSystem
+from ..state import Event, RopeState
+from ..stepping.events import locate
+from .ends import Phase, SwivelState
+from .paths import SIDES
+from .swivel_phases import frictionless, released_at, swivel_excess
+
+log = logging.getLogger(__name__)
+
+#: width in s to which events are located
+EVENT_WIDTH = 1e-9
+#: so many switchings within so many s are no motion of a rope
+CHATTER = 50, 1e-3
+
+
+def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
+    """Swivels whose release time has come begin to stick or slip."""
+    swivels = list(state.swivels)
+    for side, swivel in enumerate((model.scene.left, model.scene.right)):
+        if state.motion.t >= released_at(swivel, swivels[side]):
+            phase = Phase.SLIP if frictionless(swivel) else Phase.STICK
+            swivels[side] = SwivelState(phase, swivels[side].angle, 1.0)
+    if swivels == list(state.swivels):
+        return state
+    state = model.restart(state._replace(swivels=(swivels[0], swivels[1])))
+    return switch_swivels(model, state) if excess(model.system(state), state.motion) >= 0 else state
+
+
+def next_release(model: RopeModel, state: RopeState) -> float:
+    """The next instant at which a locked swivel is released; infinity without one."""
+    return float(min(map(released_at, (model.scene.left, model.scene.right), state.swivels)))
+
+
+def excess(system: RopeSystem, motion: Motion) -> float:
+    """Event function of both swivels: negative while each may stay in its phase."""
+    return max(_excess_of(side, system, motion) for side in (0, 1))
+
+
+def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
+    ends = ends_of(system)
+    now, R, rate = ends.states[side], motion.reaction[-side], 0.0
+    if now.phase is Phase.SLIP:
+        rate = ends.relative(side, motion.t, float(motion.q[-side, ANGLE]), float(motion.v[-side, ANGLE]))[1]
+    return float(swivel_excess(ends.swivels[side], now, float(R[1]), float(R[ANGLE]), rate))
+
+
+def switching_step(
+    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], work: int
+) -> tuple[float, int] | None:
+    """Length of the step that ends where a swivel must switch, and the Newton iterations it took to find it.
+
+    After ``work`` of these the earliest instant known to be past it will do.
+
+    None when none must before ``result`` is reached.
+    """
+    assert result.motion is not None
+    at_end = excess(system, result.motion)
+    if at_end < 0:
+        return None
+
+    iterations = 0
+
+    def at(h: float) -> float:
+        nonlocal iterations
+        if iterations >= work:
+            return -1.0
+        trial = model.trial(system, state.motion, h)
+        iterations += trial.newton.iterations
+        return np.inf if trial.motion is None else excess(system, trial.motion)
+
+    at_start = excess(system, state.motion)
+    if at_start >= 0:  # a slip that has just begun has no rate yet
+        at_start = -1e-12
+    h = locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH)
+    return float(h), iterations
+
+
+def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
+    """Swivels that cannot stay in their phase change it, and the motion restarts consistently."""
+    system, motion, swivels, events = model.system(state), state.motion, list(state.swivels), []
+    for side in (0, 1):
+        if _excess_of(side, system, motion) < 0:
+            continue
+        swivels[side] = _next_phase(side, model, state._replace(swivels=(swivels[0], swivels[1])))
+        what = "sticks" if swivels[side].phase is Phase.STICK else f"slips {'+' if swivels[side].sign > 0 else '-'}"
+        events.append(Event(motion.t, f"{SIDES[side]} swivel {what}"))
+        log.debug("t = %.9f s: %s", *events[-1][:2])
+    state = state._replace(
+        swivels=(swivels[0], swivels[1]),
+        counts=state.counts.plus(swivel_events=len(events)),
+        events=(*state.events, *events),
+    )
+    return model.restart(state)
+
+
+def chatters(state: RopeState) -> bool:
+    """Whether the swivels switch to and fro faster than any rope can move."""
+    number, duration = CHATTER
+    times = [event.t for event in state.events if "swivel" in event.what]
+    return len(times) >= number and times[-1] - times[-number] < duration
+
+
+def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
+    """What a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip."""
+    now, motion = state.swivels[side], state.motion
+    if now.phase is Phase.SLIP:
+        angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]
+        now = SwivelState(Phase.STICK, float(angle), 0.0)
+        swivels = (now, state.swivels[1]) if side == 0 else (state.swivels[0], now)
+        state = model.restart(state._replace(swivels=swivels))
+        if _excess_of(side, model.system(state), state.motion) < 0:
+            return now
+    return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[-side, ANGLE]))

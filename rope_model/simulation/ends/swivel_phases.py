@@ -1,0 +1,61 @@
+"""What a swivel's friction does in each phase, and how long a phase lasts; codegen.cases makes the C of it.
+
+``now`` is the swivel's SwivelState, ``held`` the moment (N m) by which the conveyance would hold the rope's end, and
+``rate`` that of the swivel's angle (rad/s).
+"""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+from typing import Any, NamedTuple
+
+from ...physics.elementary import both, either, where
+from ...physics.swivel import friction_moment
+
+#: N m by which a moment must pass the static limit: what is below is rounding
+MOMENT_RESOLUTION = 1e-9
+
+
+class Phase(Enum):
+    """What a swivel does."""
+
+    LOCKED = 0
+    STICK = 1
+    SLIP = 2
+
+
+class SwivelState(NamedTuple):
+    """Phase; while it holds, the relative angle b (rad); while it slips, the sign of b_t."""
+
+    phase: Phase
+    angle: float
+    sign: float
+
+
+def frictionless(swivel: Any) -> Any:
+    """Whether it turns by itself."""
+    return either(swivel.mode == "free", both(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
+
+
+def released_at(swivel: Any, now: Any) -> Any:
+    """The instant (s) at which its lock ends; infinite where it is not locked, or for ever."""
+    waits = both(now.phase == Phase.LOCKED, swivel.mode != "locked")
+    return where(waits, swivel.release_time, math.inf)
+
+
+def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
+    """Largest moment (N m) of its friction with this coefficient."""
+    return where(swivel.mode == "free", 0.0, friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
+
+
+def moment_of_swivel(swivel: Any, now: Any, tension: Any, held: Any) -> Any:
+    """Moment (N m, about the tangent) of the conveyance on the rope's end."""
+    return where(now.phase == Phase.SLIP, -now.sign * swivel_friction(swivel, swivel.mu_kinetic, tension), held)
+
+
+def swivel_excess(swivel: Any, now: Any, tension: Any, held: Any, rate: Any) -> Any:
+    """Event function: negative while the swivel may stay in its phase."""
+    stays = either(now.phase == Phase.LOCKED, both(now.phase == Phase.SLIP, frictionless(swivel)))
+    beyond = abs(held) - (swivel_friction(swivel, swivel.mu_static, tension) + MOMENT_RESOLUTION)
+    return where(stays, -math.inf, where(now.phase == Phase.STICK, beyond, -now.sign * rate))

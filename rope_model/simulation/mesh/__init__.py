@@ -1,0 +1,1 @@
+"""Partitions of the rope, and what changes from one to the next."""

@@ -1,0 +1,127 @@
+"""Changes of the rope's description that leave the rope as it is: mesh, the fidelity of the model."""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...numerics.generalized_alpha import Solution
+from ..ends.ends import right_offset
+from ..ends.paths import ends_at
+from ..fidelity import lowest_sufficient
+from ..messages import fidelity_messages
+from ..messages.fidelity_cases import carries_torque
+from ..model import RopeModel, ends_of, energies, with_angles_along
+from ..rigid import flexible_start, with_elastic_strain
+from ..rope_system import POSITION, SLOPE, Evaluation
+from ..state import Event, RopeState
+from ..wires import carry, fresh_memory
+from .mesh_pattern import DUE_EARLY, transformation_due
+from .partition import Partition, transform
+from .transfer import transfer_fields
+
+log = logging.getLogger(__name__)
+
+#: s: what is slower keeps its shape in a transformation
+RELAXATION_TIME = 0.1
+
+
+def transform_if_due(model: RopeModel, state: RopeState) -> RopeState:
+    """The state on the transformed mesh when the loop has travelled far enough."""
+    while direction := transformation_due(state.partition, model.bottom(state.paths, state.motion.t), DUE_EARLY):
+        state = _on_partition(model, state, transform(state.partition, direction))
+    return state
+
+
+def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState:
+    if state.fidelity == "rigid":  # its shape and energies do not come from the mesh
+        return state._replace(partition=new)
+    old_s, new_s = state.partition.nodes_s, new.nodes_s
+    m = state.motion
+    names = ("q", "v", "a", "b", "a_rate")
+    fields = transfer_fields(np.array([getattr(m, name) for name in names]), old_s, new_s)
+    carried: dict[str, Any] = dict(zip(names, fields, strict=True))
+    reaction = np.zeros_like(m.reaction)
+    reaction[[0, -1]] = m.reaction[[0, -1]]
+    z = carry(state.hysteresis, state.partition.lengths, new.lengths)
+    moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
+    solution = _dynamic_equilibrium(model, moved)
+    if solution.newton.converged:
+        system = model.system(moved)
+        z = system.slip(solution.q).z
+        moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
+    return _with_energy_change(model, moved)
+
+
+def _dynamic_equilibrium(model: RopeModel, state: RopeState) -> Solution[Evaluation]:
+    """The state in equilibrium with its accelerations.
+
+    Where elements became fewer, the new cubic is a little too short or too long, which the stiffness would turn into a
+    blow.  An inertia that stands for RELAXATION_TIME lets the stiff part give way and holds the rest.
+    """
+    m = state.motion
+    c = np.array([1.0, 0.0, RELAXATION_TIME**-2])
+    return model.system(state).solve(m.q, m.v, m.a, m.reaction, c, model.scene.solver.newton_tolerance)
+
+
+def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
+    """The state at the lowest fidelity that can follow what this one cannot.
+
+    Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
+    fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.
+    """
+    fidelity = lowest_sufficient(model.scene, ends_at(state.paths, state.paths[0].stop), model.forces.s.size)
+    reason = fidelity_messages.cannot_follow(state.fidelity, why)
+    log.info("t = %.6f s: model: %s, because %s", state.motion.t, fidelity, reason)
+    event = Event(state.motion.t, f"model {fidelity}")
+    ends = state.motion.q[[0, -1], POSITION].tolist()
+    above = state._replace(
+        fidelity=fidelity, fidelity_reason=reason, events=(*state.events, event), offsets=(0.0, right_offset(*ends))
+    )
+    if state.fidelity != "rigid" and not carries_torque(model.scene):
+        return model.restart(above)
+    system = model.system(above)
+    if state.fidelity == "rigid":
+        motion = flexible_start(system, ends_of(system), state.motion)
+    else:
+        motion = with_elastic_strain(system, state.motion)
+    z = system.slip(motion.q).z
+    above = model.restart(with_angles_along(system, above._replace(motion=motion, hysteresis=z)))
+    m, before = above.motion, state.energy_balance
+    after = energies(before, model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance)
+    if not above.hysteresis.size:
+        above = above._replace(hysteresis=fresh_memory(model.scene, state.partition.lengths.size))
+    return above._replace(
+        energy_balance=after._replace(transformations=before.transformations + after.total - before.total)
+    )
+
+
+def with_loop_yaw(state: RopeState) -> RopeState:
+    """The loop's yaw at its lowest node, counted on from its last value."""
+    q = state.motion.q
+    d = q[q[:, 1].argmin(), SLOPE].tolist()
+    return state._replace(loop_yaw=nearest_turn(math.atan2(-d[2], d[0]), state.loop_yaw))
+
+
+def nearest_turn(angle: float, last: float) -> float:
+    """``angle`` (rad) with the full turns that bring it closest to ``last``."""
+    return angle + 2 * math.pi * round((last - angle) / (2 * math.pi))
+
+
+def _with_energy_change(model: RopeModel, state: RopeState) -> RopeState:
+    """A transformed rope with its energy change in the energy_balance."""
+    m, before = state.motion, state.energy_balance
+    evaluation = model.system(state).evaluate(m.q, m.v, m.a, m.reaction)
+    after = energies(before, evaluation.balance)
+    kinetic, total = after.kinetic - before.kinetic, after.total - before.total
+    event = Event(m.t, "transformation", kinetic, total - kinetic)
+    log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)
+    return state._replace(
+        energy_balance=after._replace(transformations=before.transformations + total),
+        counts=state.counts.plus(transformations=1),
+        events=(*state.events, event),
+    )

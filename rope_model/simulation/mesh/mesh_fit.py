@@ -1,0 +1,147 @@
+"""The mesh that suits a rope, which mesh.kind = auto takes: formulas for both forms.
+
+R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements there are
+as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
+with the sixth when they are short (physics.accuracy); docs/promise.md tells which errors are kept.  Segment IV covers
+the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped ends
+resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a
+divider may press a leg all elements are short enough for the blow.
+
+`python -m evidence.mesh_rule` fits what the constants rest on.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from ...physics.accuracy import BRAKED, length_for, memory
+from ...physics.contact_error import delay
+from ...physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
+from ...physics.estimates import axial_frequency, bending_length
+
+#: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
+#: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
+DUE = 0.6
+#: of l to the elements of IV: five segments
+RATIO = 4.0
+#: of end_levels
+MOST_LEVELS = 8
+#: of the accuracy asked of the loop's place, what the mesh may take
+MESH_SHARE = 0.5
+#: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
+#: LEG_WAVES / length, for the short waves of an emergency stop (evidence.mesh_rule.trips); nor more than
+#: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
+#: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
+LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
+#: what an emergency stop leaves of longitudinal waves pumps the legs' waves of half their frequency (pumped_grading):
+#: elements that such a wave has with a leg of PUMPED_LEG of the rope, fewer where it grows by less than
+#: exp(PUMPED_GROWTH); emergency stops of seeds 40 and 41 of `make promise`'s scenes
+PUMPED_ELEMENTS, PUMPED_LEG, PUMPED_GROWTH = 5.0, 0.75, 8.0
+#: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
+NATURAL_RADIUS = 0.912
+#: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
+#: are not used
+LOCKING_SHARE, LONGEST = 0.6, 0.75
+#: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
+#: more for a tenth of it
+FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
+#: how near an end the loop has the whole pattern about it, in rope lengths: ends that part by 3/4 of them
+NEAREST = 0.12
+#: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
+END_LENGTH, END_ERROR = 2.9, 0.033
+#: legs that a divider may press have elements that follow its pressure with this delay (s): physics.contact_error; it
+#: may press legs that hang within REACH of the spacing from it
+BLOW, REACH = 0.014, 0.5
+
+
+class FittedLengths(NamedTuple):
+    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements.
+
+    ``grading``: square of the legs' elements over their distance from the loop.
+    """
+
+    radius: float
+    fine: float
+    fade: float
+    end: float
+    grading: float
+
+
+def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
+    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    rope, w = scene.rope, bending_length(scene)
+    radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
+    shorter = (loop_error / (END_ERROR * radius)) ** 0.2
+    fine = smaller(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
+    fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
+    layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
+    grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
+    grading = smaller(grading, pumped_grading(scene))
+    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
+
+
+def pumped_grading(scene: Any) -> Any:
+    """Grading that resolves the waves across the legs that an emergency stop makes grow.
+
+    A tension rho g y (1 + a cos omega t) pumps waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t / 8)
+    and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
+    """
+    rope, g = scene.rope, scene.layout.gravity
+    omega = axial_frequency(rope, PUMPED_LEG * rope.length)
+    growth = 0.125 * BRAKED * omega * memory(rope, omega)
+    share = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
+    return g * (share * share) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
+
+
+def pressed_length(scene: Any) -> Any:
+    """The longest element that may face a divider, m; infinite where none is near that holds the rope."""
+    shaft = scene.shaft
+    dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
+    pressed = both(shaft.contact.stiffness > 0, either(*(_is_near(scene, divider) for divider in dividers)))
+    return where(pressed, BLOW / delay(scene), math.inf)
+
+
+def _is_near(scene: Any, divider: Any) -> Any:
+    leg = 0.5 * scene.layout.spacing * cos(divider.direction)
+    gap = smaller(abs(leg - divider.offset), abs(leg + divider.offset)) - 0.5 * divider.size
+    return both(divider.size > 0, gap < REACH * scene.layout.spacing)
+
+
+def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
+    """Length of segment IV: bend, what fades out above it, and the way to the next transformation; m."""
+    return math.pi * radius + 2 * fade + 2 * DUE * coarse
+
+
+class FittedMesh(NamedTuple):
+    """Parameters of the mesh: equal elements, 0 for none, or else l (m), elements of IV, end_levels, grading_length."""
+
+    equal: float
+    coarse: float
+    fine: float
+    end_levels: float
+    grading: float
+
+
+def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
+    """The mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    length, of, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
+    # the loop comes near an end: nothing of the pattern is cut off until NEAREST
+    coarse = smaller(RATIO * of.fine, longest)
+    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(of, coarse)))
+    fine = _fine_count(of, coarse)
+    short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
+    equal = where(short, larger(ceil(length / smaller(of.fine, longest)), 8.0), 0.0)
+    end_levels = sum((less(of.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(of.end, coarse))
+    grading = where(longest < math.inf, 0.0, of.grading)  # no elements of I and VII joined
+    return FittedMesh(equal, coarse, fine, end_levels, grading)
+
+
+def _fine_count(of: FittedLengths, coarse: Any) -> Any:
+    """Elements of segment IV."""
+    return RATIO * ceil(covered_length(of.radius, of.fade, coarse) / coarse)
+
+
+def _inner_length(fine: Any) -> Any:
+    """Length of the segments II to VI in units of l, of which II and VI have two elements, III and V none."""
+    return fine / RATIO + 2.0

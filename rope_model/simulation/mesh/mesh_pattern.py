@@ -1,0 +1,63 @@
+"""The pattern of TMN-ETM: how long its segments are, and when it moves on; codegen.cases makes the C of it.
+
+``counts`` are the elements of the segments II to VI, lengths are in units of l.  A ``pattern`` has the counts of all
+seven segments, 0 for EEM, and l as ``coarse``, 0 for EEM.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...physics.elementary import either, floor, less, where
+from .mesh_fit import DUE
+
+#: m, for rounding: a transformation is made where it is due by this less
+DUE_EARLY = 1e-7
+
+
+def fine_share(counts: Any) -> Any:
+    """Length of the elements of IV: half of their neighbours."""
+    return where(counts[0] > 0, 0.5, 1.0) * where(counts[1] > 0, 0.5, 1.0) * 0.5
+
+
+def relative_lengths(counts: Any) -> tuple[Any, ...]:
+    """Element lengths of the segments II to VI."""
+    return 0.5, 0.25, fine_share(counts), 0.25, 0.5
+
+
+def inner_length(counts: Any) -> Any:
+    """Length of the segments II to VI."""
+    ii, iii, iv, v, vi = counts
+    return 0.5 * (ii + vi) + 0.25 * (iii + v) + fine_share(counts) * iv
+
+
+def fewest_outer(counts: Any) -> Any:
+    """Fewest elements of I or VII: so many below 1 as the half of II to VI, of these counts, has l."""
+    return 1.0 - floor(0.5 * inner_length(counts))
+
+
+def pattern_centre(pattern: Any) -> Any:
+    """Arc length of the middle of segment IV, m."""
+    return pattern.coarse * (pattern.counts[0] + 0.5 * inner_length(pattern.counts[1:6]))
+
+
+def distance_to_due(pattern: Any, bottom: Any) -> Any:
+    """How far past the limit the loop is, m; negative when no transformation is due or none is possible."""
+    return _past_limit(pattern, bottom - pattern_centre(pattern))
+
+
+def _past_limit(pattern: Any, offset: Any) -> Any:
+    """The same of a loop that is ``offset`` (m) right of the centre."""
+    outer = where(offset > 0.0, pattern.counts[6], pattern.counts[0])
+    stays = either(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
+    return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)
+
+
+def transformation_due(pattern: Any, bottom: Any, slack: Any = 0.0) -> Any:
+    """+1 or -1 when the loop at arc length ``bottom`` is within ``slack`` (m) of calling for a transformation.
+
+    0 when it is not, or when the mesh can make no more in that direction.
+    """
+    offset = bottom - pattern_centre(pattern)
+    return where(_past_limit(pattern, offset) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))

@@ -1,0 +1,181 @@
+"""Partitions of the rope into elements.
+
+EEM, the equal-length element mesh, is fixed on the rope: the baseline that proves the other right.
+
+TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segments with element lengths
+
+    I: l    II: l/2    III: l/4    IV: l/8    V: l/4    VI: l/2    VII: l
+
+IV around the loop's lowest point.  When the loop has travelled l along the rope a transformation moves the pattern
+by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
+coarser two elements become one, where it gets finer one becomes two (see transfer).  Without III and V
+IV has l/4, without II and VI too l/2: shorter ways from one transformation to the next, which IV need not cover.
+Near an end of the rope the pattern goes on beyond it.  The outermost l stays, with the loop's elements where they are
+shorter; what the end cuts off, up to half of the pattern, halves the other leg's longest elements: their number stays.
+
+Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
+the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
+long, is shorter than l; unresolved, it leans the whole leg.  And the pattern goes on upwards in I and VII, 2 l, 3 l,
+4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
+waves of a swaying leg travel at sqrt(g x), and an element may be as long as sqrt(``grading_length`` x).  Their
+number, the same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from ...parameters import MOST_ELEMENTS, Mesh, Scene
+from ..messages import messages
+from ..rope_system import Array, arc_lengths
+from .mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
+from .mesh_pattern import fewest_outer, fine_share, inner_length, pattern_centre, relative_lengths
+
+#: a step does not carry the loop further than this many l past that: what 20 ms at 20 m/s do where l = 1.6 m
+LATEST = 0.25
+#: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
+#: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
+#: nearer to segments II to VI than GRADING (m - 1) l
+LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
+
+
+@dataclass(frozen=True)
+class Partition:
+    """Element lengths from left to right; for TMN-ETM also the pattern they come from.
+
+    ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved
+    ``end_levels`` times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.
+    Where I or VII has fewer than one, the end cuts off as many l of the other segments.
+    """
+
+    lengths: Array
+    counts: tuple[int, ...] = (0,) * 7
+    coarse: float = 0.0
+    end_levels: int = 0
+    grading_length: float = 0.0
+
+    @property
+    def nodes_s(self) -> Array:
+        """Arc length of the nodes from the left end, m."""
+        return arc_lengths(self.lengths)
+
+    @property
+    def fine(self) -> float:
+        """Length of the loop's elements, m."""
+        return self.coarse * fine_share(self.counts[1:6]) if self.coarse else float(self.lengths[0])
+
+    @property
+    def centre(self) -> float:
+        """Arc length of the middle of segment IV, m."""
+        return float(pattern_centre(self))
+
+
+def fit_mesh(scene: Scene) -> Mesh:
+    """The scene's mesh as it is, or in place of 'auto' one from the rope's own lengths: see mesh_fit."""
+    mesh = scene.mesh
+    if mesh.kind != "auto":
+        return mesh
+    loop_error = mesh.loop_error or MESH_SHARE * scene.accuracy.loop
+    fitted, mesh = fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error)), replace(mesh, loop_error=0.0)
+    if fitted.equal:
+        return replace(mesh, kind="eem", elements=int(fitted.equal))
+    return replace(
+        mesh,
+        kind="tmn",
+        coarse_length=fitted.coarse,
+        counts=(2, 0, int(fitted.fine), 0, 2),
+        end_levels=int(fitted.end_levels),
+        grading_length=fitted.grading,
+    )
+
+
+def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
+    """The partition of a rope of ``length`` whose loop hangs at arc length ``bottom``."""
+    if mesh.kind == "auto":
+        raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
+    if mesh.kind == "eem":
+        return Partition(np.full(mesh.elements, length / mesh.elements))
+    inner = float(inner_length(mesh.counts))
+    outer = float(np.rint(length / mesh.coarse_length - inner))
+    if outer > MOST_ELEMENTS:
+        raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MOST_ELEMENTS))
+    if outer < 2:
+        raise ValueError(messages.too_few_lengths(inner * mesh.coarse_length, length))
+    coarse = length / (outer + inner)
+    elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
+    if elements > MOST_ELEMENTS:
+        raise ValueError(messages.too_many_elements(elements, MOST_ELEMENTS))
+    least = fewest_outer(mesh.counts)
+    first = int(np.clip(round(bottom / coarse - 0.5 * inner), least, outer - least))
+    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.grading_length)
+
+
+def transform(old: Partition, direction: float) -> Partition:
+    """The partition after one transformation, ``direction`` +1 when the loop travels to the right, else -1."""
+    first, last = old.counts[0] + int(direction), old.counts[6] - int(direction)
+    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.grading_length)
+
+
+def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length: float) -> Partition:
+    inner = np.repeat(relative_lengths(counts[1:6]), counts[1:6])
+    first, last = max(counts[0], 1), max(counts[6], 1)
+    # what the ends of the rope leave of II to VI
+    shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
+    kept = shares[shares > 0.0]
+    growth, fine = grading_length / coarse, fine_share(counts[1:6])
+    # where the pattern is cut off the loop bends the rope up to its end
+    for longest in (fine, 1.0):
+        ends = [_end(end_levels, longest if n < 1 else 1.0) for n in counts[::6]]
+        elements = _leg_elements(counts[0] + counts[6], growth) + inner.size - kept.size
+        elements -= sum(end.size - end_levels - 1 for end in ends)
+        if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
+            break
+    left, right = _legs(first, last, elements, growth)
+    lengths = np.concatenate((ends[0], left[1:], kept, right[:0:-1], ends[1][::-1]))
+    return Partition(coarse * lengths, counts, coarse, end_levels, grading_length)
+
+
+def _end(levels: int, longest: float) -> Array:
+    """The outermost l, in units of it, from the end on: the last length twice ... l/4, l/2; none above ``longest``."""
+    sizes = [0.5**levels, *(0.5**k for k in range(levels, 0, -1))]
+    return np.concatenate([np.full(int(max(size / longest, 1.0)), min(size, longest)) for size in sizes])
+
+
+def _leg(units: int, growth: float) -> list[float]:
+    """Elements of a leg of ``units`` l, in units of l as ``growth``, from the end of the rope on."""
+    lengths: list[float] = []
+    at = 0
+    while at < units:
+        size = 1
+        for longer in LEG_LENGTHS if growth > 0 else ():
+            gap = units - (at + longer)
+            if longer > at or gap < GRADING * (longer - 1) or gap * growth < longer**2:
+                break
+            if at % longer == 0:
+                size = longer
+        lengths.append(size)
+        at += size
+    return lengths
+
+
+@lru_cache
+def _leg_elements(units: int, growth: float) -> int:
+    """Elements of both legs together, which have ``units`` l: as many as the worst place of the loop asks for."""
+    if growth == 0:
+        return units
+    counts = [0, *(len(_leg(k, growth)) for k in range(1, units))]
+    return max(counts[k] + counts[units - k] for k in range(1, units))
+
+
+def _legs(first: int, last: int, elements: int, growth: float) -> tuple[list[float], list[float]]:
+    """Both legs from their ends on, of so many elements in all: those to spare halve the longest but the outermost."""
+    both = _leg(first, growth), _leg(last, growth)
+    for _ in range(elements - len(both[0]) - len(both[1])):
+        leg = max(both, key=lambda leg: max(leg[1:], default=0.0))
+        k = len(leg) - 1 - leg[::-1].index(max(leg[1:]))  # the one nearest the loop
+        leg[k : k + 1] = [0.5 * leg[k]] * 2
+    return both

@@ -1,0 +1,1 @@
+"""What the rope says, and in which case."""

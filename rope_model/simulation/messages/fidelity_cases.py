@@ -1,0 +1,141 @@
+"""Which fidelity of the model serves, and why, as far as numbers tell: for simulation.fidelity and its C."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+from ...physics.elementary import both, either, larger, where
+from ...physics.estimates import (
+    LARGEST_YAW,
+    Travel,
+    held_error,
+    lean_error,
+    longitudinal_error,
+    loop_yaw,
+    release_error,
+    travel_estimate,
+)
+from ...physics.guard import guarded
+from ...physics.inextensible import lowest, pull
+from ..contact.bodies import may_touch
+from ..ends.paths import EndMotion
+from . import fidelity_messages
+from .cases import Cases
+
+#: inputs that turn a rope whose swivels hold, that act out of the plane, and that move the ends along it
+TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az"), ("vx", "ax")
+#: in the order of their numbers
+INPUTS = tuple(field.name for field in fields(EndMotion))
+
+
+def carries_torque(scene: Any) -> Any:
+    """Whether the rope carries torque even in the plane while its ends do not turn."""
+    return either(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
+
+
+def expected_travel(ends: Sequence[Any]) -> Travel:
+    """What to expect of ends that move like this now."""
+    left, right = ends
+    speed, acceleration = larger(abs(left.vy), abs(right.vy)), larger(abs(left.ay), abs(right.ay))
+    return travel_estimate(abs(left.y - right.y), speed, acceleration)
+
+
+def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
+    """Estimated error of the vertical end forces against the complete model; inf where the loop may turn far."""
+    locked = both(scene.left.mode == "locked", scene.right.mode == "locked")
+    of_torque = held_error(scene, travel) + where(locked, 0.0, release_error(scene, travel))
+    of_torque = where(loop_yaw(scene) > LARGEST_YAW, math.inf, of_torque)
+    left_out = where(both(fidelity != "torsional", carries_torque(scene)), of_torque, 0.0)
+    return left_out + where(fidelity == "rigid", longitudinal_error(scene, travel) + lean_error(scene, travel), 0.0)
+
+
+def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> Any:
+    """Number of the first input that is not zero, of the kinds that count; 0: none.  All are counted from 1 on."""
+    first: Any = 0.0
+    kinds = (along, ALONG), (across, OUT_OF_PLANE), (turned, TURNED)
+    for counts, names in ((counts, names) for counts, names in kinds if counts is not False):
+        for before, end in ((len(INPUTS), right), (0, left)):
+            for name in reversed(names):
+                number = float(1 + before + INPUTS.index(name))
+                first = where(both(counts, getattr(end, name) != 0), number, first)
+    return first
+
+
+def out_of_plane(number: Any) -> Any:
+    """Whether the input of this number acts out of the plane."""
+    numbers = (before + 1 + INPUTS.index(name) for before in (0, len(INPUTS)) for name in OUT_OF_PLANE)
+    return either(*(number == own for own in numbers))
+
+
+def held_input(left: Any, right: Any) -> Any:
+    """Number of the input that twists or bends the rope where it is initialised, its swivels held; 0: none."""
+    return first_input(left, right, True, True, False)
+
+
+def unsupported_input(scene: Any, fidelity: Any, left: Any, right: Any) -> Any:
+    """Number of the first input that ``fidelity``, not torsional, leaves out; 0: none."""
+    held = _turns_freely(scene) == 0
+    across = either(fidelity != "spatial", both(held, scene.model.fidelity == "auto"))
+    return first_input(left, right, held, across, fidelity == "rigid")
+
+
+def _turns_freely(scene: Any) -> Any:
+    left, right = scene.left, scene.right
+    return both(left.mode == "free", left.release_time <= 0, right.mode == "free", right.release_time <= 0)
+
+
+def _coupled(scene: Any) -> tuple[Any, ...]:
+    rope = scene.rope
+    return either(rope.Qs != 0, rope.Qk != 0), rope.Qb, rope.Qc
+
+
+def _twisted(scene: Any) -> tuple[Any, ...]:
+    return scene.rope.installed_twist != 0, scene.rope.installed_twist
+
+
+def _curved(scene: Any) -> tuple[Any, ...]:
+    return scene.rope.initial_curvature > 0, scene.rope.initial_curvature
+
+
+def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
+    error, tolerance = force_error(scene, fidelity, expected_travel((left, right))), scene.model.force_tolerance
+    return error > tolerance, 100 * tolerance, 100 * error
+
+
+def _would_go_slack(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
+    tension = lowest(pull(scene.rope, scene.layout, left, right))
+    return both(fidelity == "rigid", tension < 0), tension
+
+
+def _no_torque(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+    return (both(fidelity != "rigid", carries_torque(scene) == 0),)
+
+
+def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+    travel, tolerance = expected_travel((left, right)), scene.model.force_tolerance
+    error = force_error(scene, fidelity, travel)
+    return fidelity != "torsional", fidelity, 100 * error, 100 * tolerance, *travel[1:]
+
+
+#: why a rope carries torque
+TORQUE: Cases = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted: _twisted}
+#: why a scene needs the complete model wherever its ends are; ``forces`` are applied to so many places of the rope
+COMPLETE: Cases = {
+    fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
+    fidelity_messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
+    fidelity_messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
+    fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
+    fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
+    fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),
+}
+#: what 'auto' does not leave to a fidelity that leaves out no input
+UNSUPPORTED: Cases = {
+    fidelity_messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
+    fidelity_messages.errs_too_much: _errs_too_much,
+    fidelity_messages.would_go_slack: _would_go_slack,
+}
+#: why a fidelity below the complete one serves; without torque the planar one does, but for the rigid one
+SUFFICIENT: Cases = {fidelity_messages.no_torque: _no_torque, fidelity_messages.errs_little: _errs_little}

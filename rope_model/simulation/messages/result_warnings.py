@@ -1,0 +1,108 @@
+"""Warnings about results that are valid: they are those of the model, and a real rope would do something else.
+
+    passed_bodies       the rope has passed into bodies of its shaft: contact is not in the model
+    passed_sides        the legs have passed through each other, or one through what hangs above the other
+    neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
+    leg_contact         the loop is turned over, or the legs touch, or have touched
+    yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
+    other_rests         the rope has more than one way to hang, and snapped over on the way to this one
+    missing_loads       momentum changes otherwise than the end forces and the weight say
+    unresolved_waves    end forces change at once in steps that are too long for the waves that this sends off
+    unresolved_bend     elements are too long for the sharpest bend
+    accuracy_given_up   steps err more than they should because work_max allows for no more of them
+    blind_guards        the model does not compute what a guard watches
+    no_air              what moves the air does nothing, as the air has no density
+    unfit_inputs        the motions given for the ends do not fit: rounded, interpolated, repeated or of two motions
+
+Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
+as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
+one and what hangs above it.  That is half a turn over the height (diagnostics.loop_turns), too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from ...parameters import Scene
+from ...physics.shaft import KINDS
+from ..contact.bodies import may_touch
+from ..contact.shaft import BODIES
+from ..ends.paths import SIDES
+from ..outputs.diagnostics import direction
+from ..outputs.neglected_effects import neglected_text
+from ..rope_system import ANGLE
+from ..state import RopeState
+from . import warning_cases, warning_messages
+from .cases import first_text
+
+
+def neglected_effects(scene: Scene, state: RopeState) -> str:
+    """'' where the fidelity computes all that the rope does; otherwise which outputs are 0 and no results."""
+    return neglected_text(state.fidelity) if warning_cases.leaves_out(scene, state) else ""
+
+
+def passed_bodies(scene: Scene, state: RopeState) -> str:
+    """'' while the rope touches nothing; otherwise what it struck or passed into, when and where."""
+    told = ""
+    for name, x in zip(KINDS, state.nearest, strict=True):
+        if x.clearance <= 0:
+            passed = warning_messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
+            told = warning_messages.and_another(told, passed) if told else passed
+    if not told or not may_touch(scene.shaft):
+        return warning_messages.rope_passed_into(told) if told else ""
+    if min(x.clearance for x in state.nearest) > -scene.rope.diameter:
+        return warning_messages.rope_struck(told)
+    return warning_messages.rope_pressed_into(told, scene.shaft.contact.stiffness)
+
+
+def leg_contact(scene: Scene, state: RopeState) -> str:
+    """'' while the legs hang, and have hung, free of each other; otherwise how they do not."""
+    return first_text(warning_cases.LEG_CONTACT, scene, state, _yaw(state))
+
+
+def yaw_at_rest(scene: Scene, state: RopeState) -> str:
+    """'' unless the loop hangs yawed at rest; then by how much, and which datum turns it."""
+    yaw = _yaw(state)
+    if not warning_cases.yawed_far_at_rest(scene, state, yaw):
+        return ""
+    source = first_text(warning_cases.TORQUE_SOURCE, scene, _end_twist(state))
+    return warning_messages.yawed_at_rest(yaw, warning_cases.YAWED_FAR, source)
+
+
+def unfit_inputs(scene: Scene, state: RopeState) -> str:
+    """'' while the motions given fit; otherwise what they look like, and what to do."""
+    for side, following in zip(SIDES, state.following, strict=True):
+        if told := first_text(warning_cases.INPUTS, scene, following, state.last_interval):
+            return warning_messages.of_end(side, told)
+    return ""
+
+
+def _yaw(state: RopeState) -> float:
+    """Yaw (rad) of the loop against its ends."""
+    return state.loop_yaw - direction(state.motion.q)
+
+
+def _end_twist(state: RopeState) -> float:
+    """Twist (rad) of the rope from end to end by conveyances and swivels that have turned against the ends' line."""
+    (left, right), q = state.offsets, state.motion.q
+    # a yaw about Y twists either end by itself, and both when the whole rope is turned
+    return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * direction(q)
+
+
+#: each tells of one thing, in the order of rope_warning in rope.h
+WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
+    "passed_bodies": passed_bodies,
+    "passed_sides": partial(first_text, warning_cases.PASSED_SIDES),
+    "neglected_effects": neglected_effects,
+    "leg_contact": leg_contact,
+    "yaw_at_rest": yaw_at_rest,
+    "other_rests": partial(first_text, warning_cases.OTHER_RESTS),
+    "missing_loads": partial(first_text, warning_cases.MISSING_LOADS),
+    "unresolved_waves": partial(first_text, warning_cases.UNRESOLVED_WAVES),
+    "unresolved_bend": partial(first_text, warning_cases.UNRESOLVED_BEND),
+    "accuracy_given_up": partial(first_text, warning_cases.ACCURACY_GIVEN_UP),
+    "blind_guards": partial(first_text, warning_cases.BLIND_GUARDS),
+    "no_air": partial(first_text, warning_cases.NO_AIR),
+    "unfit_inputs": unfit_inputs,
+}

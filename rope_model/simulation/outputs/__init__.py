@@ -1,0 +1,1 @@
+"""What a running rope shows: signals, checks, derivatives and modes."""

@@ -1,0 +1,55 @@
+"""What the guards of the loop see of the present rope: physics.guard says when they trip."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...parameters import Scene
+from ...physics.guard import guarded, loop_height, off_plumb, sideways, watch
+from ...physics.outline import turns
+from ...physics.shaft import KINDS
+from ...shaft_parameters import FAR
+from ..contact.shaft import nearer
+from ..ends.ends import HangingEnds
+from ..mesh.adaptation import nearest_turn
+from ..rope_system import POSITION, Array
+from ..state import Nearest, RopeState
+from .diagnostics import LoopBottom, direction, loop_bottom
+
+
+def rise(scene: Scene, state: RopeState, bottom: LoopBottom) -> float:
+    """How far (m) the loop's lowest point is above its quasi-static place."""
+    left, right = state.motion.q[[0, -1], 1].tolist()
+    return float(loop_height(scene.rope, scene.layout, float(bottom.position[1]), left, right) - state.guard.rest)
+
+
+def at_rest(scene: Scene, state: RopeState) -> RopeState:
+    """The state from which the loop's rise counts."""
+    bottom = loop_bottom(state.motion.q, state.partition.lengths)
+    return state._replace(guard=state.guard._replace(rest=rise(scene, state, bottom)))
+
+
+def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
+    """The state with what its guards see at its instant."""
+    guard = scene.shaft.guard
+    if guarded(guard) == 0:
+        return state
+    q, lengths = state.motion.q, state.partition.lengths
+    bottom, known = loop_bottom(q, lengths), (Nearest(guard.clearance),) * len(KINDS)
+    seen = (
+        rise(scene, state, bottom) if guard.rise_y <= -FAR else float(bottom.position[1]) - guard.rise_y,
+        _sideways(q[:, POSITION], guard.window_y, bottom),
+        min(nearest.clearance for nearest in nearer(scene, state, known)),
+        abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), direction(q), state.crossing.net)),
+        max(abs(ends.moment(side, state.motion.reaction)) for side in (0, 1)),
+    )
+    return state._replace(guard=watch(guard, state.guard, state.motion.t, seen))
+
+
+def _sideways(r: Array, height: float, bottom: LoopBottom) -> float:
+    """How far (m) the lowest point is from midway between the ends or, at the switch's height, a leg from its end."""
+    if height <= -FAR:
+        return float(sideways(bottom.position, r[0], r[-1]))
+    below, lowest = r[:, 1] < height, int(np.argmin(r[:, 1]))
+    passing = np.flatnonzero(below[1:] != below[:-1])
+    return max((float(off_plumb(height, r[k], r[k + 1], r[-int(k >= lowest)])) for k in passing), default=0.0)

@@ -1,0 +1,85 @@
+"""Natural frequencies about an equilibrium: K x = omega^2 M x with the element's own tangent.
+
+The only module that needs scipy; nothing the FMU runs imports it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import eigvals_banded
+from scipy.sparse.linalg import eigsh
+
+from ...physics.element import NODE_DOF, element_functions
+from ..rope_system import ANGLE, POSITION, Array, RopeSystem
+
+#: N/m: what the rounding of Qa / l leaves of a zero stiffness, a swivel that turns freely
+ROUNDING = 1e-5
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Lowest modes: frequencies (n,) in Hz, shapes (n, nodes, 7), and which part of the motion is out of plane (n,).
+
+    ``out_of_plane`` is the share of the Z motion in the nodes' displacement: near 1 or near 0 for a rope without
+    coupling, in between with it.
+    """
+
+    frequencies: Array
+    shapes: Array
+    out_of_plane: Array
+
+
+def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
+    """The ``count`` lowest modes about the equilibrium ``q`` (nodes, 7), damping left out.
+
+    Raises ValueError when the equilibrium is unstable: then there is no frequency to give.
+    """
+    if (soft := softest(system, q)) < -ROUNDING:
+        raise ValueError(
+            f"the equilibrium is unstable: its softest stiffness, {soft:.3g} N/m, is negative; use less twist"
+        )
+    free = np.flatnonzero(system.free.ravel())
+    stiffness, mass = (assemble_matrix(system, q, c)[free][:, free] for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    start = np.ones(free.size)  # ARPACK's own start is random
+    squares, vectors = eigsh(0.5 * (stiffness + stiffness.T), count, mass, sigma=0.0, v0=start)
+    order = np.argsort(squares)
+    shapes = np.zeros((count, q.size))
+    shapes[:, free] = vectors[:, order].T
+    shapes = shapes.reshape(count, *q.shape)
+    motion = np.sum(shapes[:, :, POSITION] ** 2, axis=1)
+    return Modes(
+        frequencies=np.sqrt(np.maximum(squares[order], 0.0)) / (2 * np.pi),
+        shapes=shapes,
+        out_of_plane=motion[:, 2] / np.sum(motion, axis=1),
+    )
+
+
+def softest(system: RopeSystem, q: Array) -> float:
+    """Smallest eigenvalue of the tangent stiffness (N/m; N m for theta): negative where ``q`` is unstable."""
+    free = np.flatnonzero(system.free.ravel())
+    stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
+    # the chain couples neighbouring nodes only
+    band = np.zeros((2 * NODE_DOF, free.size))
+    for k in range(2 * NODE_DOF):
+        band[k, : free.size - k] = stiffness.diagonal(-k)
+    return float(eigvals_banded(band, lower=True, select="i", select_range=(0, 0))[0])
+
+
+def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
+    """Sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da at rest in ``q``, all degrees of freedom."""
+    n, element = system.lengths.size, element_functions()
+    angles = q[:, ANGLE] + system.frame_turn(q)
+    along = np.column_stack((q[:, :ANGLE], angles))
+    q_e = np.hstack((along[:-1], along[1:])).T
+    rest, row, l = np.zeros_like(q_e), np.ones((1, n)), system.lengths[None, :]
+    F, P = element.reference.map(n)(q_e, l), np.tile(system.P[:, None], n)
+    J = element.tangent.map(n)(q_e, rest, rest, l, F, P, *(x * row for x in c))[1]
+    blocks = np.asarray(J).reshape(2 * NODE_DOF, n, 2 * NODE_DOF).transpose(1, 0, 2)
+    local = NODE_DOF * np.arange(n)[:, None] + np.arange(2 * NODE_DOF)
+    rows = np.broadcast_to(local[:, :, None], blocks.shape)
+    columns = np.broadcast_to(local[:, None, :], blocks.shape)
+    matrix = sp.csc_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(q.size, q.size))
+    return matrix + sp.diags(c[2] * system.node_mass.ravel())

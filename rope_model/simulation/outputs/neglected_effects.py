@@ -1,0 +1,68 @@
+"""What each fidelity of the model leaves out: the outputs that are 0 and no results, and exact only without torque.
+
+One table for the warnings of both forms of the rope, the reports and the documents.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..fidelity import FIDELITIES, Fidelity
+
+
+class Effect(NamedTuple):
+    """What the fidelities from ``lowest`` on compute, and those below it leave out."""
+
+    lowest: Fidelity
+    words: str  # for reports
+    outputs: tuple[str, ...]  # names of outputs, or the part of the name that they share
+    by_torque: bool  # nothing without torque, so that 0 is then the result
+
+    def has(self, name: str) -> bool:
+        """Whether the output ``name`` is one of them."""
+        parts = f".{name.partition('[')[0]}."
+        return any(f".{output}." in parts for output in self.outputs)
+
+
+EFFECTS = (
+    Effect(
+        "planar",
+        "side forces, strain energy, damping and friction in the rope, bodies that it touches, and air",
+        (
+            *("fx", "mz", "energy.strain", "energy.dissipated_material", "energy.dissipated_wires"),
+            *("contact", "energy.dissipated_contact", "energy.given_to_air"),
+        ),
+        by_torque=False,
+    ),
+    Effect(
+        "spatial", "yaw and all else out of the plane", ("fz", "mx", "loop.z", "loop.yaw", "loop.turns"), by_torque=True
+    ),
+    Effect(
+        "torsional",
+        "torque, twist, permanent curvature, turning swivels and torsional stress",
+        (
+            *("my", "swivel", "twist", "stress.torsion_max", "shape.torsion", "station.torque"),
+            *("energy.dissipated_swivel", "energy.nonconservative"),
+        ),
+        by_torque=True,
+    ),
+)
+
+
+def neglected_effects(fidelity: Fidelity) -> tuple[Effect, ...]:
+    """What the fidelity leaves out."""
+    return tuple(effect for effect in EFFECTS if FIDELITIES.index(effect.lowest) > FIDELITIES.index(fidelity))
+
+
+def neglected_text(fidelity: Fidelity) -> str:
+    """The warning of a fidelity that runs where it leaves out something; '' of the complete one."""
+    if not (effects := neglected_effects(fidelity)):
+        return ""
+    names = [name for effect in effects for name in effect.outputs]
+    if fidelity == "spatial":
+        names.append("the yaw by torque")
+    bending = "bending and no " if fidelity == "rigid" else ""
+    return (
+        f"the {fidelity} model computes no {bending}torsion and no permanent curvature: {', '.join(names[:-1])} and "
+        f"{names[-1]} are 0 and no results; set model.fidelity = torsional (1) where they matter"
+    )

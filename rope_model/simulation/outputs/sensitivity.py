@@ -1,0 +1,82 @@
+"""Derivatives of the end loads at the end of a step to one number of an end's motion there.
+
+The rope is linearised about the present state, and one generalized-alpha step as long as the last carries the change;
+rope_derivative in rope_model/csrc is its C port.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Protocol
+
+import numpy as np
+
+from ...parameters import Scene
+from ...physics.frame import conveyance_load
+from ..ends.ends import YAW_SENSE, HangingEnds, Phase
+from ..ends.paths import SIDES, EndMotion, ends_at
+from ..messages import messages
+from ..rigid import tension_change
+from ..rope_system import ANGLE, Array
+from ..state import RopeState
+
+#: m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding
+_SIZES = (1e-7, 1e-5, 1e-3)
+#: names of the signals that are differentiated
+LOADS = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
+_NAMES = tuple(field.name for field in dataclasses.fields(EndMotion))
+
+
+class Linearised(Protocol):
+    """A rope that tells how it answers to its ends: simulation.simulator.RopeSimulator does."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def state(self) -> RopeState: ...
+    @property
+    def ends(self) -> HangingEnds: ...
+    def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]: ...
+
+
+def load_derivative(rope: Linearised, side: int, name: str) -> Array:
+    """(12,): of LOADS to the field ``name`` of an end's EndMotion."""
+    state, place = rope.state, _NAMES.index(name)
+    kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE)
+    # friction does not know the yaw, nor does the rigid rope
+    if dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid"):
+        return np.zeros(12)
+    size, change = _SIZES[kind], np.zeros(3)
+    change[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
+    if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
+        change[2] = change[1] / state.last_interval
+    derivative: Array = _change_of_loads(rope, side, dof, change) / size
+    if not np.isfinite(derivative).all():
+        raise ValueError(messages.no_finite_derivative())
+    return derivative
+
+
+def added_mass_signals(rope: Linearised) -> dict[str, float]:
+    """Added mass of both ends."""
+    # one step of that length carries the change y = a h^2 / 2, v = a h
+    h, size = rope.state.last_interval, 1e-3
+    change = np.array([0.5 * h * h * size, h * size, size])
+    masses = (-float(_change_of_loads(rope, side, 1, change)[6 * side + 1]) / size for side in (0, 1))
+    return {f"{side}.added_mass": mass for side, mass in zip(SIDES, masses, strict=True)}
+
+
+def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Array:
+    """(12,): what LOADS gain when a coordinate of an end is moved as in ``answer``."""
+    state = rope.state
+    if state.fidelity == "rigid":  # no side forces, no moments
+        gained = np.zeros((2, 6))
+        gained[:, 1] = -tension_change(rope.scene, ends_at(state.paths, state.motion.t), side, dof, change)
+        return gained.ravel()
+    before, after = (_end_loads(rope.ends, *rope.answer(side, dof, part * change)) for part in (0.0, 1.0))
+    return after - before
+
+
+def _end_loads(ends: HangingEnds, q: Array, reaction: Array) -> Array:
+    """(12,): LOADS with other coordinates and reactions."""
+    rows = ((q[-side].tolist(), reaction[-side].tolist(), ends.moment(side, reaction)) for side in (0, 1))
+    return np.ravel([conveyance_load(*row) for row in rows])

@@ -1,0 +1,184 @@
+"""Values of what a running rope tells the outside, by the names of simulation.outputs.signal_table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from ...physics.accuracy import end_force_error, loop_error
+from ...physics.contact_error import contact_error, with_contact_at_ends, with_contact_of_place
+from ...physics.estimates import loop_width
+from ...physics.frame import conveyance_load
+from ...physics.guard import sideways
+from ...physics.outline import turns
+from ...physics.shaft import KINDS
+from ...physics.stress import material_values
+from ..contact.shaft import clearances
+from ..ends.ends import Phase
+from ..ends.misfit import with_drift, with_misfit
+from ..ends.paths import SIDES
+from ..mesh.adaptation import nearest_turn
+from ..mesh.transfer import interpolate
+from ..rigid import rigid_tension
+from ..rope_system import ANGLE, Array, RopeSystem, arc_lengths
+from .audit import signal_values as audit_values
+from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
+from .guards import rise
+from .sensitivity import Linearised, added_mass_signals
+from .signal_table import SHAPE_POINTS, SIGNALS
+from .state_signals import STATE_SIGNALS
+
+
+class Evaluated(Linearised, Protocol):
+    """What the signals are computed from: simulation.simulator.RopeSimulator has it."""
+
+    @property
+    def loop(self) -> LoopBottom: ...
+    @property
+    def system(self) -> RopeSystem: ...
+
+
+def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
+    """The function that computes the signal ``name`` together with its kin."""
+    if name in STATE_SIGNALS:
+        return state_signals
+    if name.endswith(".added_mass"):
+        return added_mass_signals
+    if name.endswith(".twist"):
+        return stress_signals
+    if name.startswith(("shape.s", "shape.tension", "shape.bending", "shape.torsion")):
+        return along_signals
+    groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals, "station": station_signals}
+    groups |= {"status": error_signals, "audit": audit_signals}
+    groups |= {"contact": contact_signals, "clearance": clearance_signals}
+    return groups.get(name.partition(".")[0], end_signals)
+
+
+def state_signals(rope: Evaluated) -> dict[str, float]:
+    """What the state remembers."""
+    return {name: float(value(rope.state)) for name, value in STATE_SIGNALS.items()}
+
+
+_OF_AN_END = ("fx", "fy", "fz", "mx", "my", "mz", "swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping")
+
+
+def end_signals(rope: Evaluated) -> dict[str, float]:
+    """Forces, moments and swivels of both ends."""
+    m, ends = rope.state.motion, rope.ends
+    out: dict[str, float] = {}
+    for side, name in enumerate(SIDES):
+        q, torque = m.q[-side].tolist(), ends.moment(side, m.reaction)
+        load, slips = conveyance_load(q, m.reaction[-side].tolist(), torque), ends.states[side].phase is Phase.SLIP
+        values = *load, *ends.relative(side, m.t, q[ANGLE], m.v[-side, ANGLE]), torque, slips
+        out |= {f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)}
+    return out
+
+
+def loop_signals(rope: Evaluated) -> dict[str, float]:
+    """Place, yaw and clearance of the loop."""
+    state, scene = rope.state, rope.scene
+    bottom = rope.loop
+    out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
+    q, lengths, yaw = state.motion.q, state.partition.lengths, nearest_turn(bottom.yaw, state.loop_yaw)
+    clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
+    return out | {
+        "loop.yaw": yaw,
+        "loop.clearance": clearance,
+        "loop.turns": turns(yaw, direction(q), state.crossing.net),
+        "loop.rise": rise(scene, state, bottom),
+        "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
+    }
+
+
+def clearance_signals(rope: Evaluated) -> dict[str, float]:
+    """Distances of the rope from the bodies of its scene."""
+    found = clearances(rope.scene, rope.state)
+    return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, found, strict=True)}
+
+
+def stress_signals(rope: Evaluated) -> dict[str, float]:
+    """Largest stress norms, and twist."""
+    bending, torsion, _, _, tau = _material(rope)
+    at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
+    return {
+        "left.twist": float(tau[0]),
+        "right.twist": float(tau[-1]),
+        "loop.twist": float(tau[min(at_bottom, tau.size - 1)]),
+        "stress.bending_max": float(bending.max()),
+        "stress.torsion_max": float(torsion.max()),
+    }
+
+
+def contact_signals(rope: Evaluated) -> dict[str, float]:
+    """Forces between the rope and the bodies in the shaft, and those on itself."""
+    kinds = *KINDS, "rope"
+    m, forces = rope.state.motion, dict.fromkeys(kinds, 0.0)
+    if rope.state.fidelity != "rigid":
+        forces |= rope.system.outside(m.q, m.v)
+    return {f"contact.{kind}": forces[kind] for kind in kinds}
+
+
+def error_signals(rope: Evaluated) -> dict[str, float]:
+    """Estimates of what the run errs by so far."""
+    scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
+    at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
+    of_place = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
+    return {
+        "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.following)),
+        "status.loop_error": float(with_drift(of_place, *rope.state.following)),
+        "status.contact_error": float(contact_error(contact)),
+    }
+
+
+def audit_signals(rope: Evaluated) -> dict[str, float]:
+    """What the audit found worst so far; 0 where nothing was computed yet."""
+    names = (name for name in SIGNALS if name.startswith("audit."))
+    return dict(zip(names, audit_values(rope.state.audit), strict=True))
+
+
+def shape_signals(rope: Evaluated) -> dict[str, float]:
+    """Points along the rope."""
+    q, lengths = rope.state.motion.q, rope.state.partition.lengths
+    points = shape(q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
+    return {f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)}
+
+
+def along_signals(rope: Evaluated) -> dict[str, float]:
+    """Places, tension and stresses at the points of the shape."""
+    lengths = rope.state.partition.lengths
+    s = shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
+    bending, torsion = (interpolate_midpoints(stress, lengths, s) for stress in _material(rope)[:2])
+    return _rows("shape", {"s": s, "tension": pull_at(rope, s), "bending": bending, "torsion": torsion})
+
+
+def station_signals(rope: Evaluated) -> dict[str, float]:
+    """Tension, curvature and torque at places that stay in the rope."""
+    where, lengths = rope.scene.station, rope.state.partition.lengths
+    s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
+    curvature, torque = (interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4])
+    return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque})
+
+
+def pull_at(rope: Evaluated, s: Array) -> Array:
+    """Tension (N) at arc lengths ``s`` (m)."""
+    m, lengths = rope.state.motion, rope.state.partition.lengths
+    rho, gravity = rope.scene.rope.mass_per_length, rope.scene.layout.gravity
+    if rope.state.fidelity == "rigid":
+        y = interpolate(m.q, arc_lengths(lengths), s)[:, 1]
+        return rigid_tension(m, s, y, rho, gravity)
+    return tension(m, lengths, s, rho, gravity)
+
+
+def _rows(of: str, rows: dict[str, Array]) -> dict[str, float]:
+    return {f"{of}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
+
+
+def _material(rope: Evaluated) -> tuple[Array, ...]:
+    """Bending and torsional stress norm (Pa), curvature (1/m), torque (N m) and twist (rad/m) of each element.
+
+    Stresses as in a solid round bar; bending is root mean square along it.  Without torsion there is no torque.
+    """
+    strains = rope.system.strains(rope.state.motion.q)
+    return *material_values(rope.scene.rope, float(rope.state.fidelity == "torsional"), strains.T), strains[:, 1]

@@ -1,0 +1,1 @@
+"""The rope at rest, and one step of it."""

@@ -1,0 +1,113 @@
+"""The rope at rest: hung up straight and untwisted, let take its permanent curvature, then turned in to its twist."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ...numerics.generalized_alpha import Motion
+from ..curvature import is_curved
+from ..fidelity import flexible
+from ..mesh.adaptation import with_loop_yaw
+from ..messages import messages
+from ..model import RopeModel, energies
+from ..rope_system import ANGLE
+from ..state import RopeState
+from .statics import StaticsError, find_equilibrium
+
+#: parts in which the permanent curvature comes in
+CURVATURE_STEPS = 8
+#: rad of twist put in at once, at most and at least
+TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
+#: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
+MOST_TURN = 2.0
+#: corrections after which turning in is given up: in searches that found no rest, and in all.  Ropes that come to rest
+#: need none of the former and half of the latter (benchmarks.work)
+MOST_LOST, MOST_CORRECTIONS = 20_000, 320_000
+
+
+def hang(model: RopeModel, state: RopeState) -> RopeState:
+    """``state`` at rest, hung up straight and untwisted, then curved and turned in."""
+    q, held = state.motion.q, model.system(state).prescribed_motion(state.motion.t)[0]
+    q[:, ANGLE] = held[0, ANGLE]
+    twist = float(held[-1, ANGLE] - held[0, ANGLE])
+    return _turned_in(model, _curved(model, _turn_right_end(state, -twist)), twist)
+
+
+def _curved(model: RopeModel, state: RopeState) -> RopeState:
+    """``state`` at rest, its rope straight first and then curved by and by."""
+    rope = model.scene.rope
+    if not is_curved(rope, flexible(state.fidelity)):
+        return _equilibrium_in_frame(model, state)[0]
+    for k in range(CURVATURE_STEPS + 1):
+        k0 = rope.initial_curvature * k / CURVATURE_STEPS
+        part = replace(model, scene=model.scene.with_(rope=replace(rope, initial_curvature=k0)))
+        try:
+            state, _ = _equilibrium_in_frame(part, state)
+        except StaticsError as error:
+            if k == 0:
+                raise
+            raise StaticsError(messages.fails_at_curvature(k0, rope.initial_curvature, str(error))) from error
+    return state
+
+
+def _turned_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:
+    """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
+
+    Steps are halved where the rope turns far or finds no rest.  Where the shortest does, the way it was on ends at
+    a limit point: it snaps over, and goes on from where it comes to rest.
+    """
+    left, step = twist, math.copysign(TWIST_STEP, twist)
+    lost = made = 0
+    while left != 0:
+        step = step if abs(step) < abs(left) else left
+        last = abs(step) <= LEAST_TWIST_STEP
+        if made >= MOST_CORRECTIONS:
+            raise StaticsError(messages.fails_at_twist(twist - left, twist, abs(step), made, messages.takes_too_long()))
+        try:
+            after, corrections = _equilibrium_in_frame(
+                model, _twist_evenly(state, step), math.inf if last else MOST_TURN
+            )
+        except StaticsError as error:
+            made += error.corrections
+            lost += 0 if error.turned else error.corrections
+            if last or lost >= MOST_LOST:
+                why = messages.fails_at_twist(twist - left, twist, abs(step), made, str(error))
+                raise StaticsError(why) from error
+            step *= 0.5
+            continue
+        made += corrections
+        left -= step
+        if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
+            after = after._replace(snapped_at=twist - left)
+        state, step = after, math.copysign(min(2 * abs(step), TWIST_STEP), twist)
+    return state
+
+
+def _equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> tuple[RopeState, int]:
+    """Return ``state`` in equilibrium, and the corrections that it took."""
+    m, rest = state.motion, np.zeros_like(state.motion.q)
+    found = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)
+    motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
+    state = _turn_right_end(state._replace(motion=motion), found.turn)
+    balance = model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
+    # a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way
+    yaw = state.loop_yaw - 0.5 * found.turn
+    books = energies(state.energy_balance, balance)
+    return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), found.iterations
+
+
+def _turn_right_end(state: RopeState, angle: float) -> RopeState:
+    """The right end turned by ``angle`` (rad) against its conveyance."""
+    left, right = state.offsets
+    return state._replace(offsets=(left, right + angle))
+
+
+def _twist_evenly(state: RopeState, angle: float) -> RopeState:
+    """The same, the angle spread along the rope."""
+    m, s = state.motion, state.partition.nodes_s
+    q = m.q.copy()
+    q[:, ANGLE] += angle * (s / s[-1])
+    return _turn_right_end(state._replace(motion=replace(m, q=q)), angle)

@@ -1,0 +1,153 @@
+"""Equilibrium by pseudo-transient continuation.
+
+Each correction solves (K + M / tau^2) x = -R, an implicit Euler step of an inertia that the iteration is free to
+choose; tau grows as the residual falls, and the method ends as Newton's.  Without a residual that falls, tau shrinks
+and the iteration creeps like the real rope would: it does not depend on a good first guess.  Each shape on the way is
+the reference of the frame for the next, so that no tangent is far from it.
+
+The tangent is symmetric and leaves out what Qk between strains has no energy for.  Near the end of the search that
+multiplies the error by i r, turned by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) make it
+fall fastest.
+
+Where a motion costs no energy, as the turn of a buckled rod's helix about its axis, corrections along it never get
+small; the search ends when forces have been balanced to rounding often enough for the others to have gone.
+
+Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...physics.element import PARAMETERS
+from ...physics.elementary import larger
+from ...physics.hanging import hanging_shape, node_row
+from ..messages import messages
+from ..rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
+
+#: s: pseudo-time steps beyond leave no inertia that matters
+SETTLED = 1e3
+#: corrections with forces balanced to rounding, after which what still moves costs no energy; tau takes at most 51 from
+#: its first value to its last
+BALANCED = 200
+_QA, _QK = PARAMETERS.index("Qa"), PARAMETERS.index("Qk")
+
+
+class StaticsError(RuntimeError):
+    """No equilibrium found, after so many ``corrections``; ``turned``: for it turned too far on the way there."""
+
+    def __init__(self, message: str, corrections: int = 0, turned: bool = False) -> None:
+        super().__init__(message)
+        self.corrections, self.turned = corrections, turned
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """Configuration, reactions (zero where free, up to rounding) and the corrections it took.
+
+    Angles count along it; ``turn`` (rad) is by how much more that is at the right end than it was along the guess.
+    """
+
+    q: Array
+    reaction: Array
+    iterations: int
+    turn: float
+
+
+def find_equilibrium(
+    system: RopeSystem,
+    guess: Array,
+    t: float = 0.0,
+    tolerance: float = 1e-11,
+    max_iterations: int = 10000,
+    most_turn: float = math.inf,
+) -> Equilibrium:
+    """Equilibrium near ``guess`` (nodes, 7), whose angles count along it, the ends held by the system as at ``t``.
+
+    ``tolerance`` is for the last full Newton correction in ``system.norm`` relative to the rope's length.  The search
+    ends without success where its ``turn`` exceeds ``most_turn`` (rad).
+    """
+    q = np.where(system.free, guess, system.prescribed_motion(t)[0])
+    rest = np.zeros_like(q)
+    scale = float(np.sum(system.lengths))
+    rounding = 10.0 * float(np.finfo(float).eps * system.P[_QA] * scale / system.lengths.min())
+    system, reaction, turn, previous = system.with_reference(q), rest, 0.0, 0.0
+    tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
+    for k in range(1, max_iterations + 1):
+        x, now = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
+        previous = _force(system, now)
+        if not np.all(np.isfinite(x)):
+            tau *= 0.1
+            if tau < 1e-7:
+                break
+            continue
+        error = -float(np.sum(now * x))
+        # what has no energy is not in the tangent, and the correction misses it
+        if system.P[_QK] != 0 and tau > SETTLED and last > 0:
+            relaxed = relaxation(error / last, relaxed)
+        last = error
+        step = min(relaxed, largest_move / max(*move, 1e-300))
+        trial = q + step * x
+        following = system.evaluate(trial, rest, rest, now).reaction
+        force = _force(system, following)
+        # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
+        # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given
+        if not np.isfinite(force) or not (np.sum(following * x) <= 3.0 * error or force <= previous + rounding):
+            tau, last = 0.3 * tau, 0.0
+            if tau < 1e-7:
+                break
+            continue
+        more = system.frame_turn(trial)
+        trial[:, ANGLE] += more
+        turn += float(more[-1])
+        if abs(turn) > most_turn:
+            break
+        system, q, reaction = system.with_reference(trial), trial, following
+        balanced += force <= rounding
+        if balanced > BALANCED or (tau > 1e8 and system.norm(x) < tolerance * scale):
+            return Equilibrium(q, reaction, k, turn)
+        tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
+    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > most_turn)
+
+
+def relaxation(change: Any, last: Any) -> Any:
+    """Part of a correction to be made, from the ``change`` of the squared error by the one before, of which ``last``.
+
+    The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
+    """
+    return 1.0 / (1.0 + larger((change - (1.0 - last) ** 2) / (last * last), 0.0))
+
+
+def _force(system: RopeSystem, reaction: Array) -> float:
+    """Largest unbalanced force in N; moments and stretching forces count per the shortest element's length."""
+    weight = np.ones(reaction.shape[1])
+    weight[SLOPE] = 1.0 / system.lengths.min()
+    return float(np.max(np.abs(np.where(system.free, reaction, 0.0)) * weight))
+
+
+def hanging_guess(s: Array, left: Array, right: Array) -> Array:
+    """(nodes, 7): two straight legs and a half circle between the suspension points ``left`` and ``right`` (3,).
+
+    ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points, see
+    physics.hanging.
+    """
+    length = float(s[-1])
+    across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
+    width = float(np.hypot(across[0], across[2]))
+    if width == 0:
+        raise StaticsError(messages.ends_above_each_other(abs(left[1] - right[1])))
+    across = across / width
+    middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
+    cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
+    legs = hanging_shape(length, middle, width, cell)
+    if min(legs.left_leg, legs.right_leg) <= legs.lean:
+        raise StaticsError(messages.rope_too_short(length, width, abs(left[1] - right[1])))
+    q = np.zeros((s.size, 7))
+    for dof, values in enumerate(node_row(legs, left, across, s)):
+        q[:, dof] = values
+    return q

@@ -1,0 +1,173 @@
+"""One step of the rope, as long as errors and events allow."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...numerics.generalized_alpha import StepResult
+from ...physics.accuracy import ACCEPT_BELOW, next_step, parts_of
+from ...physics.elementary import larger
+from ..ends.paths import ends_at
+from ..ends.switching import EVENT_WIDTH, chatters, next_release, release_swivels, switch_swivels, switching_step
+from ..mesh.adaptation import transform_if_due, with_loop_yaw
+from ..mesh.mesh_pattern import distance_to_due
+from ..mesh.partition import LATEST
+from ..messages import messages
+from ..model import RopeModel, powers
+from ..rigid import rigid_rope
+from ..rope_system import Evaluation, RopeSystem
+from ..state import Counts, RopeState
+from .events import locate
+from .statics import StaticsError
+
+log = logging.getLogger(__name__)
+
+#: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
+STEP_WORK = 12
+#: Newton iterations of a communication step of up to so many s: 14 times the most that one took in benchmarks.work
+MOST_WORK, WORK_INTERVAL = 20_000.0, 0.05
+
+
+@dataclass(frozen=True)
+class _Accepted:
+    """An accepted trial step, the one to try next, since when errors are small, and whether it ends where it was to."""
+
+    result: StepResult[Evaluation]
+    step_next: float
+    calm_since: float
+    counts: Counts
+    reaches_stop: bool
+
+
+def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int) -> RopeState | str:
+    """The state after one accepted step, or why there is none.
+
+    ``work_end`` is the number of Newton iterations since the start beyond which accuracy is given up.
+    """
+    if state.fidelity == "rigid":
+        return _rigid_step(model, state, t_end)
+    state = release_swivels(model, transform_if_due(model, state))
+    system = model.system(state)
+    stop = _next_stop(model, state, t_end)
+    while True:
+        step = _accepted_step(model, system, state, stop, work_end)
+        if isinstance(step, str):
+            return step
+        result, reaches_stop, counts = step.result, step.reaches_stop, step.counts
+        assert result.motion is not None
+        whole = result.motion.t - state.motion.t
+        # the step to the event, and one from there on, come after the trials
+        work = work_end - counts.newton - 2 * STEP_WORK
+        if (switching := switching_step(model, system, state, result, work)) is None:
+            break
+        h, iterations = switching
+        result = model.trial(system, state.motion, h)
+        counts = counts.plus(newton=iterations + result.newton.iterations, given_up=int(iterations >= work))
+        if result.motion is not None:
+            break
+        # a shorter one may not reach the event, or find it more easily
+        shorter = max(0.5 * whole, model.scene.solver.step_min)
+        if shorter > 0.75 * whole:
+            return messages.step_to_event_fails(result.newton.status.text)
+        log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
+        counts = counts.plus(rejections=1)
+        state = state._replace(step_next=shorter, calm_since=step.calm_since, counts=counts)
+    after = model.commit(state, system, result)
+    after = after._replace(step_next=step.step_next, calm_since=step.calm_since, counts=counts.plus(steps=1))
+    if switching is not None:
+        after = switch_swivels(model, after)
+        if chatters(after):
+            return messages.swivel_chatters()
+    elif reaches_stop:
+        after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
+    return with_loop_yaw(after)
+
+
+def _rigid_step(model: RopeModel, state: RopeState, t_end: float) -> RopeState | str:
+    """The rigid rope follows its ends in one go."""
+    try:
+        after = as_rigid(model, state, t_end)
+    except (StaticsError, ValueError) as error:
+        return str(error)
+    now, h = powers(model.system(after), after.motion), t_end - state.motion.t
+    work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + now.ends)
+    return after._replace(
+        powers=now, energy_balance=after.energy_balance._replace(work_ends=work), counts=after.counts.plus(steps=1)
+    )
+
+
+def _accepted_step(
+    model: RopeModel, system: RopeSystem, state: RopeState, stop: float, work_end: int
+) -> _Accepted | str:
+    """A step towards ``stop`` that converges and errs little enough, halved as often as it takes.
+
+    Where the work that is left does not allow for more steps, one that errs too much will do.
+    """
+    solver, t = model.scene.solver, state.motion.t
+    step_next, cause = min(state.step_next, solver.step_max), ""
+    iterations = rejections = 0
+    parts = parts_of(stop - t, step_next, float(_steps_left(work_end - state.counts.newton)))
+    h = (stop - t) / parts
+    while True:
+        result = model.trial(system, state.motion, h)
+        iterations += result.newton.iterations
+        error = model.relative_error(state, result)
+        if error <= ACCEPT_BELOW * solver.tolerance:
+            break
+        left = _steps_left(work_end - state.counts.newton - iterations)
+        if result.motion is not None and stop - t > 0.5 * h * left:
+            step_next = h
+            break
+        cause = (
+            result.newton.status.text if result.motion is None else messages.error_too_large(error / solver.tolerance)
+        )
+        log.debug("t = %.6f s: step %.3g s rejected: %s", t, h, cause)
+        rejections += 1
+        if h <= solver.step_min:
+            return messages.step_fails(h, solver.step_min, cause)
+        h = max(0.5 * h, solver.step_min)
+        parts, step_next = 2, h
+    then = next_step(solver, h, step_next, error, bool(cause), t + h, state.calm_since)
+    counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(then.given_up))
+    return _Accepted(result, then.length, then.calm_since, counts, parts == 1)
+
+
+def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
+    """The instant at which the coming steps must end: the host's or a release.
+
+    Also a transformation, where a step would carry the loop too far past it; else it waits for the step's end,
+    because a step that is cut short errs by more than a mesh that is a little late.
+    """
+    t, stop = state.motion.t, min(t_end, next_release(model, state))
+    ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
+
+    def due(time: float) -> float:
+        return float(distance_to_due(state.partition, model.bottom(state.paths, time)))
+
+    # a crossing that falls between these instants is found by the next step, at most one step late
+    at_start = due(t)
+    for time in (0.5 * (t + ahead), ahead):
+        if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
+            return min(locate(due, t, time, at_start, at_time, EVENT_WIDTH), stop)
+    return stop
+
+
+def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
+    """``state`` as the rigid model has it at ``t``."""
+    state = transform_if_due(model, state._replace(motion=replace(state.motion, t=t)))
+    rope = rigid_rope(model.scene, ends_at(state.paths, t), t, state.partition.nodes_s)
+    return state._replace(
+        motion=rope.motion, energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity)
+    )
+
+
+def most_work(interval: Any, step_max: Any) -> Any:
+    """Return the Newton iterations after which a communication step fails; a short step_max asks for more."""
+    return MOST_WORK * larger(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
+
+
+def _steps_left(work: int) -> int:
+    """Steps that so many Newton iterations allow for, one at least."""
+    return max(work // STEP_WORK, 1)
