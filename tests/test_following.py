@@ -243,3 +243,27 @@ def test_a_signal_that_stands_still_is_refused() -> None:
             break
     assert "have not changed for" in statuses[-1].message
     assert k * H == pytest.approx(scene_bound + 2 * H, abs=1.5 * H)
+
+
+@pytest.mark.parametrize("trusted", ["position_speed", "position", "speed"])
+def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
+    """At 0.5 m/s^2, read at the start of steps of 5 and 10 ms in turn."""
+    end, t, acceleration = Follower(trusted=trusted), 0.0, 0.5
+    for k in range(400):
+        h = 0.005 if k % 2 else 0.01
+        given = EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t)
+        end.step(t + h, given, t)
+        t += h
+    assert end.path.motion(t)[0][1] == pytest.approx(0.5 * acceleration * t * t, abs=0.03)
+
+
+def test_rounding_is_named_where_positions_alone_are_given() -> None:
+    rope = balance_rope(SCENE.with_(inputs=Inputs(given="position")))
+    wind(rope, lambda t: EndMotion(y=rounded(t).y))
+    assert "look rounded to 0.001 m" in rope.warnings()["unfit_inputs"]
+
+
+def test_a_speed_alone_is_not_taken_for_rounded_positions() -> None:
+    rope = balance_rope(SCENE.with_(inputs=Inputs(given="speed")))
+    wind(rope, lambda t: EndMotion(vy=exact(t).vy))
+    assert "unfit_inputs" not in rope.warnings()

@@ -128,6 +128,7 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
     assert other.state.fidelity == "planar"
 
 
+@pytest.mark.slow
 def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     """The Python form at a lower bound, the native one at the bounds of both."""
     scene = Scene(

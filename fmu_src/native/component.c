@@ -13,7 +13,7 @@
 #define SHORTEST_STEP 1e-9
 /* what has been entered since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
-enum { NUMBER = 32, STATE_VERSION = 3 };
+enum { NUMBER = 32, STATE_VERSION = 4 };
 
 struct Component {
     Allocator allocator;
@@ -50,7 +50,7 @@ static double *entered(Component *c) {
 }
 
 static size_t values_bytes(void) {
-    return 2 * MODEL_SCALARS * sizeof(double);
+    return 3 * MODEL_SCALARS * sizeof(double);
 }
 
 /* the model goes by the present entries */
@@ -82,7 +82,7 @@ const char *log_category(Severity severity) {
 }
 
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
-    Component *c = allocator->take(1, sizeof *c + values_bytes() + MODEL_SCALARS * sizeof(double));
+    Component *c = allocator->take(1, sizeof *c + values_bytes());
     if (!c) return NULL;
     memset(c, 0, sizeof *c);
     c->allocator = *allocator;
@@ -386,7 +386,7 @@ static int enter(Component *c, size_t scalar, double value) {
 
 int component_set(Component *c, size_t scalar, double value) {
     if (!enter(c, scalar, value)) return 0;
-    entered(c)[scalar] = 1.0;
+    if (c->started) entered(c)[scalar] = 1.0; /* what importers set before are start values */
     return 1;
 }
 
@@ -523,7 +523,7 @@ static int same_fixed(const double *a, const double *b) {
 int component_restore(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1), *goes_by = values + MODEL_SCALARS;
-    const void *rest = goes_by + MODEL_SCALARS;
+    const void *rest = (const unsigned char *)values + values_bytes();
     ModelInstance *model = NULL;
     char why[MODEL_MESSAGE] = "";
     if (!component_is_state(c, from, bytes)) return 0;

@@ -303,7 +303,10 @@ static int follow(Simulator *rope, State *state, double t, const EndMotion ends[
         state->following[side] = follow_account(&now, &path, &rates, &scene->rope, trusted, leg);
     }
     char why[MESSAGE];
-    fidelity_unsupported_motion(&rope->scene, state->fidelity, ends, rope->forces.number, why);
+    EndMotion seen[2] = {ends[LEFT], ends[RIGHT]};
+    for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
+        seen[side] = path_at(&state->paths[side], t);
+    fidelity_unsupported_motion(&rope->scene, state->fidelity, seen, rope->forces.number, why);
     if (!why[0]) return 1;
     if (rope->scene.model.fidelity != AUTO_FIDELITY)
         return say_fixed_model_cannot_follow(rope->message, fidelity_name(state->fidelity), why);

@@ -28,7 +28,7 @@ from .contact.shaft import LOOK_EVERY, with_passages
 from .ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
 from .ends.following import Following, follow, follow_limits, follow_program, follow_rates
 from .ends.misfit import follow_account
-from .ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath
+from .ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
 from .mesh.adaptation import raise_fidelity
 from .mesh.partition import Partition, fit_mesh, partition
@@ -239,6 +239,8 @@ class RopeSimulator(BalanceRope):
             followed.append((found.path, follow_account(found.following, found.path, rates, scene.rope, trusted, leg)))
         paths, following = zip(*followed, strict=True)
         state = state._replace(paths=paths, following=following, events=())
+        if scene.inputs.given != "all":
+            left, right = ends_at((paths[0], paths[1]), t)
         if why := unsupported_motion(self.scene, state.fidelity, (left, right), self.model.forces.s.size):
             if self.scene.model.fidelity != "auto":
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(state.fidelity, why))

@@ -8,7 +8,7 @@ enum { YAW = 3, AXES = 4 };
 static int largest(const double sizes[AXES]) {
     int worst = 0;
     for (int axis = 0; axis < AXES; axis++)
-        if (sizes[axis] > sizes[worst]) worst = axis;
+        if (isnan(sizes[axis]) || (!isnan(sizes[worst]) && sizes[axis] > sizes[worst])) worst = axis;
     return worst;
 }
 
@@ -41,7 +41,7 @@ void end_refusal(const Inputs *inputs, const EndMotion *target, const double lim
 
 void end_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {
     message[0] = '\0';
-    if (following->held > 0 && t - following->given_at > inputs->hold_max)
+    if (following->held > 1 && t - following->given_at > inputs->hold_max)
         say_inputs_frozen(message, SIDE_NAMES[side], t - following->given_at, inputs->hold_max);
 }
 

@@ -126,7 +126,7 @@ def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str
         if not math.isfinite(value):
             return messages.input_not_finite(side, name, value)
         return messages.input_out_of_range(side, name, value, bound)
-    worst = [max(range(4), key=sizes.__getitem__) for sizes in limits]
+    worst = [_largest(sizes) for sizes in limits]
     for sizes, k, units in zip(limits[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
         if not sizes[k] <= inputs.misfit_max:
             return messages.input_misfit(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max)
@@ -136,8 +136,13 @@ def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str
     return ""
 
 
+def _largest(sizes: Sequence[float]) -> int:
+    """Place of the first that is no number, or else of the largest."""
+    return max(range(len(sizes)), key=[math.inf if math.isnan(x) else x for x in sizes].__getitem__)
+
+
 def frozen(inputs: Inputs, t: float, following: Following, side: str) -> str:
     """'' while an end is given new samples; else since when it is not."""
-    if following.held > 0 and t - following.given_at > inputs.hold_max:
+    if following.held > 1 and t - following.given_at > inputs.hold_max:
         return messages.inputs_frozen(side, t - following.given_at, inputs.hold_max)
     return ""

@@ -39,6 +39,8 @@ _JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
 ESTIMATE_SHARE = 1.0 / 3.0
 #: m: positions are looked at for being whole multiples of these, and how closely
 GRIDS, ON_GRID = (1e-2, 1e-3, 1e-4, 1e-5), 1e-6
+#: s: over less a rounded yaw rate has no mean acceleration
+SHORTEST_MEAN = 1e-3
 #: s: positions of 1e4 m are rounded by 2e-12 m; met in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
 SHORTEST_AIM = 1e-5
 #: m/s: least change of speed between two samples from which a broken line can be told
@@ -118,11 +120,11 @@ def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end
     values = tuple(vars(end).values())
     moves = either(*(abs(value) > RESTS_BELOW for value in (end.vx, end.vy, end.vz, end.yaw_rate)))
     repeated = both(trusted <= 1, moves, *(a == b for a, b in zip(values, now.given, strict=True)))
-    since = larger(given_at - now.given_at, h)
+    since = where(given_at > now.given_at, given_at - now.given_at, h)
     motion = []
     speeds = (*end.velocity, end.yaw_rate)
     # FMI gives no yaw acceleration: take the mean since the sample before
-    accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / since)
+    accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / larger(since, SHORTEST_MEAN))
     for was, x, v, a in zip(now.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
         new = _completed(was, trusted, exp(-rates.estimate * since), since, (x, v, a))
         motion.append(tuple(where(repeated, old, found) for old, found in zip(was, new, strict=True)))
@@ -131,7 +133,8 @@ def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end
         larger(abs(axis[2] - asked), fades * before)
         for axis, asked, before in zip(motion, now.asked, now.lively, strict=True)
     )
-    looked = _looked_at(now, given_at, since, end, either(*(abs(v) > RESTS_BELOW for v in speeds)))
+    going = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
+    looked = _looked_at(now, given_at, since, end, motion[1][2], going)
     kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
     sampled: Following = now._replace(
         given=values,
@@ -167,14 +170,14 @@ def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[
     )
 
 
-def _looked_at(now: Any, given_at: Any, since: Any, end: Any, moves: Any) -> dict[str, Any]:
+def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
     """What a new sample tells of the grid that positions lie on, and of a table that they are interpolated in."""
     fits: Any = 0.0
     for grid in reversed(GRIDS):
         place = end.y / grid
         fits = where(abs(place - floor(place + 0.5)) < ON_GRID, grid, fits)
-    slope = (end.y - now.motion[1][0]) / since
-    change, expected = abs(slope - now.slope), abs(end.ay) * since
+    slope = (end.y - now.given[1]) / since
+    change, expected = abs(slope - now.slope), abs(ay) * since
     seen = expected > LEAST_CHANGE
     breaks = both(seen, change > BROKEN * expected)
     straight = both(seen, change < STRAIGHT * expected)

@@ -146,7 +146,7 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
 def _positions_rounded(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
     x = following
     on_grid = both(x.samples >= FEWEST_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
-    return both(on_grid, x.position > 0.25 * x.grid), x.grid
+    return both(scene.inputs.given != "speed", on_grid, x.position > 0.25 * x.grid), x.grid
 
 
 def _samples_repeated(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
