@@ -1,8 +1,8 @@
-"""How much work ropes need that come to rest, and communication steps that succeed: ``python -m benchmarks.work``.
+"""How much work ropes need that come to rest, and communication steps that succeed: ``python tests/work.py``.
 
 The bounds on both, of rope_model.simulation.stepping.hang and stepping, stand above the largest numbers found here.
 Ropes are turned in by up to TURNS turns, some in linings that leave no room.  Steps are those of the trips of
-benchmarks.shafts and of emergency stops, at errors of down to a hundredth of the usual.  The rests are those of the
+random_shafts and of emergency stops, at errors of down to a hundredth of the usual.  The rests are those of the
 Python form, which makes the native one's corrections and tells their number.
 """
 
@@ -41,7 +41,7 @@ class Searches:
 
 
 def rests(number: int) -> Iterator[tuple[Scene, EndMotion, EndMotion]]:
-    """Every second one a pose of benchmarks.poses, the others turned in far, half of those in a lining."""
+    """Every second one a pose of random_poses, the others turned in far, half of those in a lining."""
     rng = np.random.default_rng(SEED)
     known = poses(SEED, number)
     for k in range(number):
@@ -118,7 +118,7 @@ def step_works(seed: int) -> Iterator[tuple[float, int, float]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser("python -m benchmarks.work", description=__doc__)
+    parser = argparse.ArgumentParser("python tests/work.py", description=__doc__)
     parser.add_argument("--rests", type=int, default=RESTS)
     parser.add_argument("--trips", type=int, default=TRIPS)
     options = parser.parse_args()

@@ -273,7 +273,6 @@ class Followed(NamedTuple):
 
 _PATH = 2 + 6 * len(PATH)
 _END = len(EndMotion.__dataclass_fields__)
-_FOLLOWING = 0
 
 
 def following_of(values: Iterable[Any]) -> Following:

@@ -24,7 +24,7 @@ TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
 MOST_TURN = 2.0
 #: corrections after which turning in is given up: in searches that found no rest, and in all.  Ropes that come to rest
-#: need none of the former and half of the latter (benchmarks.work)
+#: need none of the former and half of the latter (tests/work.py)
 MOST_LOST, MOST_CORRECTIONS = 20_000, 320_000
 
 
