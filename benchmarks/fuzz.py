@@ -80,7 +80,7 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
     build(fmi, folder, "fuzz", SANITIZED)
     (folder / "corpus").mkdir(exist_ok=True)
     command = [
-        "./fuzz", "corpus", f"-max_total_time={round(60 * minutes)}", "-max_len=1024", "-timeout=120",
+        "./fuzz", "corpus", f"-max_total_time={round(60 * minutes)}", "-max_len=1024", "-timeout=600",
         "-rss_limit_mb=2048", "-len_control=0", "-seed=2",
     ]  # fmt: skip
     log = folder / "log.txt"
