@@ -68,7 +68,7 @@ def fails_at_twist(reached: float, twist: float, step: float, iterations: int, w
 
 
 def takes_too_long() -> str:
-    return "more than twice what any rope needed that came to rest; put in less twist, or shorten the rope"
+    return "more than ropes need that come to rest; put in less twist, or shorten the rope"
 
 
 def fails_at_curvature(reached: float, curvature: float, why: str) -> str:
