@@ -26,7 +26,7 @@ from rope_model.simulation.outputs.diagnostics import LoopBottom
 Array = NDArray[np.float64]
 
 FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("partition.c", "transfer.c", "shape.c", "shaft.c", "guards.c", "rigid.c", "ends.c", "parameters.c", "text.c")
+PARTS = ("partition.c", "transfer.c", "diagnostics.c", "shaft.c", "guards.c", "rigid.c", "ends.c", "parameter_table.c", "text.c")
 MESSAGE, ROUNDING = 512, 1e-12
 
 

@@ -37,7 +37,7 @@ from rope_model.simulation.stepping.statics import StaticsError
 Array = NDArray[np.float64]
 Ends = tuple[EndMotion, EndMotion]
 
-PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameters.c", "shape.c", "partition.c", "transfer.c")
+PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameter_table.c", "diagnostics.c", "partition.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)

@@ -2,9 +2,9 @@
 #ifndef SIMULATOR_H
 #define SIMULATOR_H
 
-#include "chain.h"
+#include "rope_system.h"
 #include "core.h"
-#include "shaft.h"
+#include "bodies.h"
 #include "signal_numbers.h" /* generated */
 
 /* A step that nobody has accepted yet, as numerics.generalized_alpha.StepResult; its arrays are the simulator's. */

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "chain.h"
+#include "rope_system.h"
 
 /* even of strands that lie in each other */
 static size_t most_touches(const Scene *scene, int elements) {

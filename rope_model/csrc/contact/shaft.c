@@ -1,5 +1,5 @@
 /* The bodies of a scene, and the rope among them: the port of rope_model.simulation.contact.shaft. */
-#include "shaft.h"
+#include "bodies.h"
 
 #include <string.h>
 

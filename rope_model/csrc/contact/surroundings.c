@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "chain.h"
+#include "rope_system.h"
 
 void see(const System *s, Seen *seen, const double *q) {
     memcpy(seen->q, q, sizeof(double) * DOF * (size_t)(s->elements + 1));

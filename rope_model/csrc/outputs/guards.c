@@ -1,7 +1,7 @@
 /* What the guards of the loop see of the present rope: the port of rope_model.simulation.outputs.guards. */
 #include <math.h>
 
-#include "shaft.h"
+#include "bodies.h"
 
 double guards_rise(const Scene *scene, const State *state, const Arrays *m, const LoopBottom *bottom) {
     const double left = m->q[1], right = m->q[(size_t)m->elements * DOF + 1];

@@ -1,6 +1,6 @@
 /* Bodies in the shaft, and the rope among them: rope_model.simulation.contact.shaft. */
-#ifndef SHAFT_H
-#define SHAFT_H
+#ifndef BODIES_H
+#define BODIES_H
 
 #include "formulas.h"
 

@@ -1,9 +1,9 @@
 /* The chains in the form that every processor runs, and the choice between the forms. */
 
 #define FORM(name) name##_plain
-#include "chain_form.inc"
+#include "rope_kernels_form.inc"
 
-#include "chain_wide.h"
+#include "processor.h"
 
 /* no fidelity needs more than the torsional: steps, tangents, correction and residual, and what alignment takes */
 size_t chain_work_bytes(int elements) {

@@ -1,12 +1,12 @@
 /* Equations of a chain of elements, solved by Newton's method with block elimination: rope_model.numerics.block_chain
    and numerics.newton.  Arrays have DOF entries a node; what a fidelity leaves out stays zero. */
-#ifndef CHAIN_H
-#define CHAIN_H
+#ifndef ROPE_SYSTEM_H
+#define ROPE_SYSTEM_H
 
 #include <stddef.h>
 
 #include "rope.h"
-#include "shaft.h"
+#include "bodies.h"
 
 enum {
     BALANCE = 9,
