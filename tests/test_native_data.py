@@ -37,7 +37,6 @@ from rope_model.simulation.stepping.statics import StaticsError
 Array = NDArray[np.float64]
 Ends = tuple[EndMotion, EndMotion]
 
-PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameter_table.c", "diagnostics.c", "partition.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)
@@ -47,7 +46,7 @@ FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
 @pytest.fixture(scope="module")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """The library with the parts under test."""
-    library = compiled(tmp_path_factory.mktemp("native"), {}, PARTS)
+    library = compiled(tmp_path_factory.mktemp("native"), {})
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
     return library
