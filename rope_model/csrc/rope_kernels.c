@@ -27,13 +27,3 @@ const Chain *fastest_chains(void) {
     return chains_plain;
 }
 #endif
-
-const char *newton_text(int status) {
-    static const char *const texts[] = {
-        "Newton iteration did not converge within the allowed iterations",
-        "Newton iteration converged",
-        "Newton iteration diverged: the step is too large or the elements are too long for this motion",
-        "Newton iteration met a value that is not finite",
-    };
-    return texts[status];
-}

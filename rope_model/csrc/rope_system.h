@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 
+#include "newton.h"
 #include "rope.h"
 #include "bodies.h"
 
@@ -20,8 +21,6 @@ enum {
 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
-/* numerics.newton.NewtonStatus */
-enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
 
 /* of physics.contact_element.CONTACT_BALANCE */
 enum {
@@ -90,11 +89,6 @@ typedef struct {
     const double *wires, *curved;
     double time, *latest, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
 } System;
-
-typedef struct {
-    int status, iterations, applies;      /* applies: whether the latest correction does */
-    double norm, error, contraction, sum; /* sum: of the norms of all that did */
-} Progress;
 
 typedef struct {
     /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2] */
@@ -178,6 +172,5 @@ size_t chain_work_bytes(int elements);
 size_t chain_frames_bytes(int elements);
 /* of the fidelities TORSIONAL to PLANAR, in the fastest form that this processor runs */
 const Chain *fastest_chains(void);
-const char *newton_text(int status);
 
 #endif
