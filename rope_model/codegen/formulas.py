@@ -56,6 +56,7 @@ from ..simulation.outputs import audit, diagnostics
 from ..simulation.outputs.audit import Audit
 from ..simulation.state import EnergyBalance
 from ..simulation.stepping import bracket, hang, statics, stepping
+from ..texts import c_string
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
 #: const, and last, takes the numbers of a formula that returns several
@@ -271,7 +272,7 @@ STRUCTURES: dict[str, type[Any]] = {
     )
 } | {"Path": EndPath}
 #: numbers of the formulas and of the control flow
-CONSTANTS: dict[str, float | tuple[float, ...]] = {
+CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "PARAMETERS": len(element.PARAMETERS),
     "FARTHEST_START": simulator.FARTHEST_START,
     "MOST_STEPS": simulator.MOST_STEPS,
@@ -328,6 +329,7 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "NEWTON_SMOOTH": tuple(newton.SMOOTH),
     "NEWTON_KINKED": tuple(newton.KINKED),
     "NEWTON_HUGE": newton.HUGE,
+    "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
     "GRADIENT_STEPS": coupled_newton.STEPS,
     "GRADIENT_LEFT": coupled_newton.LEFT,
     "CONTACT_CELLS": contact_places.CELLS,
@@ -416,8 +418,10 @@ def formulas_code() -> str:
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
 
 
-def _value(value: float | tuple[float, ...]) -> str:
-    return f"{{{', '.join(map(repr, value))}}}" if isinstance(value, tuple) else repr(value)
+def _value(value: float | str | tuple[Any, ...]) -> str:
+    if isinstance(value, tuple):
+        return f"{{{', '.join(map(_value, value))}}}"
+    return c_string(value) if isinstance(value, str) else repr(value)
 
 
 def _definition(kind: type[Any]) -> str:

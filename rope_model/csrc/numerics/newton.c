@@ -30,11 +30,6 @@ Progress newton_judge(Progress before, double norm, double tolerance, int fresh,
 }
 
 const char *newton_text(int status) {
-    static const char *const texts[] = {
-        "Newton iteration did not converge within the allowed iterations",
-        "Newton iteration converged",
-        "Newton iteration diverged: the step is too large or the elements are too long for this motion",
-        "Newton iteration met a value that is not finite",
-    };
+    static const char *const texts[] = NEWTON_TEXTS;
     return texts[status];
 }
