@@ -51,7 +51,7 @@ const char *rope_fidelity_reason(const Simulator *rope) {
 }
 
 /* what was worked on becomes the state */
-static int accept_next(Simulator *rope) {
+static int accept(Simulator *rope) {
     State *before = rope->state;
     rope->state = rope->next;
     rope->next = before;
@@ -90,7 +90,7 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
     return 1;
 }
 
-static int start(Simulator *rope, double t, const EndMotion ends[2]) {
+static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     const Scene *scene = &rope->scene;
     State *state = rope->next;
     char *message = rope->message;
@@ -125,7 +125,7 @@ static int start(Simulator *rope, double t, const EndMotion ends[2]) {
     guards_at_rest(scene, state);
     with_passages(rope, state);
     with_guards(scene, state);
-    return accept_next(rope);
+    return accept(rope);
 }
 
 /* what did not succeed has left the frames counted from elsewhere */
@@ -135,11 +135,11 @@ static int conclude(Simulator *rope, int succeeded) {
 }
 
 int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
-    return conclude(rope, start(rope, t, ends));
+    return conclude(rope, initialize(rope, t, ends));
 }
 
 /* the ends' next paths, and the fidelity that can follow them; 0 when none can */
-static int follow(Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
+static int move_ends(Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &rope->scene;
     const Rates rates = follow_rates(scene);
     const double begin = state->t, trusted = scene->inputs.given, bottom = model_bottom(rope, rope->state, begin);
@@ -170,7 +170,7 @@ static int follow(Simulator *rope, State *state, double t, const EndMotion ends[
     return 1;
 }
 
-static int advance(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
+static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
     State *state = rope->next;
     const double begin = rope->state->t, step_max = rope->scene.solver.step_max;
     const int64_t steps_before = rope->state->counts.steps + rope->state->counts.rejections;
@@ -182,7 +182,7 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double gi
     state_copy(rope, state, rope->state);
     state->switched = state->event_count = 0;
     rope->work_end = state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
-    if (!follow(rope, state, t, ends, given_at)) return 0;
+    if (!move_ends(rope, state, t, ends, given_at)) return 0;
     const Arrays m = state_arrays(state);
     double impulse[2] = {0, 0};
     const double most = most_work(t - begin, step_max);
@@ -206,11 +206,11 @@ static int advance(Simulator *rope, double t, const EndMotion ends[2], double gi
     state->last_interval = t - begin;
     if (state->counts.given_up > 0 && rope->state->counts.given_up == 0) state->given_up_since = begin;
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = impulse[side] / (t - begin);
-    return accept_next(rope);
+    return accept(rope);
 }
 
 int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
-    return conclude(rope, advance(rope, t, ends, given_at));
+    return conclude(rope, advance_to(rope, t, ends, given_at));
 }
 
 size_t rope_state_bytes(const Simulator *rope) {
@@ -227,7 +227,7 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     memcpy(state, from, bytes);
     if (!state_plausible(rope, state)) return say_bytes_are_no_state(rope->message);
     rope_system_refer(rope, state, state_arrays(state).q);
-    return accept_next(rope);
+    return accept(rope);
 }
 
 void rope_apply(Simulator *rope, const PointForces *forces) {
