@@ -14,13 +14,12 @@ from functools import cache
 from pathlib import Path
 
 from ..numerics.kernels import FLAGS, cache_folder, compile_library, find_compiler
-from .cases import cases_code
+from .cases import cases_code, state_signals
 from .elements import element_code
 from .formulas import formulas_code
 from .layout import state_structures
 from .messages import messages_code
 from .platforms import host_platform, prebuilt_file, text_hash
-from .state_values import state_signals
 from .tables import parameter_bounds, parameter_structures, signal_numbers
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
