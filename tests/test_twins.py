@@ -54,7 +54,6 @@ C_ONLY = {
     "chain_work_bytes": "room for a chain",
     "chain_frames_bytes": "room for a chain",
     "fastest_chains": "both widths of vectors",
-    "newton_text": "NewtonStatus.text",
 }
 
 

@@ -2,6 +2,9 @@
 #ifndef CORE_H
 #define CORE_H
 
+#include <math.h>
+#include <string.h>
+
 #include "rope.h"
 #include "state.h"
 

@@ -1,7 +1,5 @@
 /* The permanent curvature of a rope along its present shape: rope_model.simulation.curvature, which see. */
 
-#include <string.h>
-
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {

@@ -1,5 +1,4 @@
 /* rope_model.simulation.fidelity: which fidelity of the model serves, and why.  The estimates are explained there. */
-#include <string.h>
 
 #include "cases.h"
 

@@ -1,7 +1,4 @@
-/* One step: rope_model.simulation.model and rope_model.numerics.generalized_alpha, which see. */
-
-#include <math.h>
-#include <string.h>
+/* Trial steps, accepted steps and their accounts: rope_model.simulation.model, which see. */
 
 #include "simulator.h"
 

@@ -1,5 +1,5 @@
 /* rope_model.parameter_table: the bounds of every parameter; the first that is broken gives the message. */
-#include <math.h>
+
 #include <stdio.h>
 
 #include "core.h"

@@ -1,5 +1,4 @@
 /* rope_model.simulation.rigid: an inextensible rope without bending stiffness, two straight legs and a half circle. */
-#include <string.h>
 
 #include "messages.h"
 #include "simulator.h"

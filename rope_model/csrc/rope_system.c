@@ -1,8 +1,5 @@
 /* The equations of motion of a state: rope_model.simulation.rope_system, which see. */
 
-#include <math.h>
-#include <string.h>
-
 #include "simulator.h"
 
 System rope_system(const Simulator *rope, State *state) {

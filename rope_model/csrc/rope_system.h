@@ -3,11 +3,7 @@
 #ifndef ROPE_SYSTEM_H
 #define ROPE_SYSTEM_H
 
-#include <stddef.h>
-
-#include "newton.h"
-#include "rope.h"
-#include "bodies.h"
+#include "formulas.h"
 
 enum {
     BALANCE = 9,
@@ -21,6 +17,40 @@ enum {
 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
+
+/* of numerics.newton.NewtonStatus */
+enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
+
+typedef struct {
+    int status, iterations, applies;      /* applies: whether the latest correction does */
+    double norm, error, contraction, sum; /* sum: of the norms of all that did */
+} Progress;
+
+typedef struct {
+    double rounds, per_round, slow, unsure, growing, first;
+} Rules;
+
+/* newton.c: after a correction of this norm; fresh: whether its factorization is new */
+Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const Rules *rules);
+
+enum { FIXED = -1, MOST_BODIES = 10 };
+typedef struct {
+    int kind, moves_with; /* LEFT or RIGHT, or FIXED */
+    Body body;
+} Placed;
+/* bodies.c: the bodies that are there with the rope's ends at these places: their number */
+int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies);
+/* the box around some elements from first on, as body_least_distance takes it; the element behind the last of them */
+int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
+
+/* shaft.c: where the rope is nearest to the bodies of each kind now */
+void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+/* the same where that is nearer than `nearest` says */
+void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+
+static inline void not_near(Nearest nearest[KINDS]) {
+    for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = FAR};
+}
 
 /* of physics.contact_element.CONTACT_BALANCE */
 enum {

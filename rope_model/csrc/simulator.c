@@ -1,8 +1,5 @@
 /* The rope in time: rope_model.simulation.simulator, which see. */
 
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "simulator.h"
 

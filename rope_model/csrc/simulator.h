@@ -3,8 +3,6 @@
 #define SIMULATOR_H
 
 #include "rope_system.h"
-#include "core.h"
-#include "bodies.h"
 #include "signal_numbers.h" /* generated */
 
 /* A step that nobody has accepted yet; its arrays are the simulator's.  error: local, in rope_system_norm; relative:

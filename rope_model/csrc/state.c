@@ -1,8 +1,6 @@
 /* The state as one block of bytes. */
 
-#include <math.h>
 #include <stddef.h>
-#include <string.h>
 
 #include "cases.h"
 #include "simulator.h"

@@ -1,8 +1,5 @@
 /* The memory of a rope whose wires rub on each other: rope_model.simulation.wires, which see. */
 
-#include <math.h>
-#include <string.h>
-
 #include "simulator.h"
 
 /* where in the element the length of rope begins and ends that a point stands for, in parts of 1 */

@@ -1,6 +1,6 @@
 /* The bodies of a scene where they are now: rope_model.simulation.contact.bodies. */
 
-#include "bodies.h"
+#include "rope_system.h"
 
 /* elements that are looked at together first */
 enum { GROUP = 12 };

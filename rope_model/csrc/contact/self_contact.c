@@ -1,7 +1,5 @@
 /* Contact of the rope with itself: rope_model.simulation.contact.self_contact and physics.rope_on_rope. */
 
-#include <string.h>
-
 #include "rope_system.h"
 
 /* even of strands that lie in each other */

@@ -1,5 +1,4 @@
 /* The bodies of a scene, and the rope among them: the port of rope_model.simulation.contact.shaft. */
-#include <string.h>
 
 #include "simulator.h"
 

@@ -1,7 +1,4 @@
-/* Contact of the rope with bodies in the shaft: rope_model.simulation.contact.surroundings and
-   physics.contact_element. */
-
-#include <string.h>
+/* Which elements are near the bodies of a scene: rope_model.simulation.contact.surroundings. */
 
 #include "rope_system.h"
 

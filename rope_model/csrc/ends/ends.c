@@ -1,5 +1,4 @@
 /* rope_model.simulation.ends.ends: checks of the motions that a host gives, and the swivels' friction. */
-#include <math.h>
 
 #include "cases.h"
 

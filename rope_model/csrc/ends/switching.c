@@ -1,8 +1,5 @@
 /* Stick and slip: rope_model.simulation.ends.switching, which see. */
 
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "simulator.h"
 

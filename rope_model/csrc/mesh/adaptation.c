@@ -1,8 +1,4 @@
-/* Changes of the rope's description that leave the rope as it is, and the rigid model:
-   rope_model.simulation.mesh.adaptation and rigid, which see. */
-
-#include <math.h>
-#include <string.h>
+/* Changes of the rope's description that leave the rope as it is: rope_model.simulation.mesh.adaptation, which see. */
 
 #include "cases.h"
 #include "simulator.h"

@@ -1,8 +1,6 @@
-/* Partitions of the rope into elements: the port of rope_model.simulation.mesh.partition, which says what is done and
-   why. */
+/* Partitions of the rope into elements: rope_model.simulation.mesh.partition, which says what is done and why. */
+
 #include <limits.h>
-#include <math.h>
-#include <string.h>
 
 #include "cases.h"
 

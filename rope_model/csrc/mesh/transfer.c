@@ -1,7 +1,4 @@
-/* Nodal values between the nodes, and carried from one partition of the rope to another: the port of
-   rope_model.simulation.mesh.transfer, which says what is done and why. */
-#include <math.h>
-#include <string.h>
+/* Nodal values between the nodes, and carried from mesh to mesh: rope_model.simulation.mesh.transfer says why. */
 
 #include "formulas.h"
 

@@ -1,7 +1,6 @@
 /* Warnings about results that are valid: the port of rope_model.simulation.messages.result_warnings, which see. */
-#include <math.h>
+
 #include <stdio.h>
-#include <string.h>
 
 #include "cases.h"
 #include "simulator.h"

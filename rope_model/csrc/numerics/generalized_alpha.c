@@ -1,8 +1,5 @@
 /* One step of generalized-alpha: rope_model.numerics.generalized_alpha, which see. */
 
-#include <math.h>
-#include <string.h>
-
 #include "simulator.h"
 
 /* by how much the accelerations of the trial differ from those before it: Solution.resolve */

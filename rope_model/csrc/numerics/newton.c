@@ -1,10 +1,6 @@
 /* What Newton's method makes of its corrections: rope_model.numerics.newton. */
 
-#include "newton.h"
-
-#include <math.h>
-
-#include "formulas.h"
+#include "rope_system.h"
 
 Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const Rules *rules) {
     const double contraction = before.norm > 0 ? norm / before.norm : 0;
@@ -27,9 +23,4 @@ Progress newton_judge(Progress before, double norm, double tolerance, int fresh,
         after.status = CONVERGED;
     }
     return after;
-}
-
-const char *newton_text(int status) {
-    static const char *const texts[] = NEWTON_TEXTS;
-    return texts[status];
 }

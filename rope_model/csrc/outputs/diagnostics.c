@@ -1,7 +1,4 @@
-/* What is read off the rope's shape, and the shape it is given to start from: the port of
-   rope_model.simulation.outputs.diagnostics and rope_model.simulation.stepping.statics.hanging_guess. */
-#include <math.h>
-#include <string.h>
+/* What is read off the rope's shape: rope_model.simulation.outputs.diagnostics. */
 
 #include "formulas.h"
 #include "messages.h"

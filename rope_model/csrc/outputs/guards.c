@@ -1,7 +1,6 @@
 /* What the guards of the loop see of the present rope: the port of rope_model.simulation.outputs.guards. */
-#include <math.h>
 
-#include "bodies.h"
+#include "rope_system.h"
 
 double guards_rise(const Scene *scene, const State *state, const Arrays *m, const LoopBottom *bottom) {
     const double left = m->q[1], right = m->q[(size_t)m->elements * DOF + 1];

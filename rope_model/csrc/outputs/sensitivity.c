@@ -1,8 +1,5 @@
 /* How the end loads answer to the ends: rope_model.simulation.outputs.sensitivity, and RopeSimulator.answer. */
 
-#include <math.h>
-#include <string.h>
-
 #include "messages.h"
 #include "simulator.h"
 

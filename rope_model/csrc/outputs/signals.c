@@ -1,6 +1,4 @@
 /* Values of the output signals: the port of rope_model.simulation.outputs.signals. */
-#include <math.h>
-#include <string.h>
 
 #include "simulator.h"
 #include "state_signals.h" /* state_signals: generated */

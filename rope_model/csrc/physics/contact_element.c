@@ -1,7 +1,5 @@
 /* An element that touches bodies in the shaft: rope_model.physics.contact_element. */
 
-#include <string.h>
-
 #include "rope_system.h"
 
 /* an element and a body that it is near */

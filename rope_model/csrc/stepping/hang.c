@@ -1,6 +1,4 @@
 /* The rope at rest: rope_model.simulation.stepping.hang, which see. */
-#include <math.h>
-#include <string.h>
 
 #include "messages.h"
 #include "simulator.h"

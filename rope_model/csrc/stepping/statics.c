@@ -1,8 +1,6 @@
 /* Equilibrium by pseudo-transient continuation: rope_model.simulation.stepping.statics, which see. */
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 #include "simulator.h"
 #include "messages.h"

@@ -1,10 +1,10 @@
 /* One step of the rope, as long as errors and events allow: rope_model.simulation.stepping.stepping. */
 
-#include <math.h>
-#include <string.h>
-
 #include "cases.h"
 #include "simulator.h"
+
+/* a Newton iteration, by its status */
+static const char *const ENDED[] = NEWTON_TEXTS;
 
 typedef struct {
     const Simulator *rope;
@@ -61,8 +61,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
         if (h <= solver->step_min) {
             char why[MESSAGE];
             if (trial->reached) say_error_too_large(why, trial->relative / solver->tolerance);
-            return say_step_fails(message, h, solver->step_min,
-                                  trial->reached ? why : newton_text(trial->newton.status));
+            return say_step_fails(message, h, solver->step_min, trial->reached ? why : ENDED[trial->newton.status]);
         }
         h = fmax(0.5 * h, solver->step_min);
         parts = 2;
@@ -114,7 +113,7 @@ int step_towards(Simulator *rope, State *state, double t_end, char *message) {
         if (switching >= 0) break;
         /* a shorter one may not reach the event, or find it more easily */
         state->step_next = fmax(0.5 * whole, rope->scene.solver.step_min);
-        if (state->step_next > 0.75 * whole) return say_step_to_event_fails(message, newton_text(trial.newton.status));
+        if (state->step_next > 0.75 * whole) return say_step_to_event_fails(message, ENDED[trial.newton.status]);
         state->counts.rejections += 1;
     }
     model_commit(rope, state, &trial);
