@@ -8,7 +8,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from end_paths import Follower
+from end_paths import Follower, usual_manner
 from numpy.testing import assert_allclose
 
 from hoist_demo.control.trajectory import s_curve
@@ -17,7 +17,7 @@ from rope_model import EndMotion, Inputs, Scene, balance_rope, rope_120
 from rope_model.engine import NativeRope
 from rope_model.parameters import Trusted
 from rope_model.simulation.balance_rope import BalanceRope, Status
-from rope_model.simulation.ends.following import Rates, follow_rates
+from rope_model.simulation.ends.following import manner_of
 from rope_model.simulation.simulator import RopeSimulator
 
 H, TRAVEL = 0.01, 20.0
@@ -89,7 +89,7 @@ def test_a_motion_that_fits_is_met_exactly() -> None:
 def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_observer() -> None:
     """x = d (1 - (1 + w t) exp(-w t)) after a jump of d."""
     w, d = 2.0, 0.1
-    end = Follower(rates=Rates(w, 17.0))
+    end = Follower(manner=usual_manner(bandwidth=w))
     for k in range(1, 301):
         end.step(k * H, EndMotion(y=d))
         t = k * H
@@ -99,10 +99,10 @@ def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_obser
 
 
 def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> None:
-    rates = follow_rates(SCENE)
-    disturbance = rates.observer**2 * SCENE.accuracy.loop / SCENE.layout.gravity
+    manner = manner_of(SCENE)
+    disturbance = manner.observer**2 * SCENE.accuracy.loop / SCENE.layout.gravity
     assert disturbance == pytest.approx(SCENE.accuracy.end_force)
-    chosen = follow_rates(SCENE.with_(inputs=Inputs(bandwidth=3.0, estimate_bandwidth=5.0)))
+    chosen = manner_of(SCENE.with_(inputs=Inputs(bandwidth=3.0, estimate_bandwidth=5.0)))
     assert (chosen.observer, chosen.estimate) == (3.0, 5.0)
 
 
@@ -110,7 +110,7 @@ def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> No
 def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, order: int) -> None:
     """By n J / W behind an acceleration of the rate J."""
     jerk, bandwidth = 0.5, 20.0
-    end = Follower(rates=Rates(1.0, bandwidth), trusted=trusted)
+    end = Follower(manner=usual_manner(trusted, estimate=bandwidth))
     for k in range(1, 1001):
         t = 0.001 * k
         y, v = jerk * t**3 / 6, jerk * t**2 / 2
@@ -122,7 +122,7 @@ def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, ord
 
 
 def test_a_speed_alone_is_integrated() -> None:
-    end = Follower(trusted="speed")
+    end = Follower(manner=usual_manner("speed"))
     for k in range(1, 2401):
         end.step(k * H, EndMotion(vy=exact(k * H).vy))
     assert end.path.motion(24.0)[0][1] == pytest.approx(TRAVEL, abs=1e-3)
@@ -248,7 +248,7 @@ def test_a_signal_that_stands_still_is_refused() -> None:
 @pytest.mark.parametrize("trusted", ["position_speed", "position", "speed"])
 def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
     """At 0.5 m/s^2, read at the start of steps of 5 and 10 ms in turn."""
-    end, t, acceleration = Follower(trusted=trusted), 0.0, 0.5
+    end, t, acceleration = Follower(manner=usual_manner(trusted)), 0.0, 0.5
     for k in range(400):
         h = 0.005 if k % 2 else 0.01
         given = EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t)

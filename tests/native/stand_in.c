@@ -139,7 +139,8 @@ double rope_signal(Simulator *rope, int signal) {
     return signal == SIGNAL_COUNT_STEPS ? rope->state.steps : 0.0;
 }
 
-int rope_derivative(Simulator *rope, int input, double derivative[12]) {
+int rope_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]) {
+    (void)at_step_end;
     int moved = input / 11, k = input % 11, side;
     for (side = 0; side < 12; side++) derivative[side] = 0.0;
     for (side = LEFT; side <= RIGHT; side++) {

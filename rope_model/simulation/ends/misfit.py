@@ -22,7 +22,7 @@ SWINGING = 8.0 / math.pi**2
 STEP_SPEED = math.sqrt(900.0 / 630.0)
 
 
-def follow_account(now: Any, path: Any, rates: Any, rope: Any, trusted: Any, leg: Any) -> Following:
+def follow_account(now: Any, path: Any, manner: Any, rope: Any, leg: Any) -> Following:
     """``now`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
     h = path.stop - path.start
     places, speeds, accelerations = path.motion(path.stop)
@@ -37,9 +37,9 @@ def follow_account(now: Any, path: Any, rates: Any, rope: Any, trusted: Any, leg
     c0, c1, c2, c3, c4, c5 = path.coefficients[1]
     # of the acceleration, linear through the two given last
     grows = (now.motion[1][2] - now.asked[1]) / h
-    order = where(trusted <= 0, 0.0, where(abs(trusted - 2) < 0.5, 3.0, 2.0))
-    lags = order * grows / rates.estimate
-    lag = now.lag + (1.0 - exp(-rates.estimate * h)) * (lags - now.lag)
+    order = where(manner.acceleration > 0, 0.0, where(manner.speed > 0, 2.0, 3.0))
+    lags = order * grows / manner.estimate
+    lag = now.lag + (1.0 - exp(-manner.estimate * h)) * (lags - now.lag)
     # its rates at the step's start
     begin = given_ay + grows * (ahead - h) + lag
     added = 2.0 * c2 - begin, 6.0 * c3 - grows, 24.0 * c4, 120.0 * c5
@@ -47,7 +47,7 @@ def follow_account(now: Any, path: Any, rates: Any, rope: Any, trusted: Any, leg
     shifted = places[1] - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + accelerations[1]) - 0.5 * h * bent
     wave, of_leg = _swung(now.wave, added, rope, leg, h)
     of_place = STEP_SPEED * sqrt(rope.Qa * rope.mass_per_length) * shifted / h
-    drift = now.drift + (1.0 - exp(-rates.observer * h)) * (y - places[1] - now.drift)
+    drift = now.drift + (1.0 - exp(-manner.observer * h)) * (y - places[1] - now.drift)
     position, speed, acceleration = misfits
     accounted: Following = now._replace(
         asked=tuple(axis[2] for axis in now.motion),
