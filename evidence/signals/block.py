@@ -37,8 +37,13 @@ def block(tables: Tables) -> str:
     head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "the rope says")
     m = tables["multirate"]
     tools = [
-        (str(tool), quantity(rms, "%", ".2g"), quantity(largest, "%", ".2g"), f"{repeated:.0f}")
-        for tool, rms, largest, repeated in zip(m["tool"], m["RMS"], m["largest"], m["repeated"], strict=True)
+        (
+            str(m["tool"][k]),
+            *(quantity(m[name][k], "ms") for name in ("drive [s]", "rope [s]")),
+            *(quantity(m[name][k], "%", ".2g") for name in ("RMS", "largest")),
+            f"{m['repeated'][k]:.0f}",
+        )
+        for k in range(len(m["tool"]))
     ]
     return "\n\n".join(
         (
@@ -46,7 +51,7 @@ def block(tables: Tables) -> str:
             "Deviation of the end forces over the largest: root mean square / largest at an instant / told by "
             f"`status.end_force_error`. Communication steps of {quantity(STEP, 'ms')}, inputs read at a step's start; "
             "all runs are in [signals.csv](../data/signals/signals.csv).",
-            markdown(tools, "drive at 10 ms, rope at 5 ms, in", "RMS", "largest", "samples repeated"),
+            markdown(tools, "tool", "steps of the drive", "of the rope", "RMS", "largest", "samples repeated"),
         )
     )
 
