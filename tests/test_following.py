@@ -180,6 +180,46 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
     assert end.following.sent_every == pytest.approx(4 * H)
 
 
+@pytest.mark.parametrize("h", [0.001, 0.01])
+@pytest.mark.parametrize("a", [1.0, 9.0])
+def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopped(h: float, a: float) -> None:
+    """Each is sent three times at 4 m/s; then the end brakes with a and stands."""
+    end, speed, whole = Follower(manner=usual_manner("position")), 4.0, 3.0
+    brakes = whole + speed / a
+
+    def y(t: float) -> float:
+        up = 4.0 * max(t - 1.0, 0.0)
+        past = min(max(t - whole, 0.0), speed / a)
+        return min(2.0 * min(t, 1.0) ** 2, 2.0) + min(up, 4.0 * (whole - 1.0)) + speed * past - 0.5 * a * past**2
+
+    for k in range(1, round((brakes + 2.0) / h)):
+        sent = k if k * h > whole else 3 * (k // 3)
+        end.step(k * h, EndMotion(y=y(sent * h)))
+        if k == round(whole / h):
+            counted = end.following.repeats
+            assert counted > 0.5 * k
+            assert end.following.motion[1] == pytest.approx((y(end.following.given_at), speed, 0.0), abs=1e-3)
+    # the end of the brake is not taken for a repetition
+    assert end.following.repeats == counted
+    assert end.following.motion[1] == pytest.approx((y(k * h), 0.0, 0.0), abs=1e-3)
+
+
+def test_a_speed_alone_may_stay_as_it_is() -> None:
+    end = Follower(manner=usual_manner("speed"))
+    for k in range(1, 301):
+        end.step(k * H, EndMotion(vy=min(k * H, 1.0)))
+    assert end.following.repeats == 0
+    assert end.following.motion[1][1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_what_is_not_trusted_may_change_in_a_repetition() -> None:
+    end = Follower(manner=usual_manner("position_speed"))
+    for k in range(1, 101):
+        t = 2 * H * (k // 2)
+        end.step(k * H, EndMotion(y=t, vy=1.0, ay=1e-3 * k))
+    assert end.following.repeats == 49
+
+
 def test_an_end_at_rest_repeats_nothing() -> None:
     end = Follower()
     for k in range(1, 50):

@@ -103,7 +103,7 @@ class Manner(NamedTuple):
     position: float  # 1 where it is trusted, else 0
     speed: float
     acceleration: float
-    hardest: float  # m/s^2, acceleration that is not refused
+    hardest: float  # m/s^2, of a conveyance that stops: with more the head ropes of a rising one go slack
 
 
 def follow_manner(scene: Any, trusted: Any) -> Manner:
@@ -120,7 +120,7 @@ def follow_manner(scene: Any, trusted: Any) -> Manner:
         where(trusted <= 2, 1.0, 0.0),
         where(abs(trusted - 2) < 0.5, 0.0, 1.0),
         where(trusted <= 0, 1.0, 0.0),
-        chosen.acceleration_max,
+        scene.layout.gravity,
     )
 
 
@@ -164,11 +164,12 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
 def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> Any:
     """Whether what is trusted of a sample is that of the latest one, to the last bit, and cannot have been again.
 
-    A position cannot while the end moves; how it moves where positions alone are given, is an estimate: it must be too
-    fast to have stopped since.  A speed can.
+    A position cannot while the end moves.  Where positions alone are given, it must be too fast to have stopped since:
+    behind a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest sample.
     """
     moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
-    too_fast = either(*(abs(axis[1]) > manner.hardest * since for axis in now.motion))
+    stops_below = manner.hardest * (since + 1.0 / manner.estimate)
+    too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
     trusted = [getattr(manner, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
     same = (
         either(trust < 1, a == b)
