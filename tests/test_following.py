@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -15,7 +16,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Inputs, Scene, balance_rope, rope_120
 from rope_model.engine import NativeRope
-from rope_model.parameters import Trusted
+from rope_model.parameters import FidelityChoice, Model, Rope, Trusted
 from rope_model.simulation.balance_rope import BalanceRope, Status
 from rope_model.simulation.ends.following import manner_of
 from rope_model.simulation.simulator import RopeSimulator
@@ -243,6 +244,47 @@ def test_what_is_trusted_is_the_same_in_both_forms(trusted: Trusted) -> None:
     for rope in ropes:
         wind(rope, rounded, until=0.8)
     assert ropes[0].state.following == ropes[1].state.following
+
+
+def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
+    """Rounded, with time stamps that are off, every third sample sent again, as far as the model can follow."""
+    k = round(t / H) - (round(t / H) % 3 == 0)
+    at = k * H + np.random.default_rng(abs(k)).uniform(-0.002, 0.002)
+    end = EndMotion(y=round(0.25 * at * at, 3), vy=0.5 * at, ay=0.5)
+    if fidelity == "rigid":
+        return end
+    end = replace(end, x=round(0.01 * at * at, 4), vx=0.02 * at, ax=0.02)
+    if fidelity == "planar":
+        return end
+    end = replace(end, z=round(0.02 * at * at, 4), vz=0.04 * at, az=0.04)
+    return end if fidelity == "spatial" else replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)
+
+
+@pytest.mark.parametrize("form", [NativeRope, RopeSimulator])
+@pytest.mark.parametrize("fidelity", ["torsional", "spatial", "planar", "rigid"])
+def test_a_state_within_a_misfit_goes_on_to_the_same_bits(
+    form: type[NativeRope | RopeSimulator], fidelity: FidelityChoice
+) -> None:
+    torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
+    scene = Scene(rope=Rope(length=60.0, **torque), model=Model(fidelity))
+    rope, other = form(scene), form(scene)
+
+    def go_on(rope: BalanceRope, first: int) -> bytes:
+        for k in range(first, first + 12):
+            status = rope.advance_to(k * H, unfit(k * H, fidelity), EndMotion())
+            assert status.valid, status.message
+        return rope.save()
+
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    go_on(rope, 1)
+    saved, kept = rope.save(), rope.snapshot()
+    assert rope.state.following[0].repeats > 0
+    assert rope.state.following[0].position > 1e-4
+    after = go_on(rope, 13)
+    for again, state in ((rope, kept), (rope, saved), (other, saved)):
+        again.restore(state)
+        assert again.save() == saved
+        assert go_on(again, 13) == after
 
 
 def test_the_energy_books_close_with_the_motion_that_is_followed() -> None:
