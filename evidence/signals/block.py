@@ -57,7 +57,7 @@ def block(tables: Tables) -> str:
 
 
 def claims(tables: Tables) -> Iterator[Measurement]:
-    """The targets, over all ropes, steps up to LONGEST and readings."""
+    """The targets, over all ropes and readings: of the estimate for all steps, others for steps up to LONGEST."""
     t = tables["signals"]
     judged = {signal.name for signal in SIGNALS if signal.judged}
     told = {signal.name for signal in SIGNALS if signal.told}
@@ -66,7 +66,7 @@ def claims(tables: Tables) -> Iterator[Measurement]:
     yield Measurement("end force, RMS", _worst(t["RMS"][kept]), "1", "<", RMS)
     yield Measurement("end force, largest", _worst(t["largest"][kept]), "1", "<", LARGEST)
     estimated = {signal.name for signal in SIGNALS if signal.estimated}
-    ratio = (t["told"] / t["RMS"])[short & (t["RMS"] > SMALL) & np.isin(t["signal"], sorted(estimated))]
+    ratio = (t["told"] / t["RMS"])[(t["RMS"] > SMALL) & np.isin(t["signal"], sorted(estimated))]
     yield Measurement("estimate over deviation, largest", _worst(ratio), "1", "<", FACTOR)
     yield Measurement("estimate over deviation, least", float(np.min(ratio)), "1", ">", 1.0 / FACTOR)
     # a table as fine as the steps fits

@@ -31,25 +31,29 @@ from ...physics.elementary import both, either, exp, floor, larger, smaller, sqr
 from ...physics.estimates import axial_frequency
 from .paths import PATH, RESTS_BELOW, EndMotion, EndPath
 
-#: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits
+#: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits; met
+#: within 20 ms that takes 5.8 h times it at most, 0.1 % of g
 LEAST_JERK = 0.1
-#: rad/s^3: the same of a yaw, which twists the rope alone; torsion is softer, and FMI gives no acceleration of yaw
+#: rad/s^3: the same of a yaw, which twists the rope alone; FMI gives no acceleration of it.  3 degrees at 2 Hz have it
 LEAST_YAW_JERK = 100.0
 _JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
-#: of the slowest axial wave of the whole rope: a filter as fast as that would pass on what sets it swinging
+#: of the slowest axial wave of the whole rope: 1/10 passes of what swings with it (order 2), or 1/32 (order 3)
 ESTIMATE_SHARE = 1.0 / 3.0
-#: m: positions are looked at for being whole multiples of these, and how closely
-GRIDS, ON_GRID = (1e-2, 1e-3, 1e-4, 1e-5), 1e-6
-#: s: over less a rounded yaw rate has no mean acceleration
+#: m: positions are looked at for being whole multiples of these
+GRIDS = (1e-2, 1e-3, 1e-4)
+#: how closely, in multiples: doubles round 1e4 m by 1e-8 of the finest
+ON_GRID = 1e-6
+#: s: over less a rate of six decimals has a mean acceleration that is off by more than 1e-3 rad/s^2
 SHORTEST_MEAN = 1e-3
 #: s: positions of 1e4 m are rounded by 2e-12 m; met in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
 SHORTEST_AIM = 1e-5
-#: m/s: least change of speed between two samples from which a broken line can be told
+#: m/s: least change of speed between samples that tells a broken line: twice what six decimals are off by in 10 ms
 LEAST_CHANGE = 2e-4
-#: parts of that change: below the one the line is straight, above the other it is broken
+#: parts of that change: a straight line has 0, a smooth motion 1, a break of a table of n steps n; the jerk has a fifth
 STRAIGHT, BROKEN = 0.2, 1.8
-#: breaks behind pieces of one length that make a table, and the part by which these lengths may differ
+#: breaks behind pieces of one length that make a table: pieces of 2 or 3 steps by chance are alike so once in 2^7
 FEWEST_BREAKS = 8.0
+#: part by which these lengths may differ: less than a step of a table of a hundred
 ALIKE = 0.01
 
 Four = tuple[float, float, float, float]
