@@ -286,18 +286,19 @@ class Limits(NamedTuple):
     speed: Four
 
 
+def missed(path: Any, now: Any) -> list[Axis]:
+    """By how much place, speed and acceleration at the path's end are short of what is given, by PATH."""
+    found = []
+    for given, x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
+        place, speed = quintic.extrapolate(*given, path.stop - now.given_at)
+        found.append((place - x, speed - v, given[2] - a))
+    return found
+
+
 def follow_limits(path: Any, now: Any) -> Limits:
     """What decides whether the path can be followed; NaN where a coordinate is."""
-    places, speeds, _ = path.motion(path.stop)
-    ahead = path.stop - now.given_at
-    missed = [
-        (abs(given[0] - x), abs(given[1] - v))
-        for given, x, v in zip(
-            (quintic.extrapolate(x, v, a, ahead) for x, v, a in now.motion), places, speeds, strict=True
-        )
-    ]
-    (x, vx), (y, vy), (z, vz), (yaw, yaw_t) = missed
-    return Limits(path.peak_accelerations(), (x, y, z, yaw), (vx, vy, vz, yaw_t))
+    place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
+    return Limits(path.peak_accelerations(), place, speed)
 
 
 class Followed(NamedTuple):
