@@ -129,7 +129,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         "Boolean",
         "",
         False,
-        "false: inputs are the motion at the start of a step and are extrapolated (FMI's reading; steps up to 20 ms); "
+        "false: inputs are the motion at the start of a step, extrapolated (steps up to 20 ms); "
         "true: at its end, for hosts that step the drive first (recommended, any step)",
     )
 

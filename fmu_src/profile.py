@@ -18,7 +18,7 @@ GROUPS = {
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
     "loop": "place, yaw and clearance of the loop, turns of the legs about each other",
     "stress": "largest nominal stresses; twist at the ends and in the loop",
-    "energy": "energies, works and the energy balance",
+    "energy": "energies; works and dissipation since the start; the energy balance",
     "count": "time steps, iterations, transformations, swivel events",
     "shape": "points along the rope, with tension and stresses there: 567 numbers",
     "station": "tension, curvature and torque at places that stay in the rope: 243 numbers",

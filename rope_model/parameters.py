@@ -100,7 +100,7 @@ class Rope:
     length: float = parameter(
         120.0,
         "m",
-        "length of the rope between its two swivels",
+        "length between the two swivels",
         lower=LEAST,
         upper=1e4,
         cure="give it in metres, as the rope's data sheet does",
@@ -120,15 +120,14 @@ class Rope:
     EI_stick: float = parameter(
         0.0,
         "N.m2",
-        "bending stiffness while no wire slides on another, above EI, which then holds for wires that slide; "
-        "0: no friction between the wires",
+        "bending stiffness while wires stick, above EI, that of wires that slide; 0: no friction between wires",
         lower=0.0,
         cure="use 0 for no friction between the wires",
     )
     slip_moment: float = parameter(
         1.0,
         "N.m",
-        "moment of the friction between all wires of the slack rope [assumed]",
+        "moment of the friction between wires of the slack rope [assumed]",
         lower=LEAST,
         cure="use a small one where only the tension presses the wires together",
     )
@@ -150,7 +149,7 @@ class Rope:
     c2: float = parameter(
         0.0,
         "1",
-        "growth of the torsional stiffness with tension, over the diameter's square: c2 d^2 T",
+        "growth of torsional stiffness with tension: c2 d^2 T",
         lower=0.0,
         upper=10.0,
         cure="use 0 where it is not known",
@@ -165,7 +164,7 @@ class Rope:
     torsion_damping: float = parameter(
         1.0,
         "1",
-        "damping of torsion over that of stretch, both relative to stiffness [assumed]",
+        "damping of torsion as a multiple of beta_K [assumed]",
         lower=0.0,
         upper=1e6,
         cure="use 1 for beta_K",
@@ -173,7 +172,7 @@ class Rope:
     bending_damping: float = parameter(
         1.0,
         "1",
-        "damping of bending over that of stretch, both relative to stiffness [assumed]",
+        "damping of bending as a multiple of beta_K [assumed]",
         lower=0.0,
         upper=1e6,
         cure="use 1 for beta_K",
@@ -181,7 +180,7 @@ class Rope:
     diameter: float = parameter(
         0.044,
         "m",
-        "rope diameter, for nominal stresses and clearance [assumed]",
+        "rope diameter [assumed]",
         lower=LEAST,
         upper=1.0,
         cure="give it in metres",
@@ -189,7 +188,7 @@ class Rope:
     installed_twist: float = parameter(
         0.0,
         "rad",
-        "angle of the turns put in at the right end before it was fastened, 6.2832 for each",
+        "twist put in at the right end before it was fastened",
         lower=-1e3,
         upper=1e3,
         cure="give it in radians: a turn is 6.2832",
@@ -197,13 +196,13 @@ class Rope:
     initial_curvature: float = parameter(
         0.0,
         "1/m",
-        "permanent curvature, as a reel leaves it: that of the rope where nothing bends it; 0: straight",
+        "permanent curvature, as a reel leaves it; 0: straight",
         lower=0.0,
         upper=10.0,
         cure="take a part of 1/R of the reel of radius R, and turn its direction for the other sense",
     )
     initial_curvature_angle: float = direction(
-        "direction of that curvature in the cross-section at the left end, about the tangent; 0: as the loop bends"
+        "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
 
     def __post_init__(self) -> None:
@@ -279,7 +278,7 @@ class Swivel:
     seal_moment: float = parameter(
         0.0,
         "N.m",
-        "friction of the {side} swivel that does not depend on the tension [assumed]",
+        "friction moment of the {side} swivel at any tension [assumed]",
         lower=0.0,
         cure="friction takes energy",
         tunable=True,
@@ -287,11 +286,11 @@ class Swivel:
     inertia: float = parameter(
         0.05,
         "kg.m2",
-        "inertia of what turns with the rope's {side} end [assumed]",
+        "inertia that turns with the rope's {side} end [assumed]",
         lower=LEAST,
         cure="without inertia a release is a jump in spin: give the rotor's (0.05 is typical)",
     )
-    release_time: float = parameter(0.0, "s", "the {side} swivel is locked before")
+    release_time: float = parameter(0.0, "s", "time until which the {side} swivel is locked")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -315,26 +314,26 @@ class Mesh:
             "EEM: elements of equal length",
             "fitted to the rope: TMN-ETM, or EEM on a short or stiff rope",
         ),
-        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted: 0, or 1 on a short or stiff rope",
+        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted to the rope",
         "choose one",
     )
     elements: int = parameter(
-        600, "", "number of elements, kind 1 only", lower=2, upper=MOST_ELEMENTS, cure="use fewer or more"
+        600, "", "number of elements, kind 1", lower=2, upper=MOST_ELEMENTS, cure="use fewer or more"
     )
     coarse_length: float = parameter(
         2.0,
         "m",
-        "element length of segments I and VII, kind 0 only; the loop's are 1/8 of it, without III and V 1/4",
+        "element length of segments I and VII, kind 0; in the loop 1/8 of it, without III and V 1/4",
         lower=LEAST,
         cure="2 m suits a 120 m rope",
     )
     counts: tuple[int, int, int, int, int] = parameter(
-        (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0 only"
+        (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0"
     )
     end_levels: int = parameter(
         2,
         "",
-        "how often the outermost elements are halved towards the clamped ends, kind 0 only",
+        "how often the outermost elements are halved, kind 0",
         lower=0,
         upper=8,
         cure="2 resolves the clamped ends",
@@ -342,7 +341,7 @@ class Mesh:
     grading_length: float = parameter(
         0.0,
         "m",
-        "largest (element length)^2 in I and VII over distance from the loop, kind 0 only; 0: all l",
+        "largest (element length)^2 in I and VII over distance from the loop, kind 0; 0: all l",
         lower=0.0,
         upper=1e4,
         cure="1 m suits a 1000 m rope",
@@ -350,7 +349,7 @@ class Mesh:
     loop_error: float = parameter(
         0.0,
         "m",
-        "error of the loop's place that the mesh may bring, kind 2 only; 0: half of accuracy.loop",
+        "error of the loop's place by the mesh, kind 2; 0: half of accuracy.loop",
         lower=0.0,
         upper=1.0,
         cure="0 suits most studies",
@@ -368,7 +367,7 @@ class Accuracy:
     end_force: float = parameter(
         1e-3,
         "1",
-        "error of the end forces, root mean square over a run, relative to the largest",
+        "RMS error of the end forces over a run, relative to the largest",
         lower=1e-6,
         upper=1.0,
         cure="1e-3 suits most studies",
@@ -408,7 +407,7 @@ class Solver:
     tolerance: float = parameter(
         1.0,
         "1",
-        "largest local error of a step over what the accuracy allows; 1e6: no step is shortened for it",
+        "largest local error of a step over that allowed; 1e6: no step is shortened for it",
         lower=LEAST,
         upper=1e6,
         cure="use 1",
@@ -434,7 +433,7 @@ class Solver:
     work_max: int = parameter(
         0,
         "",
-        "Newton iterations that a communication step may take; wanting more it gives up accuracy; 0: any number",
+        "Newton iterations of a communication step beyond which it gives up accuracy; 0: any number",
         lower=0,
         upper=100_000,
         cure="60 serves steps of 10 ms",
@@ -495,14 +494,13 @@ class Inputs:
             "position alone; speed and acceleration are estimated",
             "speed alone; it is integrated, and the acceleration estimated",
         ),
-        "what is trusted of the motions: 0 all, 1 position and speed, 2 position alone, 3 speed alone",
+        "trusted inputs: 0 all, 1 position and speed, 2 position alone, 3 speed alone",
         "'all' is exact where it can be had",
     )
     bandwidth: float = parameter(
         0.0,
         "rad/s",
-        "how fast positions and speeds that do not fit the accelerations are drawn in; "
-        "0: sqrt(accuracy.end_force gravity / accuracy.loop), 1 rad/s as a rule",
+        "rate at which a misfit is drawn in; 0: sqrt(accuracy.end_force gravity / accuracy.loop), some 1 rad/s",
         lower=0.0,
         upper=100.0,
         cure="0 suits most hosts",
@@ -510,7 +508,7 @@ class Inputs:
     estimate_bandwidth: float = parameter(
         0.0,
         "rad/s",
-        "bandwidth of the estimate of what is not given; 0: a third of the slowest axial wave of the whole rope",
+        "bandwidth of estimated inputs; 0: a third of the rope's slowest axial wave",
         lower=0.0,
         upper=1e3,
         cure="0 suits most ropes",
@@ -518,7 +516,7 @@ class Inputs:
     misfit_max: float = parameter(
         0.5,
         "m",
-        "largest misfit of a position, in m or rad, and of a speed, in m/s or rad/s, that is not refused",
+        "largest misfit of a position (m, rad) and of a speed (m/s, rad/s)",
         lower=LEAST,
         upper=1e4,
         cure="0.5 lets pass what a rope can follow",
@@ -526,7 +524,7 @@ class Inputs:
     acceleration_max: float = parameter(
         100.0,
         "m/s2",
-        "largest acceleration of an end, in m/s2 or rad/s2, that is not refused",
+        "largest acceleration of an end, m/s2 or rad/s2",
         lower=LEAST,
         upper=1e6,
         cure="100 is beyond what a hoist does",
@@ -534,7 +532,7 @@ class Inputs:
     hold_max: float = parameter(
         1.0,
         "s",
-        "how long the sample of an end that moves may be repeated before it is refused as a frozen signal",
+        "how long the sample of a moving end may be repeated",
         lower=LEAST,
         upper=1e4,
         cure="1 s is beyond any slower part's step",
@@ -554,7 +552,7 @@ class Stations:
     first: float = parameter(
         0.0,
         "1",
-        "place of the first station, as a share of the rope's length from its left end",
+        "place of the first station over the rope's length, from its left end",
         lower=0.0,
         upper="last",
         cure=_WHERE,
