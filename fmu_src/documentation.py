@@ -153,7 +153,10 @@ _SHARED = (
     (re.compile(r"(?<=`mesh\.counts)\[\d\]"), re.compile(r"segment \w+"), "segments II to VI"),
     (re.compile(r"(?<=`nearest\.)\w+"), re.compile(r"nearest\.\w+\.clearance|clearance\.\w+"), "that clearance"),
     (re.compile(r"(?<=`contact\.)\w+(?=\.impulse)"), re.compile(r"contact\.\w+(?= since)"), "that pressure"),
-    (re.compile(r"(?<=`shape\.)[xyz]\b"), re.compile(r"^[XYZ]\b"), "X, Y and Z"),
+    (re.compile(r"(?<=`contact\.)\w+(?=`)"), re.compile(r"(?<=between rope and )\w+( ropes)?"), "such bodies"),
+    (re.compile(r"(?:shape|loop)\.[xyz](?=\[|`)"), re.compile(r"^[XYZ]\b"), "X, Y and Z"),
+    (re.compile(r"(?<=`guard\.)\w+(?=_delay)"), re.compile(r"(?!)"), ""),
+    (re.compile(r"(?<=`air\.v)[xz]"), re.compile(r"(?<=along )[XZ]\b"), "X and Z"),
 )
 _TITLES = (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs"))
 
