@@ -50,7 +50,7 @@ and `shape.torsion` are linear between the middles of elements; the bend at a cl
 """
 _ADDED_MASS = """\
 `added_mass` serves hosts that step heavy coupling implicitly. It is the growth of the end's pull with an upward
-acceleration a held over the last communication step H, with its speed a H and travel a H^2/2. In directional
+acceleration a held over the last communication step H; speed grows by a H, travel by a H^2/2. In directional
 derivatives at the step's end (`inputs_at_step_end` = true) it is -(dfy/day + H dfy/dvy + H^2/2 dfy/dy); dfy/day
 alone is far smaller. With `inputs_at_step_end` = false it is -dfy/day.
 """
@@ -59,12 +59,12 @@ A communication step may be as short as the host likes. In a step below 1e-9 s n
 the next step makes up for the time. (Loops with `h = min(H, T - t)` end with such a remainder.)
 
 Inputs at the start of a step are extrapolated with constant acceleration: at its end the rope's path misses the
-motion by j H^3/6 at a jerk j. With jerks of at most j and no step longer than H the path stays within 0.26 j H^3,
-0.51 j H^2 and 2.9 j H of the motion's position, speed and acceleration in even steps, within 1.2, 1.2 and 5.9 of these
-in any order of steps (tests/test_master_paths.py). The end force errs by up to twice the leg's mass times the error of
-the acceleration. Inputs at the step's end (`inputs_at_step_end` = true) are met exactly where they fit.
+motion by j H^3/6 at a jerk j. With jerks up to j the path stays within 0.26 j H^3, 0.51 j H^2 and 2.9 j H of the
+motion's position, speed and acceleration. In uneven steps up to H the factors are 1.2, 1.2 and 5.9
+(tests/test_master_paths.py). The end force errs by up to twice the leg's mass times the error of the
+acceleration. With `inputs_at_step_end` = true motions that fit are met exactly.
 
-[Give it your motion](../howto/motion.md) tells what happens to motions that do not fit.
+[Give it your motion](../howto/motion.md) covers motions that do not fit.
 """
 _WARNINGS = """\
 `status.warning` holds warnings about valid results for as long as they apply; the log has each of them once
@@ -72,25 +72,24 @@ _WARNINGS = """\
 
 - *bodies of the shaft*: the rope has struck one, was pressed into it by more than its diameter, or has passed into it
   without contact (`contact.stiffness` = 0);
-- *legs* that have touched or pressed each other (`loop.overlap`), passed through each other or through what hangs
-  above the other (`loop.crossings`), or turned about each other by more than half a turn (`loop.turns`).
+- *legs* that have touched or pressed each other (`loop.overlap`), passed through each other, a conveyance or its head
+  ropes (`loop.crossings`), or turned about each other by more than half a turn (`loop.turns`).
   `loop.clearance` may stay large: on a deep rope the long leg swings through the short side's conveyance;
 - *a loop yawed by more than 30 degrees at rest*, with the parameter that turns it most. The published coupling turns a
   rope of several hundred metres that far, or over; real ropes are made to turn less;
-- *the audit*: the change of momentum and angular momentum over a communication step contradicts end forces, end moments
-  and weight (`audit.momentum` above 0.1 % of the largest end force, `audit.moment` above 0.5 % of that times
-  `layout.spacing`), steps do not follow an abrupt change of an end force (`audit.force_change` above 5 %,
-  `audit.steps_per_period` below 3), or elements the sharpest bend (`audit.elements_per_bend` below 4). The rigid model
-  has no audit and gives 0;
+- *the audit*. The change of momentum over a communication step contradicts end forces and weight: `audit.momentum` is
+  above 0.1 % of the largest end force, or `audit.moment` above 0.5 % of that times `layout.spacing`. Or steps do not
+  follow an abrupt change of an end force: `audit.force_change` is above 5 % and `audit.steps_per_period` below 3. Or
+  elements do not follow the sharpest bend: `audit.elements_per_bend` is below 4. The rigid model has no audit;
 - *accuracy given up* for the bound `solver.work_max` (`status.given_up`);
 - *a model without torsion* of a rope that carries torque, and a guard that the model cannot serve;
 - *inputs that do not fit*: rounded, interpolated, repeated, or of more than one motion (`inputs.misfit.*`);
-- *communication steps above 20 ms with extrapolated inputs*: in the 90 m winding, end forces are off by up to 2 % of
-  the largest at 50 ms and 0.1 % at 20 ms; in an emergency stop by 20 % and 4 %.
+- *communication steps above 20 ms with extrapolated inputs*. In the 90 m winding, end forces are off by 2 % of the
+  largest at 50 ms and 0.1 % at 20 ms; in an emergency stop by 20 % and 4 %.
 """
 _FIDELITIES = """\
-The table states what each fidelity computes (`status.fidelity`). All other outputs are 0, which is exact only for a
-rope without torque:
+The table states the outputs of each fidelity (`status.fidelity`). All others are 0, which is exact only for a rope
+without torque:
 """
 #: the fidelities that compute the outputs of each effect, from the lowest
 _COMPUTED = {

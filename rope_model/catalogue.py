@@ -87,24 +87,21 @@ PROPERTIES = {
 }
 
 _EN = (
-    "EN 12385-4, factors for fibre and steel core, as listed in K. Feyrer, Wire Ropes, table 1.9; "
+    "EN 12385-4, fibre and steel core, in K. Feyrer, Wire Ropes, table 1.9; "
     "http://what-when-how.com/Tutorial/topic-1297r4j9i2h/Wire-Ropes-Tension-Endurance-Reliability-51.html"
 )
 _STEEL_AREA = "area of EN 12385-4 and the steel's modulus, see rope_model/catalogue.py"
-_SIX_STRANDS = (
-    "EA of wire rope with fibre and steel core, as listed in "
-    "https://github.com/ddjokic/Mooring-Line-Properties (moorwire.py), over the area of 6x19"
-)
+_SIX_STRANDS = "EA of 6x19 in moorwire.py of https://github.com/ddjokic/Mooring-Line-Properties, over its area"
 _SETTLED = f"lower end: {_SIX_STRANDS}; upper end: ours, for a rope that has settled"
-_LAY = "ours: strands at d / 3, lays of 6 to 8 d, of which wires in ordinary lay give back up to a third"
-_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails; rope-120 of docs/theory has 0.044"
-_THREE_LAYERS = "ours: three layers, balanced but for what tolerance and load leave; the maker measures it"
-_BENT = "lower end: wires that slide freely; upper end: ours, 16 times that, for what friction holds of them"
+_LAY = "ours: strands at d / 3, lays of 6 to 8 d, less up to a third by wires in ordinary lay"
+_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails"
+_THREE_LAYERS = "ours: three layers, balanced within tolerance; the maker measures it"
+_BENT = "lower end: wires that slide freely; upper end: ours, 16 times that, with friction"
 
 
 @dataclass(frozen=True)
 class Construction:
-    """A construction: factors of EN 12385-4, number of wires, and what the lay decides."""
+    """A construction: factors of EN 12385-4, number of wires, modulus and torque factor."""
 
     description: str
     mass: tuple[float, float]  # kg per 100 m and mm^2
@@ -137,7 +134,7 @@ _SINGLE_LAYER = Datum(0.07, 0.12, "1", "assumed", _LAY)
 _OF_SIX_STRANDS = Datum(9.0e10, 9.6e10, "N/m2", "derived", _SIX_STRANDS)
 _OF_MORE_LAYERS = Datum(9.0e10, 1.3e11, "N/m2", "assumed", _SETTLED)
 
-#: constructions whose factors a source states; 35x6, 35x7 and ropes of 16 outer strands are left out for want of one
+#: constructions with a source of their factors; 35x6, 35x7 and ropes of 16 outer strands have none
 CONSTRUCTIONS = {
     "34x7": Construction(
         "three layers of strands, the non-rotating rope of deep shafts",
@@ -156,7 +153,7 @@ CONSTRUCTIONS = {
         Datum(0.02, 0.05, "1", "assumed", _TWO_LAYERS),
     ),
     "6x19": Construction(
-        "one layer of strands: it turns, no balance rope but with its ends held and short",
+        "one layer of strands, a head rope; as a balance rope it turns its loop",
         (0.359, 0.400),
         (0.384, 0.449),
         6 * 19,
@@ -164,7 +161,7 @@ CONSTRUCTIONS = {
         _SINGLE_LAYER,
     ),
     "6x36": Construction(
-        "one layer of strands, a head rope: hung as a balance rope it turns its loop",
+        "one layer of strands, a head rope, as 6x19",
         (0.367, 0.409),
         (0.393, 0.460),
         6 * 36,
@@ -172,7 +169,7 @@ CONSTRUCTIONS = {
         _SINGLE_LAYER,
     ),
     "8x36": Construction(
-        "one layer of eight strands, a head rope, as 6x36",
+        "one layer of eight strands, a head rope, as 6x19",
         (0.348, 0.417),
         (0.357, 0.468),
         8 * 36,
