@@ -26,7 +26,7 @@ ALL_FOLLOWED: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
 class Build(NamedTuple):
-    """What the model description says of the FMU itself.
+    """Facts of the FMU itself for the model description.
 
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
     a native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the
@@ -77,7 +77,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
 
 
 def initial_dependencies(build: Build, name: str, numbers: Mapping[str, int]) -> dict[str, str]:
-    """The attribute of an output's ``InitialUnknown``; ``numbers`` are what the standard calls variables by."""
+    """The attribute of an output's ``InitialUnknown``; ``numbers`` identify variables in the standard."""
     if (follows := build.initial.get(name)) is None:
         return {}
     return {"dependencies": " ".join(str(numbers[other]) for other in follows)}

@@ -1,4 +1,4 @@
-"""How an FMU presents itself: the outputs that it describes, arrays or scalars, the length of its default run.
+"""Presentation of an FMU: its described outputs, arrays or scalars, the length of its default run.
 
 The code inside is the same for all profiles, as are the value references: outputs that are not described are not
 asked for, and so not computed.

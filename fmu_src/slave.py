@@ -42,7 +42,7 @@ P = ParamSpec("P")
 
 
 def _report_failure(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any, P], bool]:
-    """``call`` as a method that returns whether it went well, with the text of what it raised as ``message``."""
+    """Make ``call`` a method that returns whether it succeeded, and keeps the text of its exception as ``message``."""
 
     def method(self: Any, /, *arguments: P.args, **named: P.kwargs) -> bool:
         try:
@@ -96,19 +96,19 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def initialize(self, t: float) -> None:
-        """At rest at the time ``t`` between the ends' positions."""
+        """Hang the rope at rest at the time ``t`` between its ends."""
         _require(self._rope.initialize(t, *self._motions()))
 
     @_report_failure
     def do_step(self, current_time: float, step_size: float) -> None:
-        """Advanced by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
+        """Advance by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
         stop = current_time + step_size
         given_at = stop if self._at_step_end() else current_time
         _require(self._rope.advance_to(stop, *self._motions(), given_at))
 
     @_report_failure
     def retune(self) -> None:
-        """On with other tunable parameters."""
+        """Go on with other tunable parameters."""
         self._rope.retune(self._scene())
 
     def time(self) -> float:
@@ -135,7 +135,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return text
 
     def note(self) -> str:
-        """What was set up, for the log."""
+        """Notes of the set-up, for the log."""
         state, kernels = self._rope.state, self._rope.model.kernels
         return (
             f"model: {state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}; kernels: {self._rope.form}"
@@ -193,7 +193,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
 
 def _extrapolation_derivatives(name: str, h: float) -> dict[str, float]:
-    """Derivatives of the motion at a step's end to ``name`` at its start: what is extrapolated from it moves, too."""
+    """Derivatives of the motion at a step's end to ``name`` at its start, extrapolation included."""
     if name.startswith("a"):
         return {name: 1.0, f"v{name[1:]}": h, name[1:]: 0.5 * h * h}
     if name.startswith("v"):

@@ -1,4 +1,4 @@
-"""Catalogue of round wire ropes: what is known of a construction before anybody has measured the rope.
+"""Catalogue of round wire ropes: properties of a construction before anybody has measured the rope.
 
 Every datum is a range with its status and its source.  A rope of diameter d has
 

@@ -58,7 +58,7 @@ _FIDELITY_NAMES = get_args(FidelityChoice)
 
 
 def _event(event: EventStructure) -> Event:
-    """As RopeSimulator tells it."""
+    """The event in RopeSimulator's words."""
     side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
     words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
     return Event(event.t, words[event.what], event.kinetic, event.potential)
@@ -257,7 +257,7 @@ class NativeRope(BalanceRope):
         return data.raw
 
     def restore_native(self, data: bytes) -> Status:
-        """Go on from what ``native_state`` gave."""
+        """Go on from a ``native_state``."""
         return self._done(self._lib.rope_restore(self._rope, data, len(data)))
 
     def _require_state(self) -> None:
@@ -274,7 +274,7 @@ class NativeRope(BalanceRope):
 
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
-    """As rope.h has them, and the places, which stay where they are as long as they are kept."""
+    """The forces and their places in the form of rope.h; both stay in place as long as they are kept."""
     places = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
     return _PointForces(forces.s.size, forces.start, forces.stop, places.ctypes.data), places
 

@@ -483,7 +483,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Inputs:
-    """What of the given motions is trusted, and how the rope's ends follow them: simulation.ends.following."""
+    """Trust in the given motions, and the way in which the rope's ends follow them: simulation.ends.following."""
 
     given: Trusted = choice(
         "all",
@@ -565,7 +565,7 @@ class Stations:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything that does not change during a run."""
+    """Constant data of a run."""
 
     rope: Rope = field(default_factory=Rope)
     layout: Layout = field(default_factory=Layout)

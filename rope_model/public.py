@@ -1,4 +1,4 @@
-"""What a user of the rope needs, to be imported from ``rope_model``.
+"""Public names of the rope, to be imported from ``rope_model``.
 
 rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
             values of SIGNALS come out, each a Signal with unit and description

@@ -1,4 +1,4 @@
-"""The shaft that the rope hangs in, and what stands or moves in it: bodies that the rope may come near, and air.
+"""The shaft that the rope hangs in: bodies that the rope may come near, and air.
 
 Sizes in m, heights as those of the conveyances, from the same origin.  All is absent unless it is given: without a
 width, a diameter or a size a body is not there.  `physics.shaft` makes the bodies of it.

@@ -35,7 +35,7 @@ def csv_cell(value: object) -> object:
 
 
 def xml_text(text: str) -> str:
-    """Return the text without what XML cannot hold; the library that writes the document escapes the rest."""
+    """Return the text without characters that XML cannot hold; the library that writes it escapes the rest."""
     return _NO_XML.sub(REPLACEMENT, text)
 
 

@@ -1,4 +1,4 @@
-"""What one export has and another has not, as ``start.c`` of the sources and written into finished libraries.
+"""Values that differ between exports, as ``start.c`` of the sources and written into finished libraries.
 
 Token, start values and the way that arrays are shown lie in one block of the library, behind MAGIC.  It is read at run
 time (volatile), so it can be written after the compiler is done: one library per platform and version of FMI serves
@@ -66,7 +66,7 @@ class Start(NamedTuple):
     arrays: bool = True
 
     def block(self) -> bytes:
-        """As it lies in a library."""
+        """The values as they lie in a library."""
         token = self.token.encode()
         if len(token) >= TOKEN_ROOM:
             raise ValueError(f"the token {self.token} has {len(token)} bytes: it must have less than {TOKEN_ROOM}")

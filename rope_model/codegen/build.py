@@ -28,7 +28,7 @@ NAME = "rope"
 
 @cache
 def sources() -> dict[str, str]:
-    """Text by file name: what is written by hand, and what is generated."""
+    """Return the text of all written and generated files, by file name."""
     files = (path for path in _FOLDER.rglob("*") if path.suffix in (".c", ".h", ".inc"))
     written = {p.name: p.read_text(encoding="utf-8") for p in sorted(files, key=lambda path: path.name)}
     return written | _generated()
@@ -67,7 +67,7 @@ def generate() -> dict[str, str]:
 
 
 def generated_file(package: Path) -> Path:
-    """Where the generated files are as JSON, if ``package``, a folder rope_model, brings them for its Python text."""
+    """Return the JSON of the generated files, if ``package``, a folder rope_model, has it for its Python text."""
     return package / "csrc" / "prebuilt" / f"generated-{text_hash(package)}.json"
 
 

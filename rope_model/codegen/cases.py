@@ -94,7 +94,7 @@ _MEMBERS = {"left": "swivels[LEFT]", "right": "swivels[RIGHT]"}
 
 
 class _Fact(NamedTuple):
-    """A parameter in C, and what a formula is called with."""
+    """A parameter in C, and the symbols that a formula takes for it."""
 
     declared: str
     symbols: Any
@@ -132,7 +132,7 @@ def _fact(name: str) -> _Fact:
 
 
 def _symbols(kind: type[Any], prefix: str) -> Any:
-    """An object like one of ``kind``; what C has in another form is left out."""
+    """An object like one of ``kind``, without members that have another form in C."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
         place = prefix + (_MEMBERS.get(name, name) if kind is Scene else name)
@@ -186,6 +186,6 @@ def _case(message: Callable[..., str], formula: Callable[..., tuple[Any, ...]], 
 
 
 def _texts(values: list[Any]) -> tuple[list[str], list[str]]:
-    """Lines that name what is used more than once, and the expressions of the values."""
+    """Lines that name repeated terms, and the expressions of the values."""
     shared = ca.cse(ca.vertcat(*values))
     return statements(ca.Function("case", ca.symvar(shared), ca.vertsplit(shared)))

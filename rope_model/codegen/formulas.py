@@ -404,7 +404,7 @@ class _Text(NamedTuple):
     value: str = ""
 
     def within(self, least: int) -> str:
-        """As an operand of what binds ``least``."""
+        """Return the text as an operand of an operator that binds ``least``."""
         return self.text if self.binds >= least else f"({self.text})"
 
 
@@ -464,7 +464,7 @@ def argument_of(text: str) -> Argument:
 
 
 def symbols_of(argument: Argument) -> Any:
-    """What the formula is called with: symbols with the names that the numbers have in C."""
+    """Arguments of the formula: symbols with the names that the numbers have in C."""
     if argument.kind != "double":
         return structure_at(STRUCTURES[argument.kind], f"{argument.name}->")
     return _array(argument.name, argument.shape)
@@ -477,7 +477,7 @@ def _array(name: str, shape: tuple[int, ...]) -> Any:
 
 
 def structure_at(kind: type[Any], prefix: str) -> Any:
-    """An object of ``kind``, its numbers replaced by symbols; what is no number is left out."""
+    """An object of ``kind``, its numbers replaced by symbols, without its other members."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
         if hint is float:
@@ -501,13 +501,13 @@ def _numbers(x: Any) -> list[ca.SX]:
 
 
 def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
-    """The same as ``statements`` of expressions of symbols."""
+    """Return ``statements`` of expressions of symbols."""
     expressions = [ca.SX(value) for value in values]
     return statements(ca.Function("values", ca.symvar(ca.vertcat(*expressions)), expressions))
 
 
 def statements(f: ca.Function) -> tuple[list[str], list[str]]:
-    """Lines that name what is used more than once, and the expressions of the results."""
+    """Lines that name repeated terms, and the expressions of the results."""
     inputs = [f.sx_in(i).name() for i in range(f.n_in())]
     uses = _uses(f)
     values: dict[int, _Text] = {}  # what each place of CasADi's work vector holds now
@@ -534,7 +534,7 @@ def statements(f: ca.Function) -> tuple[list[str], list[str]]:
 
 
 def _uses(f: ca.Function) -> Counter[int]:
-    """How often the result of each instruction is used."""
+    """Number of uses of the result of each instruction."""
     made_by: dict[int, int] = {}
     uses: Counter[int] = Counter()
     for k in range(f.n_instructions()):

@@ -1,4 +1,4 @@
-"""How the state lies in memory, for ctypes and for C: structures, and the arrays behind them.
+"""Layout of the state in memory, for ctypes and for C: structures, and the arrays behind them.
 
 A class is the structure; its docstring becomes the comment in C.  The header state.h is printed from here.
 """

@@ -56,7 +56,7 @@ class ElementSource(Protocol):
 
 
 class ChainParts(NamedTuple):
-    """What a chain calls for each of its elements; m degrees of freedom of a node, as the element knows them.
+    """Functions that a chain calls for each element; m degrees of freedom of a node, as the element knows them.
 
     residual ... transport: the element's own
     eliminate:   (D, q, v, a, l, F, free, mass, P, cq, cv, ca) -> next D, factors of D, W, L: one step
@@ -115,7 +115,7 @@ class ChainFunctions(NamedTuple):
 
 
 def chain_parts(element: ElementSource) -> ChainParts:
-    """What chains of this element have in common."""
+    """Functions that all chains of this element share."""
     m = element.residual.size1_in(0) // 2
     own = (element.residual, element.balance, element.losses, element.strains, element.momentum)
     return ChainParts(*own, element.reference, element.transport, *_elimination(element.tangent, m), *_substitution(m))

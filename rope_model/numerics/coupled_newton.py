@@ -34,7 +34,7 @@ class Iterate(NamedTuple):
 
 
 class Coupled(NamedTuple):
-    """What is solved; see ``newton``.
+    """A coupled system for ``newton``.
 
     factorized: iterate -> a function that solves J x = -R for x
     coupling:   iterate -> a function that multiplies with C, None where C = 0

@@ -112,7 +112,7 @@ def prepare(
 
 
 def last_words(error: Exception) -> str:
-    """What happened, with the last line that a compiler wrote."""
+    """Return the error's text, with the last line of the compiler."""
     said = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
     return f"{error} {said[-1]}" if said else str(error)
 
@@ -209,7 +209,7 @@ def make_once(made: Path, make: Callable[[], None]) -> Path:
 def object_files(
     sources: Mapping[str, str], compiler: Sequence[str], flags: Sequence[str], folder: Path
 ) -> dict[str, Path]:
-    """Where the object files of the C files among ``sources`` are, once ``compile_objects`` has made them.
+    """Return the object files, to be made by ``compile_objects``, of the C files among ``sources``.
 
     The hash of a file, of what it includes, of the compiler and its flags goes into the name: libraries share what they
     have in common.
@@ -258,7 +258,7 @@ def _included(file: str, sources: Mapping[str, str]) -> list[str]:
 def _compile(
     sources: Mapping[str, str], command: Sequence[str], folder: Path, name: str, linked: Sequence[str]
 ) -> Path:
-    """What ``command`` makes of the sources and of what is ``linked`` with them; the hash of all goes into its name."""
+    """Run ``command`` on the sources and ``linked`` files; the hash of all is in the result's name."""
     with_flags = [*command, *FLAGS]
     parts = [part for file in sorted(sources) for part in (file, sources[file])]
     key = _key(*parts, compiler_version(tuple(command)), *with_flags, *(Path(file).name for file in linked))
@@ -284,20 +284,20 @@ def _run(command: Sequence[str], folder: Path) -> None:
 
 
 def _key(*parts: str) -> str:
-    """What goes into a file's name for all that it is made of."""
+    """Key in a file's name, from everything that the file is made of."""
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
 
 
 @cache
 def compiler_version(compiler: tuple[str, ...]) -> str:
-    """The first line of what the compiler says of itself."""
+    """First line of the compiler's answer to ``--version``."""
     said = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
     return said.partition("\n")[0]
 
 
 @lru_cache(maxsize=32)  # some 0.5 MB each
 def generate_c(functions: tuple[ca.Function, ...], prefix: str = "kernels") -> str:
-    """One C source holding the functions, with ``prefix`` before the names of what they share."""
+    """One C source with the functions, and ``prefix`` before the names of their shared parts."""
     generator = ca.CodeGenerator(prefix, {"with_header": False})
     for function in functions:
         generator.add(function)

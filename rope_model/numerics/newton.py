@@ -20,7 +20,7 @@ HUGE = 1e200
 
 
 class Rules(NamedTuple):
-    """How an iteration goes on."""
+    """Limits of an iteration."""
 
     #: factorizations at most, and corrections with each
     rounds: float
@@ -41,7 +41,7 @@ KINKED = Rules(16.0, 1.0, 0.1, 0.2, HUGE, HUGE)
 
 
 class NewtonStatus(Enum):
-    """How an iteration ended; the text is what the user is told."""
+    """Outcome of an iteration; the text is the user's message."""
 
     TOO_MANY = 0, "Newton iteration did not converge within the allowed iterations"
     CONVERGED = 1, "Newton iteration converged"
@@ -57,7 +57,7 @@ _STATUS = {status.code: status for status in NewtonStatus}
 
 @dataclass(frozen=True)
 class NewtonReport:
-    """Status, corrections computed, and the estimated norm of what is left."""
+    """Status, number of corrections, and the estimated norm of the error left."""
 
     status: NewtonStatus
     iterations: int
@@ -79,7 +79,7 @@ def initial_progress() -> ca.DM:
 
 
 def report(progress: list[float]) -> NewtonReport:
-    """What a finished progress vector says."""
+    """Report of a finished progress vector."""
     return NewtonReport(_STATUS[int(progress[0])], int(progress[1]), progress[4])
 
 

@@ -33,7 +33,7 @@ def no_simplification() -> Iterator[None]:
 
 @cache
 def trace(formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> ca.Function:
-    """What ``formula`` makes of so many numbers."""
+    """Symbols for so many numbers, and the results of ``formula`` for them."""
     with no_simplification():
         symbols = [ca.SX.sym(f"x{k}") for k in range(numbers)]
         return ca.Function("formula", [ca.vertcat(*symbols)], [ca.vertcat(*formula(symbols))])

@@ -1,4 +1,4 @@
-"""How much a step may err, so that a run errs no more than asked; and how much it has erred.
+"""Error that a step may make for a run within the accuracy asked for, and estimates of the error made.
 
 Steps let the end forces err by the phase of longitudinal waves.  One of frequency omega and amplitude A (N) gains
 
@@ -57,7 +57,7 @@ LONGEST_MEMORY, MOST_TURNED = 60.0, 400.0
 
 
 class StepLimits(NamedTuple):
-    """What a step may leave."""
+    """Allowed errors of a step."""
 
     place: float  # m, of a node's place
     strain_rate: float  # 1/s, of the strain at an end, over the step
@@ -68,7 +68,7 @@ class StepLimits(NamedTuple):
 
 
 class ErrorSums(NamedTuple):
-    """What the steps since the start have left.
+    """Errors of the steps since the start.
 
     ``waves``: of the slowest wave of the left and of the right leg, the error of the strain at its end, and the same a
     quarter of a period later.
@@ -83,13 +83,13 @@ class ErrorSums(NamedTuple):
 
 
 def memory(rope: Any, omega: Any) -> Any:
-    """How long a wave of a frequency lasts, s."""
+    """Duration (s) of a wave of a frequency."""
     least = larger(omega / MOST_TURNED, 1.0 / LONGEST_MEMORY)
     return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 * least)
 
 
 def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: Any) -> StepLimits:
-    """For a rope whose loop hangs at arc length ``bottom`` and whose ends move ``apart`` vertically, m/s.
+    """Limits for a rope whose loop hangs at arc length ``bottom`` and whose ends move ``apart`` vertically, m/s.
 
     The method errs by ``error_constant`` h^2 per change of a.
 
@@ -133,13 +133,13 @@ def add_errors(
 
 
 def end_force_error(rope: Any, sums: Any) -> Any:
-    """Of the end forces, root mean square since the start, relative to the largest."""
+    """Error of the end forces, root mean square since the start, relative to the largest."""
     squares = larger(sums.squares[0], sums.squares[1])
     return AND_RATE * rope.Qa * sqrt(squares / larger(sums.time, TINY)) / larger(sums.force, TINY)
 
 
 def locking_error(scene: Any, fine: Any) -> Any:
-    """How much too high, m, the loop hangs on elements of length ``fine``."""
+    """Height (m) by which the loop hangs too high on elements of length ``fine``."""
     w, rope = bending_length(scene), scene.rope
     x = fine / w
     locked = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
@@ -147,18 +147,18 @@ def locking_error(scene: Any, fine: Any) -> Any:
 
 
 def mesh_error(scene: Any, fine: Any, grading_length: Any) -> Any:
-    """How far, m, the loop is from its place on elements of length ``fine``, with ``grading_length`` in the legs."""
+    """Error (m) of the loop's place on elements of length ``fine``, with ``grading_length`` in the legs."""
     slips = 1.0 + SLIPPED * _slips(scene, fine, SLIPS_FROM)
     return locking_error(scene, fine) * slips + LEGS * grading_length * scene.rope.length
 
 
 def turned_by_mesh(scene: Any, fine: Any) -> Any:
-    """How far, rad, elements ``fine`` m long turn the loop about the vertical."""
+    """Angle (rad) by which elements of length ``fine`` turn the loop about the vertical."""
     return TURNED * fine / bending_length(scene) * _slips(scene, fine, TURNS_FROM)
 
 
 def _slips(scene: Any, fine: Any, beyond: float) -> Any:
-    """Part from 0 to 1 of what the loop does ``beyond`` so many w."""
+    """Share, 0 to 1, of the loop's change over so many w ``beyond``."""
     power = smaller(fine / (beyond * bending_length(scene)), 10.0) ** SLIPS_AT_ONCE
     return power / (1.0 + power)
 
@@ -171,14 +171,14 @@ def length_for(scene: Any, error: Any) -> Any:
 
 
 def flow_error(scene: Any, apart: Any, h: Any) -> Any:
-    """How far, m, steps ``h`` put the loop from its place while its ends move ``apart``, m/s, and the rope flows."""
+    """Error (m) of the loop's place by steps ``h`` while its ends move ``apart`` (m/s) and the rope flows."""
     flow = 0.5 * apart
     turned = flow * h / bending_length(scene)
     return FLOW * (turned * turned) * (flow * flow) / scene.layout.gravity
 
 
 def step_error(limits: Any, h: Any, place: Any, strain: Any) -> Any:
-    """Of a step ``h`` that left ``place`` and ``strain``, over what it may leave there and by the flow.
+    """Error of a step ``h`` that left ``place`` and ``strain``, over the error allowed, and error by the flow.
 
     By the flow, and where wires rub, to powers for which twice the step is allowed where errors are small.
     """
@@ -196,7 +196,7 @@ def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
 
 
 def calm_needed(h: Any, step_next: Any) -> Any:
-    """How long errors have been small (s) at the end of a step ``h`` after which those of ``step_next`` may grow."""
+    """Time (s) for which errors must be small before a step ``h`` may grow to ``step_next``."""
     # half a step early: where a whole number of steps takes as long, rounding would decide
     return smaller(CALM_STEPS * step_next, CALM) - 0.5 * h
 
@@ -210,7 +210,7 @@ class NextStep(NamedTuple):
 
 
 def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any) -> NextStep:
-    """After a step ``h`` to ``t`` with this ``error``, over what is allowed; where that is too large, work ran out.
+    """Choose the step after one of length ``h`` to ``t`` with this ``error`` over the allowed one (too large: no work left).
 
     ``rejected``: whether longer ones were before.  An error above the tolerance halves the next step, small ones for as
     long as calm_needed says double it.

@@ -33,7 +33,7 @@ AIR_BALANCE = (
 
 
 class AirFunctions(NamedTuple):
-    """What the air does to an element, ``A`` being the numbers of an AirLaw and of both Passing conveyances.
+    """Action of the air on an element; ``A`` has the numbers of an AirLaw and of both Passing conveyances.
 
     residual: (q, v, l, A) -> R (2 m,); tangent: (q, v, l, A, cv) -> J (2 m, 2 m); sums: (q, v, l, A) -> AIR_BALANCE.
     """

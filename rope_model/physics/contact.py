@@ -35,7 +35,7 @@ SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pr
 
 
 def largest_motion(longest: Any, q: Any, before: Any) -> Any:
-    """By how much (m) the rope's distance from a body or itself may have changed: the largest of all nodes' counts.
+    """Largest change (m) of the rope's distance from a body or itself: the largest of all nodes' counts.
 
     The node had the row r, r' ``before`` and has ``q``.  No place of an element moves by more than half of it, the
     node's elements being no longer than ``longest``, and no end with what it holds.
@@ -45,9 +45,7 @@ def largest_motion(longest: Any, q: Any, before: Any) -> Any:
 
 
 def moved_by(corrections: Any, longest: Any, shortest: Any) -> Any:
-    """Of ``largest_motion``, at most, by corrections that sum up to this in Newton's norm (m): there r' counts in units
-    of 1 / ``shortest``.
-    """
+    """Bound of ``largest_motion`` by the sum of corrections in Newton's norm (m): r' counts in 1 / ``shortest``."""
     return 6.0 * corrections + 2.25 * longest / shortest * corrections
 
 
@@ -60,7 +58,7 @@ class Touch(NamedTuple):
 
 
 def touch(contact: Any, diameter: Any, body: Any, moves: Any, point: Any, speed: Any, cq: Any, cv: Any) -> Touch:
-    """Of the rope's centre line at ``point`` with ``speed`` and a body that ``moves`` so, per length.
+    """Contact, per length, of the centre line at ``point`` with ``speed`` and a body that ``moves`` so.
 
     The tangent is that along (cq, cv) of place and speed.
     """

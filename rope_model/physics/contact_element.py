@@ -156,7 +156,7 @@ def _pressed(stiff: bool) -> ca.Function:
 
 @cache
 def _integrated(stiff: bool) -> ca.Function:
-    """(probes (3, 3), rows, speeds, l, P) -> what ``_pressed`` has of a cell with these at its ends and turn."""
+    """(probes (3, 3), rows, speeds, l, P) -> sums of ``_pressed`` over a cell with these at its ends and turn."""
     probes, rows, speeds = ca.MX.sym("probes", 3, 3), ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
     l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []

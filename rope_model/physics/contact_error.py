@@ -1,4 +1,4 @@
-"""What contact has done so far: impulses, and how far the mesh lets its forces err.
+"""History of contact: impulses, and the error of its forces by the mesh.
 
 A body that meets the rope sends waves along it.  The mesh follows those that are longer than two of its elements,
 of length l where the body is near; with c the speed of waves across the rope half way up a leg of half its length
@@ -67,7 +67,7 @@ def delay(scene: Any) -> Any:
 
 
 def contact_error(sums: Any) -> Any:
-    """Of the bodies' pressure, root mean square while they press, relative to the largest."""
+    """Error of the bodies' pressure, root mean square while they press, relative to the largest."""
     return sqrt(sums.square / larger(sums.time, TINY)) / larger(sums.largest, TINY)
 
 

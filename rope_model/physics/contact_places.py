@@ -1,4 +1,4 @@
-"""Where along its curve an element is pressed by a body, and the places over which contact is integrated there.
+"""Pressed pieces of an element's curve, and the places over which contact is integrated there.
 
 An element is looked at in CELLS.  In a cell the depth p(xi) = d/2 - distance, d the rope's diameter, turns once at
 most: found by halving between slopes of different signs.  On either side of that it is monotone, and reaches 0 and the
@@ -52,7 +52,7 @@ def probe(place: Any, l: Any, a: Any, b: Any, diameter: Any, body: Any) -> Probe
 
 
 def turning(start: Any, stop: Any) -> Any:
-    """Where the depth turns between two probes whose rates have different signs: as if these changed evenly."""
+    """Place where the depth turns between two probes with rates of different signs, which change evenly."""
     return start.place + (stop.place - start.place) * (start.rate / nonzero(start.rate - stop.rate))
 
 

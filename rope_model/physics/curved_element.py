@@ -40,7 +40,7 @@ CURVED = 3 * len(POINTS) + 4
 
 
 class CurvedFunctions(NamedTuple):
-    """What permanent curvature adds to an element, ``C`` being its CURVED numbers.
+    """Terms that permanent curvature adds to an element; ``C`` has its CURVED numbers.
 
     residual: (q, l, F, C) -> R (14,); tangent: (q, l, F, C, cq) -> J (14, 14); energy: (q, l, F, C) -> J.
     """

@@ -302,7 +302,7 @@ def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """What is conjugate to tau, and the same without damping, from the means of e and tau and of their rates."""
+    """Moment conjugate to tau, with and without damping, from the means of e and tau and of their rates."""
     e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
     elastic = ca.gradient(U, e)[1] + ca.gradient(P_n, e_t)[1]

@@ -1,4 +1,4 @@
-"""Guards of the loop: what they see, and when they trip.
+"""Guards of the loop: their quantities, and when they trip.
 
 Five quantities are watched, each against a threshold of its own, 0 for none:
 
@@ -33,7 +33,7 @@ NEVER = 1e30
 
 
 class GuardState(NamedTuple):
-    """What the guards remember."""
+    """Memory of the guards."""
 
     rest: float = 0.0  # m, what loop_height was at rest
     cause: float = 0.0  # of the trip; 0: none
@@ -42,12 +42,12 @@ class GuardState(NamedTuple):
 
 
 def thresholds(guard: Any) -> tuple[Any, ...]:
-    """In the order of CAUSES."""
+    """Thresholds in the order of CAUSES."""
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
 def guarded(guard: Any) -> Any:
-    """More than 0 where there is any guard."""
+    """Number above 0 where there is any guard."""
     return sum(thresholds(guard)[1:], guard.rise)
 
 

@@ -1,4 +1,4 @@
-"""Geometry of the rope's centre line: where it is sampled, how far points are from it, what encloses a piece of it.
+"""Geometry of the rope's centre line: samples, distances of points from it, boxes around its pieces.
 
 Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """
@@ -100,12 +100,12 @@ def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[An
 
 
 def reach(point: Any, start: Any, direction: Any) -> Any:
-    """How far (m) ``point`` lies from ``start`` in a horizontal ``direction`` (X, Z)."""
+    """Distance (m) of ``point`` from ``start`` along a horizontal ``direction`` (X, Z)."""
     return direction[0] * (point[0] - start[0]) + direction[1] * (point[2] - start[2])
 
 
 def beyond(point: Any, start: Any, normal: Any) -> Any:
-    """How far ``point`` is beyond the plane through ``start`` with this ``normal``, in lengths of that."""
+    """Distance of ``point`` from the plane through ``start`` with this ``normal``, in lengths of that."""
     return dot(normal, (point[0] - start[0], point[1] - start[1], point[2] - start[2]))
 
 

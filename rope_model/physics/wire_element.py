@@ -45,7 +45,7 @@ LATEST = _OF_POINT * len(POINTS)
 
 
 class WireFunctions(NamedTuple):
-    """What friction between the wires adds to an element, ``H`` being its HISTORY.
+    """Terms that friction between the wires adds to an element; ``H`` is its HISTORY.
 
     residual: (q, l, H) -> R (2 m,)
     tangent:  (q, l, H, latest, cq) -> J (2 m, 2 m)

@@ -42,7 +42,7 @@ _SMALL = 1e-12
 
 
 class Slid(NamedTuple):
-    """z at the end of a step, what was dissipated per length of the rope and C, and a slope.
+    """State z at the end of a step, dissipation per length of the rope and C, and a slope.
 
     ``secant`` is |z| over what it would be if all wires stuck.
     """
@@ -79,7 +79,7 @@ def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
 
 
 def slide(before: Any, now: Any, k0: Any) -> Slid:
-    """From what a section was ``before``, with its z (10,), to what it is ``now`` (7,)."""
+    """Slide from the section ``before``, with its z (10,), to the section ``now`` (7,)."""
     z = _carried(before, now, before[7:10])
     turned = _carried(before, now, before[3:6])
     z = [x / k0 for x in z]

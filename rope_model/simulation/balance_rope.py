@@ -1,4 +1,4 @@
-"""What every form of the rope can do: hang, follow its ends, be read, and go back to a saved state."""
+"""Interface of every form of the rope: hang, follow the ends, be read, and go back to a saved state."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Snapshot:
 
     @property
     def state(self) -> RopeState:
-        """For analysis, and for other ropes."""
+        """State for analysis, and for other ropes."""
         return self.unpack(self.kept)
 
 
@@ -55,7 +55,7 @@ class BalanceRope(ABC):
     @property
     @abstractmethod
     def form(self) -> str:
-        """How it computes: native, or the Python form with kernels that are compiled or portable (interpreted)."""
+        """Form of the rope: native, or Python with compiled or portable (interpreted) kernels."""
 
     @property
     @abstractmethod
@@ -70,7 +70,7 @@ class BalanceRope(ABC):
     @property
     @abstractmethod
     def fidelity(self) -> Fidelity:
-        """How much of the rope is computed now: torsional is all, then spatial, planar and rigid."""
+        """Fidelity of the present computation: torsional is all, then spatial, planar and rigid."""
 
     @property
     @abstractmethod
@@ -112,7 +112,7 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def apply(self, forces: PointForces) -> None:
-        """From now on these forces act on the rope, and no others of the kind; they are no part of its state.
+        """Put these forces, and no others of the kind, on the rope from now on; they are no part of its state.
 
         A planar rope feels what is in its plane; a rigid one feels nothing and goes no step with them: set
         ``model.fidelity`` to torsional.
@@ -151,7 +151,7 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        """Go on from what ``save``, ``state`` or ``snapshot`` gave.
+        """Go on from the result of ``save``, ``state`` or ``snapshot``.
 
         ValueError, and no change, when it does not fit this scene.
         """

@@ -74,7 +74,7 @@ def lowest_sufficient(scene: Scene, ends: Ends, forces: int = 0) -> Fidelity:
 
 
 def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int = 0) -> str:
-    """'' while ``fidelity`` can follow the ends and forces, for 'auto' within the tolerance; otherwise what not."""
+    """Return '' while ``fidelity`` can follow ends and forces, for 'auto' within the tolerance; else the reason."""
     if fidelity == "torsional":
         return ""
     if number := int(unsupported_input(scene, fidelity, *ends)):

@@ -76,7 +76,7 @@ class RopeModel:
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
     def ends(self, state: RopeState) -> HangingEnds:
-        """How the ends of ``state`` are held."""
+        """Boundary at the ends of ``state``."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
@@ -87,7 +87,7 @@ class RopeModel:
         return Coefficients(self.scene.solver.rho_inf)
 
     def relative_error(self, old: RopeState, result: StepResult[Evaluation]) -> float:
-        """Local error of a trial step over what the accuracy allows; infinite when Newton failed."""
+        """Local error of a trial step over the error allowed; infinite when Newton failed."""
         if result.motion is None:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
@@ -165,7 +165,7 @@ class RopeModel:
         return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
 
     def audited(self, before: RopeState, state: RopeState) -> RopeState:
-        """``state``, the communication step that leads to it from ``before`` compared with what acted in it."""
+        """``state`` with the audit of the communication step from ``before``: its change against all that acted."""
         if state.fidelity == "rigid":
             return state
         m, scene = state.motion, self.scene
@@ -203,7 +203,7 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 
 def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
-    """What the conveyances put on the rope, its ends held so, and the bodies that it touches, and the air."""
+    """Loads on the rope by the conveyances, its ends held so, by touched bodies, and by the air."""
     outside = system.outside(motion.q, motion.v)
     loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side in (0, 1):
@@ -232,7 +232,7 @@ def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> Energy
 
 
 def powers(system: RopeSystem, motion: Motion) -> Powers:
-    """What flows in and out at this instant, W."""
+    """Powers that flow in and out at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side in (0, 1):
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]

@@ -100,7 +100,7 @@ class KernelCache:
         self._made: dict[tuple[ElementFidelity, Kinds], RopeKernels] = {}
 
     def of(self, fidelity: ElementFidelity, bodies: Kinds = ()) -> RopeKernels:
-        """Those of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
+        """Kinds of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
         if (fidelity, bodies) not in self._made:
             self._made[fidelity, bodies] = RopeKernels(self.elements, self._form, self._bundle, fidelity, bodies)
         return self._made[fidelity, bodies]
@@ -136,7 +136,7 @@ def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Se
 
 @cache
 def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Kinds, library: Path) -> ChainFunctions:
-    """Those of ``rope_functions``, but calling what ropes of any size have in common."""
+    """Return ``rope_functions`` that call the parts shared by ropes of any size."""
     parts = ChainParts(*load_compiled(rope_parts(fidelity, bodies), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 

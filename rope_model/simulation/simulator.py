@@ -128,7 +128,7 @@ class RopeSimulator(BalanceRope):
 
     @property
     def ends(self) -> HangingEnds:
-        """How the present state's ends are held."""
+        """Boundary at the present state's ends."""
         return ends_of(self.system)
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
@@ -313,5 +313,5 @@ class RopeSimulator(BalanceRope):
 
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:
-    """What all places of the loop have in common."""
+    """Common part of all places of the loop."""
     return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.grading_length, cells.coarse

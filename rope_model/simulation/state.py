@@ -1,4 +1,4 @@
-"""Everything that influences the future of a run, and its form as bytes."""
+"""Complete state of a run, and its form as bytes."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class EnergyBalance(NamedTuple):
 
     @property
     def residual(self) -> float:
-        """Residual of the balance: what the integrator dissipated (negative) or put in."""
+        """Residual of the balance: energy that the integrator has dissipated (negative) or created."""
         return float(residual(self))
 
 
@@ -87,7 +87,7 @@ class Powers(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """Where the rope came nearest to the bodies of a kind; see simulation.contact.shaft."""
+    """Nearest place of the rope to the bodies of a kind; see simulation.contact.shaft."""
 
     clearance: float = FAR  # m, of its surface
     time: float = 0.0  # s
@@ -175,7 +175,7 @@ def _plain(x: Any, arrays: list[Array]) -> Any:
 
 
 def _made(kind: Any, plain: Any, rest: list[float]) -> Any:
-    """What became ``plain``, by its type; arrays are taken from the numbers ``rest``."""
+    """Value of its type that became ``plain``; arrays are taken from the numbers ``rest``."""
     if get_origin(kind) is np.ndarray:
         found = np.array(rest[: math.prod(plain)]).reshape(plain)
         del rest[: math.prod(plain)]

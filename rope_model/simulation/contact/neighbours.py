@@ -74,7 +74,7 @@ class Partner(Protocol):
 
 
 class Account(NamedTuple):
-    """What happened between two ropes until now."""
+    """Contact of two ropes until now."""
 
     pressure: float = 0.0  # N, now: the sum of the law's normal forces
     energy: float = 0.0  # J, stored now
@@ -238,7 +238,7 @@ class Neighbours:
 
 
 class _Joint:
-    """Forces that were tried and what the law says of them, of all that press each other."""
+    """Trial forces of all ropes that press each other, and those of the law."""
 
     def __init__(self, tried: Mapping[Two, Pressing], found: Mapping[Two, Pressing]) -> None:
         self._twos = [two for two in tried if tried[two].number.size or found[two].number.size]
@@ -253,7 +253,7 @@ class _Joint:
         self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL / TOLERANCE)
 
     def forces(self) -> Mapping[Two, Pressing]:
-        """Those that were tried, with the part of springs in them."""
+        """Trial forces, with the part of springs in them."""
         return self._all
 
     def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
@@ -273,7 +273,7 @@ class _Joint:
         return corrected
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
-        """How the distances of places change when these forces come in."""
+        """Change of the distances of places by these forces."""
         moved, at = np.zeros_like(force), {}
         ends = np.cumsum([0] + [self._all[two].number.size for two in self._twos]).tolist()
         for two, start, stop in zip(self._twos, ends[:-1], ends[1:], strict=True):

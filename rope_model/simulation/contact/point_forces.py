@@ -66,14 +66,14 @@ def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
 
 
 def at_places(x: Array, elements: Array, shares: Array) -> Array:
-    """(n, 3): what rows (nodes, 6 or more) of r, r' have there."""
+    """Return (n, 3): values at the places of rows (nodes, 6 or more) of r, r'."""
     ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
     found: Array = np.einsum("kn,nki->ni", shares, ends)
     return found
 
 
 def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
-    """(nodes, 7): what they are at the nodes, at ``t``."""
+    """Return (nodes, 7): the forces on the nodes at ``t``."""
     found, now = np.zeros((lengths.size + 1, 7)), forces.at(t)
     elements: Any
     elements, shares = elements_at(forces.s, lengths)

@@ -56,7 +56,7 @@ class _Search:
         self._radius, self._t = radius, t
 
     def beats(self, box: Any) -> Any:
-        """Whether what is in this box, or in each of several, may be nearer than what is known."""
+        """Whether contents of this box, or of each of several, may be nearer than the known place."""
         return least_distance(box[:3], box[3:], self._body) - self._radius < self.nearest.clearance - RESOLUTION
 
     def look(self, s: float, place: Any) -> None:
@@ -77,7 +77,7 @@ class _Search:
 
 
 def _searches(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
-    """One for each body, all from what is known."""
+    """One search for each body, from the known clearances."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
     around = [*bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
     lowest = int(q[:, 1].argmin()) if around else 0
@@ -97,7 +97,7 @@ def _nearest_of(searches: Sequence[_Search], known: Sequence[Nearest]) -> tuple[
 
 
 def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[Nearest, ...]:
-    """Of each kind, the nearest place of the present rope, or the ``known`` one where none is nearer."""
+    """Nearest place of the present rope to each kind, or the ``known`` one where none is nearer."""
     if not (searches := _searches(scene, state, known)):
         return known
     lengths, s, rows = state.partition.lengths, state.partition.nodes_s.tolist(), state.motion.q[:, : SLOPE.stop]
@@ -114,7 +114,7 @@ def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[
 
 
 def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
-    """Of each kind, the nearest place of the present rope."""
+    """Nearest place of the present rope to each kind of body."""
     searches, s = _searches(scene, state, NOT_NEAR), state.partition.nodes_s.tolist()
     for search in searches:
         for k in range(search.first, search.last + 1):
@@ -123,7 +123,7 @@ def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
 
 
 def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
-    """With how far the rope lies in itself at the state's instant, where that is further than before."""
+    """The state with the rope's depth in itself at its instant, where it is the largest so far."""
     crossing = state.crossing
     overlap, y = overlap_of(state.motion.q, state.partition.lengths, scene.rope.diameter)
     if not overlap > crossing.overlap:
@@ -133,7 +133,7 @@ def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
 
 
 def with_passages(scene: Scene, state: RopeState) -> RopeState:
-    """The state with what the rope came near to, and passed through, at its instant.
+    """The state with the clearances and passages of its instant.
 
     For the end of every communication step, and after LOOK_EVERY in longer ones.
     """

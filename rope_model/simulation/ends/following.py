@@ -1,4 +1,4 @@
-"""How the rope's ends follow the motions that their host gives.
+"""Following of the motions that a host gives to the rope's ends.
 
 Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower
 parts repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The
@@ -56,7 +56,7 @@ Axis = tuple[float, float, float]
 
 
 class Following(NamedTuple):
-    """What an end was given last, how it follows, and what was amiss since the start; y alone tells the causes."""
+    """Last input of an end, its way of following, and its faults since the start; y alone shows the causes."""
 
     given: tuple[float, float, float, float, float, float, float, float, float, float, float] = (0.0,) * 11
     given_at: float = 0.0  # s, of the latest sample that is no repetition
@@ -89,13 +89,13 @@ class Following(NamedTuple):
 
     @staticmethod
     def at_rest(t: float, at: EndMotion) -> Following:
-        """Before anything moves."""
+        """State before anything moves."""
         x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
         return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
 
 
 class Rates(NamedTuple):
-    """Bandwidths, rad/s: of the observer, and of the filters for what is not given."""
+    """Bandwidths, rad/s: of the observer, and of the filters for missing inputs."""
 
     observer: float
     estimate: float
@@ -113,7 +113,7 @@ def follow_rates(scene: Any) -> Rates:
 
 
 def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end: Any) -> Following:
-    """``now`` with what the host gives of the instant ``given_at`` for a step ``h``, unless it is a repetition.
+    """Add to ``now`` the host's sample of the instant ``given_at`` for a step ``h``, unless it is a repetition.
 
     ``trusted`` is the place of inputs.given among its choices.
     """
@@ -150,7 +150,7 @@ def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end
 
 
 def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Position, speed and acceleration of one coordinate, ``h`` after they ``was``, by what is trusted of ``sample``.
+    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by the trusted part of ``sample``.
 
     ``kept`` is the part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3.
     """
@@ -171,7 +171,7 @@ def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
-    """What a new sample tells of the grid that positions lie on, and of a table that they are interpolated in."""
+    """Signs in a new sample of a grid of positions, and of a table with linear interpolation."""
     fits: Any = 0.0
     for grid in reversed(GRIDS):
         place = end.y / grid
@@ -196,7 +196,7 @@ def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: An
 
 
 def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
-    """The path from the end of ``path`` on, that follows what is given until ``stop``; a short one leads beyond."""
+    """Return the path from the end of ``path`` that follows the inputs until ``stop``; a short one leads beyond."""
     start = path.stop
     h = larger(stop - start, SHORTEST_AIM)
     ahead = stop - now.given_at + (h - (stop - start))
@@ -242,7 +242,7 @@ def _unexplained(misfit: Any, explained: Any) -> Any:
 
 
 class Limits(NamedTuple):
-    """Of an end's path: largest accelerations on it, sampled, and misfit of place and speed at its end, by PATH."""
+    """Limits of an end's path: largest sampled accelerations, and misfit of place and speed at its end, by PATH."""
 
     peaks: Four
     place: Four
@@ -250,7 +250,7 @@ class Limits(NamedTuple):
 
 
 def follow_limits(path: Any, now: Any) -> Limits:
-    """What decides whether the path can be followed; NaN where a coordinate is."""
+    """Measures that decide whether the path can be followed; NaN where a coordinate is."""
     places, speeds, _ = path.motion(path.stop)
     ahead = path.stop - now.given_at
     missed = [
@@ -264,7 +264,7 @@ def follow_limits(path: Any, now: Any) -> Limits:
 
 
 class Followed(NamedTuple):
-    """An end's next path, and what decides whether it can be followed."""
+    """Next path of an end, and the measures that decide whether it can be followed."""
 
     following: Following
     path: EndPath

@@ -1,4 +1,4 @@
-"""How the conveyances move the rope's ends.
+"""Motions of the rope's ends with the conveyances.
 
 Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
 acceleration are continuous whatever the host's step.  simulation.ends.following says where a path leads.  Works on

@@ -69,7 +69,7 @@ def _dynamic_equilibrium(model: RopeModel, state: RopeState) -> Solution[Evaluat
 
 
 def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
-    """The state at the lowest fidelity that can follow what this one cannot.
+    """The state at the lowest fidelity that can follow the present motion.
 
     Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
     fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.

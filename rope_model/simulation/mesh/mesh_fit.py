@@ -56,7 +56,7 @@ BLOW, REACH = 0.014, 0.5
 
 
 class FittedLengths(NamedTuple):
-    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements.
+    """Lengths (m) of the mesh that suits a rope: loop's radius, its elements, decay of the bend above, end elements.
 
     ``grading``: square of the legs' elements over their distance from the loop.
     """
@@ -109,7 +109,7 @@ def _is_near(scene: Any, divider: Any) -> Any:
 
 
 def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
-    """Length of segment IV: bend, what fades out above it, and the way to the next transformation; m."""
+    """Length (m) of segment IV: bend, its decay above, and the way to the next transformation."""
     return math.pi * radius + 2 * fade + 2 * DUE * coarse
 
 

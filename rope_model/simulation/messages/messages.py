@@ -1,4 +1,4 @@
-"""What the rope says when something is refused or fails: the texts of both forms.
+"""Messages of refusals and failures: the texts of both forms.
 
 Each function is a text and nothing else: codegen.messages makes the C of it.  Numbers are written as ``{x}``, ``{x:g}``
 or with a number of digits as ``{x:.3g}``.  Warnings are in warning_messages, what is said of the choice of the model in

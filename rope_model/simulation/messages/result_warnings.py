@@ -43,7 +43,7 @@ def neglected_effects(scene: Scene, state: RopeState) -> str:
 
 
 def passed_bodies(scene: Scene, state: RopeState) -> str:
-    """'' while the rope touches nothing; otherwise what it struck or passed into, when and where."""
+    """Return '' while the rope touches nothing; otherwise the bodies that it struck or passed into, time and place."""
     told = ""
     for name, x in zip(KINDS, state.nearest, strict=True):
         if x.clearance <= 0:
@@ -71,7 +71,7 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
 
 
 def unfit_inputs(scene: Scene, state: RopeState) -> str:
-    """'' while the motions given fit; otherwise what they look like, and what to do."""
+    """Return '' while the given motions fit; otherwise their likely fault, and a cure."""
     for side, following in zip(SIDES, state.following, strict=True):
         if told := first_text(warning_cases.INPUTS, scene, following, state.last_interval):
             return warning_messages.of_end(side, told)

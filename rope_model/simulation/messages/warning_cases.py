@@ -1,5 +1,4 @@
-"""When a result deserves a warning, as far as numbers tell: tables for simulation.messages.result_warnings and its
-C."""
+"""Cases of warnings that numbers decide: tables for simulation.messages.result_warnings and its C."""
 
 from __future__ import annotations
 
@@ -47,7 +46,7 @@ def rests(scene: Any, state: Any) -> Any:
 
 
 def leaves_out(scene: Any, state: Any) -> Any:
-    """Whether the rope does what its fidelity does not compute, if that is none that computes all."""
+    """Whether the rope moves in a way that its fidelity leaves out."""
     blown = both(state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0)
     return either(state.fidelity == "rigid", carries_torque(scene), blown)
 
@@ -105,7 +104,7 @@ def _torque_of_ends(scene: Any, turned: Any) -> tuple[Any, ...]:
 
 
 def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
-    """By coupling, permanent curvature, installed twist, and by ends that twist the rope by ``turned`` (rad)."""
+    """Torques by coupling, permanent curvature, installed twist, and ends that twist the rope by ``turned`` (rad)."""
     rope = scene.rope
     # the installed twist is part of the last
     ends = twist_torque(rope, turned) * (1 - 1e-9)
@@ -128,7 +127,7 @@ def _moments_missing(scene: Any, state: Any) -> tuple[Any, ...]:
 
 
 def _shown_below(number: Any) -> Any:
-    """``number``, cut to two decimals: what is below a bound of less than 10 does not look like it."""
+    """``number``, cut to two decimals: a number below a bound of less than 10 then looks different from it."""
     return floor(100.0 * number) / 100.0
 
 

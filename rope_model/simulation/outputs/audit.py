@@ -42,7 +42,7 @@ FEWEST_ELEMENTS = 4.0
 
 
 class Audit(NamedTuple):
-    """What the next communication step is compared with, and the worst so far.
+    """Reference of the next communication step's audit, and the worst so far.
 
     Loads are forces and moments about the origin, of both ends together.
     """

@@ -1,4 +1,4 @@
-"""What a hoist engineer reads off the rope's shape."""
+"""Quantities of the rope's shape for hoist engineers."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class LoopTurns(NamedTuple):
 
 
 def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
-    """Turns about Y of the right side about the left one, from the top down to the loop: what the yaw ends in.
+    """Turns about Y of the right side about the left one, from the top down to the loop, where they are the yaw.
 
     A side is a leg and, straight above it, the conveyance and its head ropes.  Counted is the direction of the
     horizontal vector between the sides over the height,

@@ -1,4 +1,4 @@
-"""What each fidelity of the model leaves out: the outputs that are 0 and no results, and exact only without torque.
+"""Effects that a fidelity leaves out: outputs that are 0 and no results, and exact only without torque.
 
 One table for the warnings of both forms of the rope, the reports and the documents.
 """
@@ -11,7 +11,7 @@ from ..fidelity import FIDELITIES, Fidelity
 
 
 class Effect(NamedTuple):
-    """What the fidelities from ``lowest`` on compute, and those below it leave out."""
+    """Outputs that the fidelities from ``lowest`` on compute, and those below it leave out."""
 
     lowest: Fidelity
     words: str  # for reports
@@ -50,7 +50,7 @@ EFFECTS = (
 
 
 def neglected_effects(fidelity: Fidelity) -> tuple[Effect, ...]:
-    """What the fidelity leaves out."""
+    """Return the effects that the fidelity leaves out."""
     return tuple(effect for effect in EFFECTS if FIDELITIES.index(effect.lowest) > FIDELITIES.index(fidelity))
 
 

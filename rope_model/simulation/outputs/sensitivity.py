@@ -66,7 +66,7 @@ def added_mass_signals(rope: Linearised) -> dict[str, float]:
 
 
 def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Array:
-    """(12,): what LOADS gain when a coordinate of an end is moved as in ``answer``."""
+    """Return (12,): change of LOADS when a coordinate of an end is moved as in ``answer``."""
     state = rope.state
     if state.fidelity == "rigid":  # no side forces, no moments
         gained = np.zeros((2, 6))

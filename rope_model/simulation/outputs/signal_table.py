@@ -1,4 +1,4 @@
-"""The table of what a running rope tells the outside: names, units and descriptions; the FMU's outputs have them too.
+"""The table of a running rope's outputs: names, units and descriptions; the FMU's outputs have them too.
 
 The values are computed by simulation.outputs.signals and by its C.
 """

@@ -106,7 +106,7 @@ def _turn_right_end(state: RopeState, angle: float) -> RopeState:
 
 
 def _twist_evenly(state: RopeState, angle: float) -> RopeState:
-    """The same, the angle spread along the rope."""
+    """The row with the angle spread along the rope."""
     m, s = state.motion, state.partition.nodes_s
     q = m.q.copy()
     q[:, ANGLE] += angle * (s / s[-1])
