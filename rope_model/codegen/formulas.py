@@ -436,6 +436,7 @@ def _lengths(hint: Any) -> str:
 
 
 def function_code(prototype: str, formula: Callable[..., Any]) -> str:
+    """The C function of a formula."""
     match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
     assert match, prototype
     result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
@@ -458,6 +459,7 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
 
 
 def argument_of(text: str) -> Argument:
+    """The argument that a prototype declares by ``text``."""
     match = re.fullmatch(r"(const )?(\w+) \*?(\w+)((?:\[\d+\])*)", text)
     assert match, text
     return Argument(bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4])))

@@ -210,10 +210,10 @@ class NextStep(NamedTuple):
 
 
 def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any) -> NextStep:
-    """Choose the step after one of length ``h`` to ``t`` with this ``error`` over the allowed one (too large: no work left).
+    """Choose the step after one of length ``h`` to ``t`` with this ``error`` over the allowed one.
 
-    ``rejected``: whether longer ones were before.  An error above the tolerance halves the next step, small ones for as
-    long as calm_needed says double it.
+    Work ran out where it is too large.  ``rejected``: whether longer steps failed.  An error above the tolerance halves
+    the next step; small ones for the time calm_needed double it.
     """
     calm_since = where(either(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance

@@ -1,8 +1,10 @@
-"""The beam element with the permanent curvature of physics.initial_curvature: physics.element with the energy
+"""The beam element with the permanent curvature of physics.initial_curvature.
+
+physics.element has the energy
 
     U0 = int EI (1/2 k0^2 - k0 k . d) dx
 
-beside that of bending.  While the element moves, the director d of a section goes from what it is in the frame's
+beside that of bending.  While the element moves, the director d of a section goes from its place in the frame's
 reference by the smallest rotation of the tangent and is turned about that by the gain of
 
     theta(x) - (turn of the frame from the left node to x) + x/l (turn of the frame to the right node)

@@ -97,9 +97,7 @@ class Nearest(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """How often one side of the rope has passed through the other, and how far the rope lay in itself, before a
-    passage or after; see simulation.contact.shaft.
-    """
+    """Passages of one side of the rope through the other, and depth of the rope in itself: simulation.contact.shaft."""
 
     net: float = 0.0  # those that were not undone, with their sense
     number: float = 0.0  # all

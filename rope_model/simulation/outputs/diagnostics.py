@@ -168,7 +168,7 @@ def interpolate_midpoints(values: Array, lengths: Array, s: Array) -> Array:
 
 
 def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float) -> Array:
-    """Tension (N) at arc lengths ``s``, from the balance of momentum of the rope to the left of them:
+    """Tension (N) at arc lengths ``s``, from the balance of momentum of the rope to the left of them.
 
         F(s) = int_0^s rho (a + g Y) dx - reaction at the left end,    T = F . t
 

@@ -13,8 +13,9 @@ from ...physics.elementary import both, larger, smaller, where
 
 
 class Bracket(NamedTuple):
-    """An interval, the values at its ends, f_low < 0 <= f_high, which of them moved last, -1 or 1, or 0, and how often
-    in a row it was not halved.
+    """An interval, and the values at its ends, f_low < 0 <= f_high.
+
+    ``side`` is the end that moved last, -1 or 1, or 0; then comes the number of rounds in a row that did not halve it.
     """
 
     low: float
