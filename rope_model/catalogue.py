@@ -40,11 +40,11 @@ SHEAR = 0.5 / (1 + POISSON)
 class Datum:
     """Range of a number, with its unit, its status and its source."""
 
-    low: float
-    high: float
-    unit: str
-    status: DatumStatus
-    source: str
+    low: float  #: lower end
+    high: float  #: upper end
+    unit: str  #: unit of both
+    status: DatumStatus  #: published, derived or assumed
+    source: str  #: reference
 
     @property
     def middle(self) -> float:
@@ -53,17 +53,17 @@ class Datum:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether shares of the range are ratios."""
+        """Whether the range is divided logarithmically."""
         return self.low > 0
 
     def at(self, share: float) -> float:
-        """The value at a share between 0 and 1 of the range."""
+        """Return the value at a share between 0 and 1 of the range."""
         if self.logarithmic:
             return self.low * math.exp(share * math.log(self.high / self.low))
         return self.low + share * (self.high - self.low)
 
     def share(self, value: float) -> float:
-        """The share of the range at which ``value`` lies, the inverse of ``at``."""
+        """Return the share of the range at ``value``, the inverse of ``at``."""
         if self.logarithmic:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
@@ -202,11 +202,11 @@ BEARINGS = {
 class KnownRope:
     """A rope with a range of each property; ``rope`` takes one value of each."""
 
-    construction: str
-    diameter: float  # m
-    length: float = Rope.length  # m
-    lay: Lay = "right-hand"
-    data: Mapping[str, Datum] = field(default_factory=dict)  # by the names of PROPERTIES
+    construction: str  #: one of CONSTRUCTIONS
+    diameter: float  #: m
+    length: float = Rope.length  #: m
+    lay: Lay = "right-hand"  #: sense of the lay
+    data: Mapping[str, Datum] = field(default_factory=dict)  #: ranges by property
 
     @property
     def middle(self) -> Rope:
@@ -238,7 +238,7 @@ class KnownRope:
 
 
 def rope(construction: str, diameter: float, length: float = Rope.length, lay: Lay = "right-hand") -> KnownRope:
-    """Return the catalogue's ranges for a rope; ``rope("34x7", diameter=0.046).middle`` has parameters of a scene.
+    """Return the catalogue's ranges for a rope, as in ``rope("34x7", diameter=0.046)``.
 
     Parameters
     ----------

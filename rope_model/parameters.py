@@ -298,12 +298,11 @@ class Swivel:
 
 @dataclass(frozen=True)
 class Mesh:
-    """EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.
+    """Partition of the rope into elements.
 
-    Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
-
-    auto: the TMN-ETM that the rope's own lengths and the accuracy ask for, EEM on a short or stiff rope; see
-    simulation.mesh.partition.fit_mesh.  ``end_levels`` = 0 is the source's mesh.
+    EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.  Without
+    elements in III and V those of the loop, in IV, are l/4 long, without II and VI too l/2.  auto: the TMN-ETM that the
+    rope's own lengths and the accuracy ask for, EEM on a short or stiff rope.  ``end_levels`` = 0 is the source's mesh.
     """
 
     kind: MeshKind = choice(
@@ -362,7 +361,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Error that a run may have: mesh and steps follow from it, see physics.accuracy and simulation.mesh.partition."""
+    """Allowed error of a run: mesh and steps follow from it."""
 
     end_force: float = parameter(
         1e-3,
@@ -453,7 +452,7 @@ class Solver:
 
 @dataclass(frozen=True)
 class Model:
-    """Fidelity of the model: the fidelities are described in physics.element and simulation.rigid."""
+    """Fidelity of the model."""
 
     fidelity: FidelityChoice = choice(
         "auto",
@@ -483,7 +482,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Trust in the given motions, and the way in which the rope's ends follow them: simulation.ends.following."""
+    """Trust in the given motions, and the way in which the rope's ends follow them."""
 
     given: Trusted = choice(
         "all",
@@ -580,7 +579,7 @@ class Scene:
     shaft: Shaft = field(default_factory=Shaft)
 
     def with_(self, **parts: Any) -> Scene:
-        """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
+        """Return a copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
         return replace(self, **parts)
 
 
@@ -640,9 +639,9 @@ def at_level(scene: Scene, level: Level) -> Scene:
 class RopeCase:
     """Scene with a winding: the left end starts at height 0, the right end ``travel`` above it."""
 
-    scene: Scene
-    travel: float  # m
-    speed: float  # m/s
+    scene: Scene  #: data of the rope
+    travel: float  #: rise of the left end, m
+    speed: float  #: largest speed, m/s
 
 
 def rope_120(level: Level = "standard") -> RopeCase:

@@ -60,10 +60,21 @@ FARTHEST_START = 1e10
 
 
 class RopeSimulator(BalanceRope):
-    """The Python form of the rope; ``system``, ``ends`` and ``model`` are there for analysis.
+    """The Python form of the rope; ``system``, ``ends`` and ``model`` serve analysis.
 
-    ``bundle`` is a folder with prepared kernels, as inside an exported FMU.  Raises RuntimeError when compiled
-    kernels are demanded in vain, ValueError when the mesh does not fit the rope.
+    Parameters
+    ----------
+    scene : Scene
+        Data of the run.
+    bundle : Path, optional
+        Folder with prepared kernels, as inside an exported FMU.
+
+    Raises
+    ------
+    ValueError
+        If the mesh does not fit the rope.
+    RuntimeError
+        If the scene asks for compiled kernels and none can be had.
     """
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
@@ -291,9 +302,9 @@ class RopeSimulator(BalanceRope):
         return at_places(moved - alone, *elements_at(forces.s, system.lengths))
 
     def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
-        """q and reactions when a coordinate of an end is moved by ``change`` in q, q_t, q_tt at the last step's end.
+        """Return q and reactions after a ``change`` of an end's coordinate in q, q_t, q_tt at the last step's end.
 
-        The rest of the rope answers as its equations are linear in that step.
+        The rest of the rope answers by the linearised equations of that step.
         """
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         if self._unmoved is None or self._unmoved[0] is not system:

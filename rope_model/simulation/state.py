@@ -109,7 +109,7 @@ class Crossing(NamedTuple):
 
 
 class RopeState(NamedTuple):
-    """Immutable: a step makes a new one, and keeping the old one is the rollback."""
+    """Complete state of the rope, immutable: a step makes a new one, and the old one is the rollback."""
 
     motion: Motion
     partition: Partition
@@ -140,7 +140,7 @@ class RopeState(NamedTuple):
     hysteresis: Array = NO_MEMORY  # 1/m, z of simulation.wires
 
     def to_bytes(self) -> bytes:
-        """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
+        """Return the state as bytes that depend on the state alone: length of the JSON, JSON, all arrays."""
         arrays: list[Array] = []
         head = json.dumps(_plain(self, arrays)).encode()
         numbers = (x.astype("<f8").tobytes() for x in arrays)
@@ -148,7 +148,7 @@ class RopeState(NamedTuple):
 
     @staticmethod
     def from_bytes(data: bytes) -> RopeState:
-        """The state that ``to_bytes`` wrote; ValueError for anything else."""
+        """Return the state that ``to_bytes`` wrote; ValueError for anything else."""
         try:
             start = 8 + int.from_bytes(data[:8], "little")
             rest = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()

@@ -58,54 +58,61 @@ class Partner(Protocol):
 
     @property
     def rope(self) -> BalanceRope | None:
-        """The rope as it is now; None once it hangs in pieces."""
+        """Return the present rope; None once it hangs in pieces."""
 
     def begin(self, t: float, h: float) -> None:
-        """The next step is that from here, ``t``, to ``t`` + ``h`` (s)."""
+        """Begin the step from here, ``t``, to ``t`` + ``h`` (s)."""
 
     def go(self) -> bool:
-        """Whether it can be advanced over the step."""
+        """Advance over the step; return whether that succeeded."""
 
     def back(self) -> None:
-        """Back to where the step begins."""
+        """Go back to the start of the step."""
 
     def accept(self) -> None:
-        """The step counts."""
+        """Accept the step."""
 
 
 class Account(NamedTuple):
     """Contact of two ropes until now."""
 
-    pressure: float = 0.0  # N, now: the sum of the law's normal forces
-    energy: float = 0.0  # J, stored now
-    work: float = 0.0  # J, done on both ropes
-    dissipated: float = 0.0  # J
-    made: float = 0.0  # J, energy that the steps made
-    largest: float = 0.0  # J, the largest work of a step
-    approach: float = 0.0  # m, by which touching places came nearer in the last step
-    missed: float = 0.0  # of the forces, by which the law was missed at worst
-    peak: float = 0.0  # N, the largest pressure
-    peak_t: float = math.nan  # s
-    peak_place: tuple[float, float, float] = _NOWHERE  # m, the centre of that pressure
+    pressure: float = 0.0  #: present sum of the normal forces, N
+    energy: float = 0.0  #: energy stored now, J
+    work: float = 0.0  #: work on both ropes, J
+    dissipated: float = 0.0  #: energy dissipated, J
+    made: float = 0.0  #: energy that the steps created, J
+    largest: float = 0.0  #: largest work of a step, J
+    approach: float = 0.0  #: approach of touching places in the last step, m
+    missed: float = 0.0  #: worst relative error of the forces against the law
+    peak: float = 0.0  #: largest pressure, N
+    peak_t: float = math.nan  #: its time, s
+    peak_place: tuple[float, float, float] = _NOWHERE  #: its centre, m
 
 
 @dataclass(frozen=True)
 class Contacts:
-    """The state of ``Neighbours``: of each two ropes, by their numbers, the forces now and their account.
+    """State of ``Neighbours``, by the numbers of each two ropes."""
 
-    At ``start`` (s) they hung by ``insets`` (m) into each other.
-    """
-
-    start: float
-    insets: Mapping[Two, float]
-    forces: Mapping[Two, Pressing]
-    accounts: Mapping[Two, Account]
+    start: float  #: time of the start, s
+    insets: Mapping[Two, float]  #: depth of the ropes in each other at the start, m
+    forces: Mapping[Two, Pressing]  #: present forces
+    accounts: Mapping[Two, Account]  #: contact until now
 
 
 class Neighbours:
-    """Ropes of these scenes, which count their places from these origins (m) in the shaft.
+    """Ropes that press each other.
 
-    Raises ValueError where their contact differs or is off, or a model leaves it out.
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        Data of each rope.
+    origins : sequence of (float, float, float)
+        Origin of each rope's coordinates in the shaft [m].
+
+    Raises
+    ------
+    ValueError
+        If contact is off, differs between ropes, or a model leaves it out.
     """
 
     def __init__(self, scenes: Sequence[Scene], origins: Sequence[tuple[float, float, float]]) -> None:
@@ -126,13 +133,13 @@ class Neighbours:
         self.contacts = self._begun = Contacts(0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused)
 
     def begin(self, t: float, ropes: Sequence[BalanceRope]) -> None:
-        """They hang at rest at ``t`` (s)."""
+        """Take ``ropes`` at rest at ``t`` (s)."""
         rows = [rows_of(rope, origin) for rope, origin in zip(ropes, self._origins, strict=True)]
         insets = {(i, j): pair.inset(rows[i], rows[j]) for (i, j), pair in self._pairs.items()}
         self.contacts = replace(self._begun, start=t, insets=insets)
 
     def step(self, t: float, h: float, partners: Sequence[Partner]) -> bool:
-        """Whether all partners can be advanced from ``t`` to ``t`` + ``h`` (s)."""
+        """Advance all partners from ``t`` to ``t`` + ``h`` (s); return whether that succeeded."""
         before = self.contacts
         for partner in partners:
             partner.begin(t, h)

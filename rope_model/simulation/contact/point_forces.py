@@ -1,7 +1,7 @@
-"""Forces that a host puts on places of the rope, between two instants that they change linearly between.
+"""Forces that a host puts on places of the rope.
 
-They act on the rope from when they are applied until others are; they are no part of its state.  On the nodes of an
-element they act by its shape functions, so that their power is that of the places they act on.
+They act until others are applied; they are no part of its state.  They act on the nodes of an element by its shape
+functions, so that their power is that at their places.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class PointForces:
-    """Places ``s`` (n,), m along the rope, in ascending order, and the forces on them (n, 3), N, at two instants, s."""
+    """Forces on places of the rope; they change linearly between two instants."""
 
-    s: Array
-    at_start: Array
-    at_stop: Array
-    start: float
-    stop: float
+    s: Array  #: (n,), places along the rope in ascending order, m
+    at_start: Array  #: (n, 3), forces at ``start``, N
+    at_stop: Array  #: (n, 3), forces at ``stop``, N
+    start: float  #: s
+    stop: float  #: s
 
     def __post_init__(self) -> None:
         shape = (self.s.size, 3)
@@ -48,7 +48,7 @@ class PointForces:
             )
 
     def at(self, t: float) -> Array:
-        """(n, 3): at ``t``, N."""
+        """Return (n, 3): the forces at ``t``, N."""
         part = part_of_time(self.start, self.stop, t)
         now: Array = self.at_start + part * (self.at_stop - self.at_start)
         return now

@@ -17,11 +17,11 @@ SHAPE_POINTS = 81
 
 
 class Signal(NamedTuple):
-    """Unit ('1' without one), description, and the kind of value."""
+    """Facts of an output."""
 
-    unit: str
-    description: str
-    kind: str = "real"
+    unit: str  #: unit, '1' of a pure number
+    description: str  #: meaning
+    kind: str = "real"  #: real, integer or boolean
 
 
 def _table() -> Iterator[tuple[str, Signal]]:
@@ -174,7 +174,7 @@ _CHEAP = tuple(name for name in SIGNALS if not name.endswith(".added_mass"))
 
 
 def checked_names(names: Iterable[str] | None) -> tuple[str, ...]:
-    """The names of the signals asked for: without any, all but the added masses, which cost as much as a step."""
+    """Return the names of signals; without any, all but the added masses, which cost as much as a step."""
     if names is None:
         return _CHEAP
     wanted = tuple(names)
