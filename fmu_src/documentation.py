@@ -145,7 +145,7 @@ _STYLE = (
     "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
     "td,th{border:1px solid #ccc;padding:.15em .5em;text-align:left;vertical-align:top}code{white-space:nowrap}"
 )
-#: parts of names and of descriptions in which the rows of the page that share a line differ, and what stands for these
+#: differing parts of names and descriptions of rows that share a line, and the words for both
 _SHARED = (
     (re.compile(r"(?<=`)(left|right)(?=\.)"), re.compile(r"\b(left|right)[. ]"), ""),
     (re.compile(r"(?<=`divider_)\d"), re.compile(r"(?!)"), ""),

@@ -28,11 +28,11 @@ ALL_FOLLOWED: Mapping[str, Sequence[str]] = MappingProxyType({})
 class Build(NamedTuple):
     """Facts of the FMU itself for the model description.
 
-    ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
-    a native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the
-    model's own error control, where it has one. A model other than the rope gives its ``name`` and ``description``,
-    and one without directional derivatives says so; ``initial`` names what some of its outputs follow while it is
-    initialised, the others follow all.
+    ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make a
+    native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the model's own
+    error control, where it has one. A model other than the rope gives its ``name`` and ``description``, and one without
+    directional derivatives says so; ``initial`` names the variables that some outputs follow during initialisation; the
+    others follow all.
     """
 
     token: str
@@ -51,8 +51,8 @@ class Build(NamedTuple):
 def model_description(described: Mapping[int, Variable], build: Build) -> Element:
     """The root element, of the variables by value reference.
 
-    Outputs depend on no input of their instant: a step alone changes them. While the model is initialised they follow
-    what ``build.initial`` lists; no list of dependencies means all inputs and parameters.
+    Outputs depend on no input of their instant: a step alone changes them. During initialisation they follow the list
+    in ``build.initial``; no list of dependencies means all inputs and parameters.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": build.token, **facts(build)})
     _add_interface(root, build, any(v.causality == "input" and v.name in RATES for v in described.values()))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from .interface import Variable
 
-#: group of outputs -> what it holds
+#: group of outputs -> its contents
 GROUPS = {
     "ends": "forces and moments on the conveyances, mean vertical forces, added masses; `contact.*` and `audit.*`",
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
@@ -29,7 +29,7 @@ GROUPS = {
 }
 #: groups that every FMU describes
 ALWAYS = ("ends", "status")
-#: what an FMU describes unless told otherwise
+#: groups that an FMU describes by default
 DEFAULT = tuple(group for group in GROUPS if group not in ("shape", "station"))
 ALL = tuple(GROUPS)
 

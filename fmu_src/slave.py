@@ -1,8 +1,8 @@
 """The rope as native/python_model.c calls it: the functions of model.h, over RopeSimulator.
 
 The FMI functions, and all rules about values, modes and states, are those of the native flavour (native/fmi2.c and
-native/component.c).  What is left here is the model: entries to scene and end motions, signals to outputs.  Entries
-come as finite numbers, choices in range.  A method that returns False leaves the rope as it was, and tells why in
+native/component.c).  The rest is the model: entries to scene and end motions, signals to outputs.  Entries come as
+finite numbers, choices in range.  A method that returns False leaves the rope as it was, with the reason in
 ``message``.
 
 The export copies this file into the FMU under a name that carries the build's hash, and the packages it imports

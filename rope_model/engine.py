@@ -120,7 +120,7 @@ class NativeRope(BalanceRope):
     def __init__(self, scene: Scene) -> None:
         self._lib = self._library()
         memory = _memory()
-        self._text = ctypes.create_string_buffer(MESSAGE)  # what the library says
+        self._text = ctypes.create_string_buffer(MESSAGE)  # message of the library
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
             raise ValueError(self._text.value.decode())
@@ -231,7 +231,7 @@ class NativeRope(BalanceRope):
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
         kept = data.kept if isinstance(data, Snapshot) else None
         packed = kept if isinstance(kept, bytes) else _pack(state_in(data))
-        # a rope whose wires do not rub yet has room for what they will remember
+        # a rope whose wires do not rub yet has room for their memory
         packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
         if not (status := self.restore_native(packed)).valid:
             raise ValueError(status.message)

@@ -24,7 +24,7 @@ class Parameter(NamedTuple):
     description: str  # [assumed] marks data that are ours
     lower: float | str | None = None  # least value, or the name of the field that holds it
     upper: float | str | None = None  # largest value, likewise
-    cure: str = ""  # what to do about a value out of bounds
+    cure: str = ""  # advice for a value out of bounds
     tunable: bool = False  # may change between steps
     choices: Mapping[str, str] = {}  # words and their meanings; a word's place is its code
 

@@ -19,7 +19,7 @@ KernelForm = Literal["auto", "compiled", "portable"]
 FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 Trusted = Literal["all", "position_speed", "position", "speed"]
 
-#: what must be above 0 is at least this, so that the bound can be told to tools, which know no open intervals
+#: least value of parameters above 0, because tools know no open intervals
 LEAST = 1e-15
 #: more elements would be a mistake in the unit of their length
 MOST_ELEMENTS = 20000
@@ -593,8 +593,8 @@ CHOICES = {
 }
 
 Level = Literal["draft", "standard", "reference"]
-#: what each level of accuracy asks for, checked in docs/accuracy.md.  A draft is for end forces: it may leave out
-#: torsion and what is out of plane, where that changes the forces by an estimated 0.2 % at most
+#: accuracy, solver and model of each level, checked in docs/accuracy.md. A draft is for end forces: it may leave out
+#: torsion and motion out of plane, where that changes the forces by an estimated 0.2 % at most
 LEVELS: dict[Level, dict[str, Any]] = {
     "draft": {
         "accuracy": Accuracy(end_force=1e-2, loop=0.1),

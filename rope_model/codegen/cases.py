@@ -1,7 +1,7 @@
 """C text of the tables of cases, and of conditions like theirs: the header cases.h.
 
 A formula is called with symbols that stand for the facts its parameters name, as in codegen.formulas; but a fact is a
-whole structure, of which integers and choices are known too, and only what the formula looks at becomes text.
+whole structure, with integers and choices, and only members that the formula reads become text.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from .layout import PatternStructure
 from .state_values import members_at
 from .tables import Word
 
-#: tables behind warnings, and others, by what they are called in C behind tell_: each gives whether a case applied
+#: tables by their name in C behind tell_: each gives whether a case applied
 BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}
 BY_NUMBERS["extrapolation"] = warning_cases.LONG_EXTRAPOLATION
 TABLES: dict[str, Cases] = BY_NUMBERS | {
@@ -77,7 +77,7 @@ _HEAD = """\
 #include "formulas.h"
 #include "messages.h"
 """
-#: facts that are structures, and what C calls these where it has another name
+#: facts that are structures, and their names in C where these differ
 _STRUCTURES: dict[str, type[Any]] = {
     "scene": Scene,
     "shaft": Shaft,

@@ -244,7 +244,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Audit audit_after_interval(const Audit *audit, double h, double mass, double gravity, const double sums[9], "
     "const double about[3], double residual, double bend)": audit.after_interval,
 }
-#: what they return: structures that C has from here
+#: results: structures that C has from here
 DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
     inextensible.Pull,
@@ -261,7 +261,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     wire_friction.Slid,
     following.Rates,
 )
-#: what a formula may take or return whole
+#: structures that a formula may take or return
 STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
@@ -443,7 +443,7 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
     given = arguments[:-1] if result == "void" else arguments
     with no_simplification():
         symbols = [symbols_of(argument) for argument in given]
-        inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep what the formula computes
+        inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep results of the formula
         traced = ca.Function("formula", inputs, _numbers(formula(*symbols)))
         lines, texts = statements(traced)
     if result == "void":
@@ -512,7 +512,7 @@ def statements(f: ca.Function) -> tuple[list[str], list[str]]:
     """Lines that name repeated terms, and the expressions of the results."""
     inputs = [f.sx_in(i).name() for i in range(f.n_in())]
     uses = _uses(f)
-    values: dict[int, _Text] = {}  # what each place of CasADi's work vector holds now
+    values: dict[int, _Text] = {}  # present expression at each place of CasADi's work vector
     results = [""] * f.n_out()
     lines: list[str] = []
     for k in range(f.n_instructions()):
@@ -563,7 +563,7 @@ def _expression(operation: int, operands: Sequence[_Text]) -> _Text:
     if left.value and right.value:
         return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
     sign, binds = _OPERATORS[operation]
-    # what stands on the right is computed first
+    # the right side is computed first
     return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)
 
 

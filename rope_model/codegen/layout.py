@@ -24,7 +24,7 @@ from ..simulation.state import Counts, Crossing, EnergyBalance, Nearest
 from ..simulation.wires import NO_MEMORY
 
 MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
-#: what an event tells of
+#: kinds of events
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
 #: of the nodes, 7 numbers each; behind them the lengths of the elements and the arc lengths of the nodes
 ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")

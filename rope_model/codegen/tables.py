@@ -27,7 +27,7 @@ from .layout import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
-#: what a code's name has behind the word where that alone would not do
+#: suffix of a code's name where the word alone would not do
 _SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
 

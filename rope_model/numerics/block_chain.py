@@ -11,8 +11,8 @@ There is no pivoting beyond the block: the matrices of a time step and of pseudo
 symmetric and positive definite.  Rows and columns of degrees of freedom that are not free are replaced by those of
 the identity, so their correction is zero and their residual is the reaction.
 
-Everything is built from CasADi functions of one element; this module does not know what the element is.  What is done
-for each element is the same in chains of any length, and is compiled but once: ``chain_parts``.
+Everything is built from CasADi functions of one element; this module knows nothing of the element.  The work for each
+element is the same in chains of any length, and is compiled once: ``chain_parts``.
 """
 
 from __future__ import annotations
@@ -212,7 +212,7 @@ def _widen(
 ) -> ca.Function:
     """The function with ``dof`` rows wherever it has those ``kept``.
 
-    What is left out is ignored; in a result it is zero, or what came in where the result is one of ``carried``.
+    Other degrees of freedom are ignored; in a result they are zero, or unchanged where it is one of ``carried``.
     """
     narrow = ca.Function(name, [*inputs.values()], [*outputs.values()])
     if kept == tuple(range(dof)):

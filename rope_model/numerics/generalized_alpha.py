@@ -73,7 +73,7 @@ def _whole(change: Array) -> Array:
 class Solution(Generic[B]):
     """Result of Newton's method: q, v, a, their evaluation, and its status.
 
-    ``resolve``: of a change of the accelerations what the method resolves, J^-1 c[2] M times it; or all of it.
+    ``resolve``: the resolved part of a change of the accelerations, J^-1 c[2] M times it; or all of it.
     """
 
     q: Array
@@ -196,7 +196,7 @@ def local_error(method: Coefficients, h: Any, change: Any) -> Any:
 class StepResult(Generic[B]):
     """A trial step: the motion reached and its evaluation (None when Newton failed), the report, the local error.
 
-    The error is in ``System.norm``.  ``a_rate`` is that of the motion but for what the method does not resolve.
+    The error is in ``System.norm``.  ``a_rate`` is that of the resolved part of the motion.
     """
 
     motion: Motion | None

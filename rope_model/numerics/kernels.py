@@ -1,8 +1,8 @@
 """CasADi functions made fast and portable: compiled where a C compiler is there, interpreted where it is not.
 
 The CasADi virtual machine is the reference and always works.  The compiled library is generated from the very same
-functions; it is cached on disk under the hash of the generated C, the compiler and its flags, so that a change of
-any of them compiles anew and nothing else does.
+functions; it is cached on disk under the hash of the generated C, the compiler and its flags, so that only a change of
+these compiles anew.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ KernelForm = Literal["auto", "compiled", "portable"]
 Build = Callable[[Sequence[str]], Path]
 
 log = logging.getLogger(__name__)
-#: what takes so long that a host seems to hang: at the level WARNING, which Python shows on stderr by default
+#: long waits of a host: at the level WARNING, which Python shows on stderr by default
 progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
@@ -154,7 +154,7 @@ def build_library(
 ) -> Path:
     """Generate C, compile it into ``folder`` unless it is there already, and return the library's path.
 
-    ``objects`` hold what the functions call without bringing it along.
+    ``objects`` hold functions that these call.
     """
     sources = {"kernels.c": generate_c(tuple(functions))}
     return _compile(sources, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [*map(str, objects), "-lm"])
@@ -211,8 +211,7 @@ def object_files(
 ) -> dict[str, Path]:
     """Return the object files, to be made by ``compile_objects``, of the C files among ``sources``.
 
-    The hash of a file, of what it includes, of the compiler and its flags goes into the name: libraries share what they
-    have in common.
+    The hash of a file, its includes, the compiler and its flags goes into the name: libraries share common files.
     """
     # wherever Python is: another one with the same ziglang compiles the same
     made_by = (compiler_version(tuple(compiler)), *compiler[compiler[0] == sys.executable :], *flags)
@@ -226,7 +225,7 @@ def object_files(
 
 def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects: Mapping[str, Path]) -> None:
     """Make those of the ``object_files`` that are not there, as many at a time as the machine has cores."""
-    # the longest first, with what it includes
+    # the longest first, includes counted
     missing = sorted(
         (file for file, made in objects.items() if not made.exists()),
         key=lambda file: -sum(len(sources[part]) for part in _included(file, sources)),

@@ -1,9 +1,9 @@
 """Newton's method as one CasADi function: a full correction, then cheap ones with the same factorization.
 
-The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms,
-error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round
-begins with a new factorization and goes on with it while the contraction pays; a slow round is followed by another.
-The iterations are branches and loops of generated code: what is not needed is not evaluated.
+The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms, error <=
+theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round begins with a
+new factorization and goes on with it while the contraction pays; a slow round is followed by another. The iterations
+are branches and loops of generated code: only needed parts are evaluated.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-#: what is larger is not a number of ours
+#: larger values are none of ours
 HUGE = 1e200
 
 
@@ -36,7 +36,7 @@ class Rules(NamedTuple):
 
 
 SMOOTH = Rules(8.0, 5.0, 0.1, 0.5, 8.0, 1.0)
-#: of equations with kinks: a factorization serves the side of the kink where it was made, and so does what it promises
+#: of equations with kinks: a factorization and its prediction serve the side of the kink where it was made
 KINKED = Rules(16.0, 1.0, 0.1, 0.2, HUGE, HUGE)
 
 

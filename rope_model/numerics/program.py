@@ -1,7 +1,7 @@
 """A formula of numbers as a program of CasADi's virtual machine.
 
-It does what Python does with the formula's text, the same operations in the same order, and gives the same bits, some
-ten times as fast: for formulas of hundreds of operations in every step.
+It does Python's operations in the same order and gives the same bits, some ten times as fast: for formulas of hundreds
+of operations in every step.
 """
 
 from __future__ import annotations

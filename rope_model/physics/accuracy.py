@@ -4,15 +4,15 @@ Steps let the end forces err by the phase of longitudinal waves.  One of frequen
 
     C (omega h)^3 A     in a step, C of the method, seen as the local error of the strain at the ends times Qa
 
-and what steps leave adds up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the
-longer leg, omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  So that its error stays below a share of
-the leg's weight a step may leave that share of it times h / memory.  A step resolves all waves well enough if it does
-so with one as large as braking makes.
+and the errors add up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the longer leg,
+omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  So that its error stays below a share of the leg's
+weight a step may leave that share of it times h / memory.  A step resolves all waves well enough if it does so with one
+as large as braking makes.
 
-The loop's place errs by what the nodes' places err in a step: it moves on, and forgets them.  Where the rope flows
-through it with speed v, each node turns by x = v h / w in a step, w the length of a bend, and the method gets the
-acceleration in the bend wrong by a part that goes with x^2.  Like rho v^2 that part of it is a tension, which is not
-there, and the loop is off by some x^2 v^2 / g, held against its weight.
+The loop's place has the errors of the nodes' places in a step: it moves on, and forgets them.  Where the rope flows
+through it with speed v, each node turns by x = v h / w in a step, w the length of a bend.  The relative error of the
+acceleration in the bend goes with x^2.  Like rho v^2 that part is a false tension, and the loop is off by some x^2 v^2
+/ g, held against its weight.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from .elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
 from .estimates import axial_frequency, bending_length
 
-#: of what is asked, what a step may leave: `make promise` on the seed that tunes
+#: share of the error asked for that a step may leave: `make promise` on the seed that tunes
 FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
 AND_RATE = 2.0
@@ -35,17 +35,17 @@ SLIPPED, SLIPS_FROM, TURNED, TURNS_FROM, SLIPS_AT_ONCE = 1.8, 0.87, 0.033, 1.2, 
 #: of the loop's place, by joined elements of the legs over grading_length times length, and by steps over the largest
 #: error of a node's place
 LEGS, STEPS = 4e-7, 12.0
-#: of the loop's place over x^2 v^2 / g, and what a step may take so of what is asked: `make promise`, seed that tunes
+#: error of the loop's place over x^2 v^2 / g, and the share of it that a step may take: `make promise`, seed that tunes
 FLOW, FLOW_SHARE = 0.13, 0.6
-#: what begins to slide or to stick changes the acceleration at once, whatever the step: what it leaves of place and
-#: strain, over what it may, goes with h^2 and h
+#: wires that begin to slide or stick change the acceleration at once, whatever the step: errors of place and strain
+#: over the allowed ones go with h^2 and h
 RUBBED_PLACE, RUBBED_STRAIN = 2.0, 4.0
 #: s, and steps: after so much of small errors steps grow.  The loop's place errs by a part that goes with the step's
 #: length, and every change of that sends a wave along the rope, which is the smaller the shorter the step
 CALM, CALM_STEPS = 0.2, 100.0
-#: a step that errs by more than what is allowed makes the next one half as long, and this many times that is rejected
+#: a step with more than the allowed error makes the next one half as long, and this many times that is rejected
 ACCEPT_BELOW = 2.0
-#: the step grows after errors that were below this part of what is allowed for as long as calm_needed says
+#: the step grows after errors below this part of the allowed one for the time of calm_needed
 GROW_BELOW = 0.05
 TINY = 1e-300
 #: part of the share that is left when all is used up
@@ -93,7 +93,7 @@ def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: 
 
     The method errs by ``error_constant`` h^2 per change of a.
 
-    What has been used up of what was asked leaves less.
+    The allowance shrinks as it is used up.
     """
     rope, accuracy = scene.rope, scene.accuracy
     leg = larger(bottom, rope.length - bottom)
@@ -115,7 +115,7 @@ def add_errors(
     """``sums`` after a step ``h`` that left ``strains`` and ``place``, with end forces of up to ``force`` now.
 
     ``c`` are the derivatives of q, v and a with respect to q at the step's end.  The step's own equations take back
-    much of what is wrong with a stiff wave: of their tangent, (c0 + c1 beta_K) omega^2 + c2, the part c2 stays.
+    much of the error of a stiff wave: of their tangent, (c0 + c1 beta_K) omega^2 + c2, the part c2 stays.
     """
     rope = scene.rope
     waves, squares = [], []

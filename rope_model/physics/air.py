@@ -52,7 +52,7 @@ class AirLaw(NamedTuple):
     buffet: float
     height: float  # of a conveyance
     spacing: float
-    cross_y: float  # middle and height of what blows across
+    cross_y: float  # middle and height of the gallery
     cross_height: float
 
 

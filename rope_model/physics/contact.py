@@ -11,7 +11,7 @@ within a depth b, damping that grows with the spring's force, and Coulomb fricti
 The spring's force is a gradient; damping and friction dissipate (N - s) (-n . w) + mu N |u|^2 / sqrt(|u|^2 + u0^2),
 which is never negative; a moving body works on the rope by f times its speed.
 
-The tangent -df/dr, -df/dv is symmetric: it leaves out what pressure does to friction, and the surface's curvature.
+The tangent -df/dr, -df/dv is symmetric: it leaves out the effect of pressure on friction, and the surface's curvature.
 
 Works on numbers and CasADi expressions; vectors have their components first.
 """
@@ -27,10 +27,10 @@ from .shaft import distance, normal
 ONSET = 0.05
 #: m of rope below a conveyance within which it and its head ropes are not looked at: they carry that rope
 OWN_LENGTH = 1.0
-#: m: what comes so near in Newton's iterations is looked after from the start
+#: m: bodies that come so near in Newton's iterations are checked from the start
 LOOK_AHEAD = 0.05
-#: what is summed along the rope: energy stored, power dissipated, power of a moving body on the rope, force on the rope
-#: and its moment about the origin, and last the pressure
+#: sums along the rope: energy stored, power dissipated, power of a moving body on the rope, force on the rope and its
+#: moment about the origin, and last the pressure
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")
 
 

@@ -5,7 +5,7 @@ of length l where the body is near; with c the speed of waves across the rope ha
 
     tau = l / (pi c),    c = sqrt(g L / 4)
 
-What of the pressure P changes faster is not resolved: P minus what follows it with delay tau, taken twice,
+Faster changes of the pressure P are not resolved: P minus its delay by tau, taken twice,
 
     d = P - s1,  s1' = d / tau,      r = d - s2,  s2' = (d - s2) / tau
 

@@ -1,6 +1,6 @@
 """Energies of the rope, and how they account for the work done on it, J.
 
-``energy_balance`` has the energies now, and by name what went in and out since the start.
+``energy_balance`` has the present energies, and by name those that went in and out since the start.
 """
 
 from __future__ import annotations

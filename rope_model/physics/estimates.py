@@ -46,7 +46,7 @@ class Travel(NamedTuple):
     jerk: float  # m/s^3
 
 
-#: what is expected at least; inputs do not tell the jerk, so it is taken to grow with the acceleration
+#: least motion to expect; inputs have no jerk, so it is taken to grow with the acceleration
 ASSUMED = Travel(0.0, 10.0, 1.0, 1.0)
 
 

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 from .elementary import hypot, less, smaller, where
 
-#: what trips; a cause's code is its place, counted from 1
+#: guards; a cause's code is its place, counted from 1
 CAUSES = ("rise", "window", "clearance", "turns", "torque")
 #: s: beyond any time
 NEVER = 1e30
@@ -35,7 +35,7 @@ NEVER = 1e30
 class GuardState(NamedTuple):
     """Memory of the guards."""
 
-    rest: float = 0.0  # m, what loop_height was at rest
+    rest: float = 0.0  # m, loop_height at rest
     cause: float = 0.0  # of the trip; 0: none
     time: float = 0.0  # s, of the trip
     since: tuple[float, float, float, float, float] = (NEVER,) * 5  # s, from when on each is beyond its threshold

@@ -7,7 +7,7 @@ where the wires are, and turns with it.  While no wire slides M follows k with E
 friction moment C k0 = M0 + M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc
 and Wen with the exponent n = 2 and beta = gamma, |z| for |z_x| so that no direction across the rope is preferred.
 
-The energy is 1/2 C z^2, what is dissipated C (k_t . z)+ z^2 / k0^2, which is never negative, however k0 changes.
+The energy is 1/2 C z^2, the dissipation C (k_t . z)+ z^2 / k0^2, which is never negative, however k0 changes.
 
 Over a step the curvature goes straight, by dk = k0 s u with |u| = 1.  Where z . u < 0 the wires stick until that is
 0.  From there on the exact solution is, in units of k0,
@@ -35,7 +35,7 @@ from .frame import carried, small_turn, turned
 
 #: of a section: tangent, curvature vector, angle; and z behind them
 SECTION, MEMORY = 7, 10
-#: squares in units of k0^2 that are not told from 0, so that there is a derivative where nothing moves
+#: squares in units of k0^2 that count as 0, so that there is a derivative where nothing moves
 NOTHING = 1e-26
 #: those of z that are too small for a quotient
 _SMALL = 1e-12
@@ -44,7 +44,7 @@ _SMALL = 1e-12
 class Slid(NamedTuple):
     """State z at the end of a step, dissipation per length of the rope and C, and a slope.
 
-    ``secant`` is |z| over what it would be if all wires stuck.
+    ``secant`` is |z| over its value if all wires stuck.
     """
 
     z: tuple[float, float, float]
@@ -98,7 +98,7 @@ def slide(before: Any, now: Any, k0: Any) -> Slid:
     cosh = sqrt(1.0 + s2 * h * h)
     growth, gained = cosh + a * h, h + a * h * h / (cosh + 1.0)
     after = [(z[i] + gained * step[i]) / growth for i in range(3)]
-    # work along the way, int z . dk, less what is stored
+    # work along the way, int z . dk, less the energy stored
     s = sqrt(s2 + NOTHING)
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
     dissipated = k0 * k0 * larger(work - 0.5 * (dot(after, after) - dot(z, z)), 0.0)

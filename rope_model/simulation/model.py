@@ -127,7 +127,7 @@ class RopeModel:
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
         strains, c = self.strain_errors(motion.h, result), self.method.newton(motion.h).tolist()
         errors = add_errors(self.scene, old.errors, bottom, apart(old.motion), h, c, strains, result.error, force)
-        # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
+        # the material's dissipation follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
@@ -185,7 +185,7 @@ class RopeModel:
 def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
     """``state``, whose angles count from the reference of ``system``, as one that is its own reference.
 
-    The rate of theta is then the spin.  b differs from a by what happens within a step: both change alike.
+    The rate of theta is then the spin.  b differs from a by events within a step: both change alike.
     """
     m = state.motion
     gained = system.transport(m.q, m.v, m.a)
@@ -210,7 +210,7 @@ def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
     total = tuple(sum(parts) for parts in zip(*loads, strict=True))
-    if system.kernels.fidelity == "planar":  # what goes across the plane is not felt
+    if system.kernels.fidelity == "planar":  # forces across the plane are not felt
         return total[0], total[1], 0.0, 0.0, 0.0, total[5]
     return total
 

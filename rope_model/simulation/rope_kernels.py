@@ -1,6 +1,6 @@
 """The functions of a chain of rope elements for CasADi's machine or compiled: which there are, kept, and bundled.
 
-They depend on the number of elements, the fidelity and what acts on the rope (``Kinds``), and on no data of the rope.
+They depend on the number of elements, the fidelity and the effects on the rope (``Kinds``), not on its data.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _WORDS = (*KINDS, "air", "wires", "curved")
 class RopeKernels:
     """The chain's functions for ``elements`` elements on one fidelity, to be called on arrays of shape (nodes, 7).
 
-    What a fidelity leaves out stays zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
+    Omitted degrees of freedom stay zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
     files for this size, fidelity and platform in it, the functions are built from the element and compiled when that is
     possible.
     """
@@ -79,7 +79,7 @@ class RopeKernels:
             )
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity = elements, fidelity
-        # what solve and evaluate sum up
+        # sums of solve and evaluate
         air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if _touched(bodies) else ()
         self.balance = (*BALANCE, *air, *contact)
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))

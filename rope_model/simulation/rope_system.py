@@ -106,8 +106,8 @@ class Evaluation:
 class RopeSystem:
     """Equations of motion for numerics.generalized_alpha and for statics.
 
-    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is what its wires
-    remember where those of ``rope`` rub; the permanent curvature is that of ``rope``.
+    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is the memory of
+    its wires where those of ``rope`` rub; the permanent curvature is that of ``rope``.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class RopeSystem:
         self.around, self._touching = around, touching
         # where the rope was when bodies were last looked for, and how far they were from it, m
         self._seen: list[tuple[Array, float]] = []
-        # what a node's coordinates count in largest_motion
+        # weights of a node's coordinates in largest_motion
         longest = np.maximum(np.append(lengths, 0.0), np.append(0.0, lengths))
         units = np.eye(NODE_DOF)[:, :, None].repeat(nodes, axis=2)
         self._motion = np.array([largest_motion(longest, unit, np.zeros_like(unit)) for unit in units]).T

@@ -91,7 +91,7 @@ class RopeSimulator(BalanceRope):
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
         self._signals: dict[str, float] = {}  # of the present state, as far as they were asked for
-        self._unmoved: tuple[RopeSystem, Array, Array] | None = None  # what `answer` compares with
+        self._unmoved: tuple[RopeSystem, Array, Array] | None = None  # reference of `answer`
 
     @property
     def scene(self) -> Scene:

@@ -120,7 +120,7 @@ class RopeState(NamedTuple):
     step_next: float
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
-    calm_since: float  # s, instant of the last step that erred by more than a small part of what is allowed
+    calm_since: float  # s, instant of the last step that erred by more than a small part of the allowed error
     loop_yaw: float  # rad, at the lowest node, counted on through full turns
     fidelity: Fidelity  # of the model
     fidelity_reason: str

@@ -14,7 +14,7 @@ from ..messages import messages
 from ..messages.cases import Cases, first_text
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
-#: what moves with no end of the rope
+#: motion of bodies that stand
 FIXED = -1
 
 

@@ -11,11 +11,11 @@ Newton's method solves it for all ropes at once.  With the law's tangent K and t
 numerics.coupled_newton, in which each rope answers for itself.  Where every rope takes one step of its own from t to
 t + h this is its integrator's step of all ropes as one system.
 
-The springs' work and the rest of the forces' are booked apart.  What the first misses of the energy stored was made by
-the steps.  A blow that one step cannot follow makes much of it: such a step is halved, as often as it takes.
+The springs' work and the rest of the forces' are booked apart.  The steps created the energy that the first lacks.  A
+blow that one step cannot follow makes much of it: such a step is halved, as often as it takes.
 
 Ropes at rest hang as if each was alone.  Those that then hang into each other are taken to be thinner by as much at the
-start, and grow to what they are in GROWTH; what that gives the ropes was made, too.
+start, and grow to their diameter in GROWTH; its energy counts as created, too.
 """
 
 from __future__ import annotations

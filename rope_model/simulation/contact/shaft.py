@@ -3,12 +3,12 @@
 The clearance from a kind of bodies is the least distance of the rope's surface from one of them over the whole centre
 line, not over samples of it: a piece of an element is looked at more closely, half by half, as long as the upright box
 about it comes nearer to the body than the nearest place that is known, by RESOLUTION or more.  A straight leg along a
-wall fills no such box, so it costs no more than its nodes.  A conveyance and its head ropes are what the other leg,
-from the lowest node on, may come near: the rope's own end hangs below them.
+wall fills no such box, so it costs no more than its nodes.  The other leg, from the lowest node on, may come near a
+conveyance and its head ropes: the rope's own end hangs below them.
 
 The rope lies in itself where contact would press it, or presses it (self_contact).  The legs pass through each other,
-or one of them through what hangs above the other's end, where the turns over the height (diagnostics.loop_turns) jump
-by one, which the loop's yaw, counted in time, does not.
+or one of them through conveyance or head ropes above the other's end, where the turns over the height
+(diagnostics.loop_turns) jump by one, which the loop's yaw, counted in time, does not.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ BODIES = {
     "divider": "a divider",
     "floor": "the sump's floor",
 }
-#: m: by how much a clearance may be less than what is found
+#: m: possible excess of a found clearance
 RESOLUTION = 1e-3
 #: rad: legs that are apart have crossed if the loop has yawed by more
 TURNED_FAR = 0.5 * math.pi

@@ -1,6 +1,6 @@
 """The bodies around a rope: where they are, how they move, and which elements are near them.
 
-A body that moves does so with an end of the rope, whose row in q and v has its place and speed.  What hangs below a
+A body that moves does so with an end of the rope, whose row in q and v has its place and speed.  Rope below a
 conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension.
 """
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ...physics.elementary import both, either, where
 from ...physics.swivel import friction_moment
 
-#: N m by which a moment must pass the static limit: what is below is rounding
+#: N m by which a moment must pass the static limit: less is rounding
 MOMENT_RESOLUTION = 1e-9
 
 

@@ -26,7 +26,7 @@ from .transfer import transfer_fields
 
 log = logging.getLogger(__name__)
 
-#: s: what is slower keeps its shape in a transformation
+#: s: slower motions keep their shape in a transformation
 RELAXATION_TIME = 0.1
 
 

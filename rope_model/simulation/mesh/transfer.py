@@ -1,8 +1,8 @@
 """Nodal values between the nodes, and carried from one partition of the rope to another.
 
 A transformation carries q, the velocities and the accelerations to those fields on the new elements that differ least
-from the old ones in the mean square along the rope.  So the momentum stays where two elements merge, but for what the
-clamped ends take up.  Dropping the middle node alone would lose what it had more than its neighbours: a blow to the
+from the old ones in the mean square along the rope.  So the momentum stays where two elements merge, but for the part
+that the clamped ends take up.  Dropping the middle node alone would lose its excess over its neighbours: a blow to the
 leg at every transformation.
 """
 

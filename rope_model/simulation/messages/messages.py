@@ -1,7 +1,7 @@
 """Messages of refusals and failures: the texts of both forms.
 
 Each function is a text and nothing else: codegen.messages makes the C of it.  Numbers are written as ``{x}``, ``{x:g}``
-or with a number of digits as ``{x:.3g}``.  Warnings are in warning_messages, what is said of the choice of the model in
+or with a number of digits as ``{x:.3g}``.  Warnings are in warning_messages, reasons for a fidelity in
 fidelity_messages.
 """
 

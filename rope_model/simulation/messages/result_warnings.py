@@ -16,7 +16,7 @@
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
-one and what hangs above it.  That is half a turn over the height (diagnostics.loop_turns), too.
+one, its conveyance and head ropes.  That is half a turn over the height (diagnostics.loop_turns), too.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def _end_twist(state: RopeState) -> float:
     return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * direction(q)
 
 
-#: each tells of one thing, in the order of rope_warning in rope.h
+#: in the order of rope_warning in rope.h
 WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "passed_bodies": passed_bodies,
     "passed_sides": partial(first_text, warning_cases.PASSED_SIDES),

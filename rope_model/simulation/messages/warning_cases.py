@@ -31,7 +31,7 @@ HALF_A_TURN = math.pi
 YAWED_FAR = math.pi / 6
 #: s: steps beyond it are too long for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
 LONGEST_EXTRAPOLATION = 0.02
-#: samples of an end that moves from which rounding can be told
+#: samples of a moving end that show rounding
 FEWEST_SAMPLES = 20
 #: m: positions rounded to less do no harm
 COARSEST_ROUNDING = 0.99e-4
@@ -68,7 +68,7 @@ def _sides_passed_in_spite(scene: Any, state: Any) -> tuple[Any, ...]:
 
 
 def _turned_around(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
-    # what has passed through nothing is turned as far over its height as its loop, and is told by its passages else
+    # a rope without passages is turned as far over its height as its loop; passages have their own warning
     return both(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN), yaw / (2 * math.pi)
 
 
@@ -242,7 +242,7 @@ UNRESOLVED_BEND: Cases = {
 }
 LONG_EXTRAPOLATION: Cases = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
 NO_AIR: Cases = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
-#: the guard that needs most of the model comes first: what makes it see makes the others see too
+#: the guard that needs most of the model comes first: a model that serves it serves the others
 BLIND_GUARDS: Cases = {
     warning_messages.no_torque_to_guard: _no_torque_to_guard,
     warning_messages.no_turns_to_guard: _no_turns_to_guard,
@@ -251,7 +251,7 @@ BLIND_GUARDS: Cases = {
 }
 ACCURACY_GIVEN_UP: Cases = {warning_messages.accuracy_given_up: _accuracy_given_up}
 
-#: of what is given for an end
+#: of the inputs of an end
 INPUTS: Cases = {
     warning_messages.positions_rounded: _positions_rounded,
     warning_messages.samples_repeated: _samples_repeated,

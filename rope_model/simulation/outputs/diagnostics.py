@@ -81,7 +81,7 @@ def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
     So it is where each leg is nowhere higher than its end and on its own side of a plane through the lowest node,
     across the line from left to right, by a margin that keeps a ``diameter`` (m) between them ``above`` (m) or more
     over that node, and the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so
-    that those of a loop that swings are told apart too.
+    that it separates the legs of a swinging loop too.
     """
     k, rows, across = int(q[:, 1].argmin()), q.T, heading(direction(q))
     if not 0 < k < lengths.size:
