@@ -162,29 +162,12 @@ class Rope:
         cure="use 0 for no material damping",
     )
     torsion_damping: float = parameter(
-        1.0,
-        "1",
-        "damping of torsion as a multiple of beta_K [assumed]",
-        lower=0.0,
-        upper=1e6,
-        cure="use 1 for beta_K",
+        1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", lower=0.0, upper=1e6, cure="use 1 for beta_K"
     )
     bending_damping: float = parameter(
-        1.0,
-        "1",
-        "damping of bending as a multiple of beta_K [assumed]",
-        lower=0.0,
-        upper=1e6,
-        cure="use 1 for beta_K",
+        1.0, "1", "damping of bending as a multiple of beta_K [assumed]", lower=0.0, upper=1e6, cure="use 1 for beta_K"
     )
-    diameter: float = parameter(
-        0.044,
-        "m",
-        "rope diameter [assumed]",
-        lower=LEAST,
-        upper=1.0,
-        cure="give it in metres",
-    )
+    diameter: float = parameter(0.044, "m", "rope diameter [assumed]", lower=LEAST, upper=1.0, cure="give it in metres")
     installed_twist: float = parameter(
         0.0,
         "rad",
@@ -253,11 +236,7 @@ class Swivel:
         "choose how the end is held",
     )
     mean_diameter: float = parameter(
-        0.090,
-        "m",
-        "mean diameter of the {side} swivel's bearing [assumed]",
-        lower=LEAST,
-        cure="take the bearing's d_m",
+        0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", lower=LEAST, cure="take the bearing's d_m"
     )
     mu_static: float = parameter(
         0.0018,  # a healthy rolling bearing
@@ -372,12 +351,7 @@ class Accuracy:
         cure="1e-3 suits most studies",
     )
     loop: float = parameter(
-        0.01,
-        "m",
-        "largest error of the loop's place",
-        lower=1e-5,
-        upper=1.0,
-        cure="0.01 m suits most studies",
+        0.01, "m", "largest error of the loop's place", lower=1e-5, upper=1.0, cure="0.01 m suits most studies"
     )
 
     def __post_init__(self) -> None:

@@ -43,10 +43,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
     yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, counted through full turns")
-    yield (
-        "loop.clearance",
-        Signal("m", "smallest free distance between the legs, from one spacing above the bottom"),
-    )
+    yield ("loop.clearance", Signal("m", "smallest free distance between the legs, from one spacing above the bottom"))
     yield (
         "loop.turns",
         Signal("1", "turns of one side (leg, conveyance and head ropes) about the other, over the height"),
@@ -55,10 +52,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
     yield "loop.crossed_at", Signal("s", "time of the first passage; 0 before")
     yield "loop.crossed_y", Signal("m", "height of the first passage; 0 before")
     yield "loop.overlap", Signal("m", "largest depth of the rope in itself so far, leg in leg or coil in coil")
-    yield (
-        "loop.touched_at",
-        Signal("s", "time at which the rope first touched itself; 0 before"),
-    )
+    yield ("loop.touched_at", Signal("s", "time at which the rope first touched itself; 0 before"))
     yield "loop.touched_y", Signal("m", "height of loop.overlap")
     yield "loop.rise", Signal("m", "height of the lowest point over its quasi-static place")
     yield "loop.sideways", Signal("m", "horizontal distance of the lowest point from midway between the ends")
@@ -111,8 +105,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
     yield (
         "status.contact_error",
         Signal(
-            "1",
-            "estimated RMS error of the bodies' pressure by the mesh while they press, relative to the largest",
+            "1", "estimated RMS error of the bodies' pressure by the mesh while they press, relative to the largest"
         ),
     )
     for name, unit in (("position", "m"), ("speed", "m/s"), ("acceleration", "m/s2")):
@@ -132,10 +125,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("elements_per_bend", "1", "fewest elements in half a turn of the sharpest bend so far"),
     ):
         yield f"audit.{name}", Signal(unit, what)
-    yield (
-        "status.given_up",
-        Signal("1", "time steps that gave up accuracy for solver.work_max", "integer"),
-    )
+    yield ("status.given_up", Signal("1", "time steps that gave up accuracy for solver.work_max", "integer"))
     yield "status.given_up_since", Signal("s", "time of the first step that gave up accuracy; 0 before")
     for kind in KINDS:
         yield f"clearance.{kind}", Signal("m", f"least distance from {BODIES[kind]}; 1e6: none")
