@@ -17,7 +17,7 @@ DESCRIPTION = (
 )
 STEP = 0.01  # s, communication step of the default experiment
 LOG_CATEGORIES = {
-    "logStatusError": "why a call failed, and what to do",
+    "logStatusError": "cause and cure of a failed call",
     "logStatusWarning": "warnings about valid results, once each",
     "logAll": "all messages",
 }

@@ -218,7 +218,7 @@ class Layout:
         lower=LEAST,
         cure="give the distance between the conveyances",
     )
-    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", lower=LEAST, cure="the rope must hang")
+    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", lower=LEAST, cure="use 9.81")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -243,7 +243,7 @@ class Swivel:
         "1",
         "coefficient of static friction of the {side} swivel [assumed]",
         lower="mu_kinetic",
-        cure="a swivel that slips more easily than it slides cannot stick",
+        cure="raise it, or lower mu_kinetic",
         tunable=True,
     )
     mu_kinetic: float = parameter(
@@ -251,7 +251,7 @@ class Swivel:
         "1",
         "coefficient of kinetic friction of the {side} swivel [assumed]",
         lower=0.0,
-        cure="friction takes energy, never gives",
+        cure="use 0 for no friction",
         tunable=True,
     )
     seal_moment: float = parameter(
@@ -259,7 +259,7 @@ class Swivel:
         "N.m",
         "friction moment of the {side} swivel at any tension [assumed]",
         lower=0.0,
-        cure="friction takes energy",
+        cure="use 0 for none",
         tunable=True,
     )
     inertia: float = parameter(
@@ -267,7 +267,7 @@ class Swivel:
         "kg.m2",
         "inertia that turns with the rope's {side} end [assumed]",
         lower=LEAST,
-        cure="without inertia a release is a jump in spin: give the rotor's (0.05 is typical)",
+        cure="give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin",
     )
     release_time: float = parameter(0.0, "s", "time until which the {side} swivel is locked")
 
@@ -392,7 +392,7 @@ class Solver:
         "error that Newton's method may leave, in m and rad",
         lower=LEAST,
         upper=1e-3,
-        cure="use 3e-6; less changes no digit that matters",
+        cure="use 3e-6",
         tunable=True,
     )
     rho_inf: float = parameter(
@@ -401,7 +401,7 @@ class Solver:
         "spectral radius of generalized-alpha at infinite frequency",
         lower=0.0,
         upper=1.0,
-        cure="0.6 damps what the mesh cannot resolve",
+        cure="0.6 damps waves that the mesh cannot resolve",
     )
     work_max: int = parameter(
         0,
@@ -447,7 +447,7 @@ class Model:
         "relative error of the end forces that auto may trade for speed",
         lower=0.0,
         upper=1.0,
-        cure="with 0 nothing is left out",
+        cure="use 0 to leave nothing out",
     )
 
     def __post_init__(self) -> None:
@@ -492,7 +492,7 @@ class Inputs:
         "largest misfit of a position (m, rad) and of a speed (m/s, rad/s)",
         lower=LEAST,
         upper=1e4,
-        cure="0.5 lets pass what a rope can follow",
+        cure="0.5 admits motions that a rope can follow",
     )
     acceleration_max: float = parameter(
         100.0,
@@ -500,7 +500,7 @@ class Inputs:
         "largest acceleration of an end, m/s2 or rad/s2",
         lower=LEAST,
         upper=1e6,
-        cure="100 is beyond what a hoist does",
+        cure="100 is beyond any hoist",
     )
     hold_max: float = parameter(
         1.0,

@@ -231,7 +231,7 @@ class Air:
         "speed of the air that a passing conveyance pushes at the leg beside it, over its own; 0: none [assumed]",
         lower=0.0,
         upper=10.0,
-        cure="a conveyance of 3 m2 in the open moves air 2 m away at 0.06 of its speed, in a shaft at more",
+        cure="0.06 suits a conveyance of 3 m2 in the open, 2 m away; in a shaft it is more",
     )
     buffet_length: float = parameter(
         4.0,
