@@ -21,7 +21,7 @@ LOG_CATEGORIES = {
     "logStatusWarning": "warnings about valid results, once each",
     "logAll": "all messages",
 }
-#: of outputs that follow all inputs and parameters while they are initialised
+#: dependencies of outputs that follow all inputs and parameters during initialisation
 ALL_FOLLOWED: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 

@@ -71,7 +71,7 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
     return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
 
 
-#: of the data classes asked for so far
+#: tables of data classes read so far
 _KNOWN: dict[Any, dict[str, Parameter]] = {}
 
 

@@ -632,5 +632,5 @@ def rope_240(level: Level = "standard") -> RopeCase:
 
 ROPE_CASES = {"rope-120": rope_120, "rope-240": rope_240}
 
-#: by the group
+#: checks by data class
 JOINT_CHECKS: dict[type[Any], tuple[Joint, ...]] = {Rope: _OF_ROPE, Mesh: _OF_MESH}

@@ -30,7 +30,7 @@ _PACKAGE = Path(__file__).resolve().parent
 CURE = "ziglang builds for all: pip install 'balance-rope[compiler]'"
 
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s")
-#: of an FMU nothing is seen but the functions of FMI
+#: an FMU shows the functions of FMI alone
 _HIDDEN = "-fvisibility=hidden"
 
 

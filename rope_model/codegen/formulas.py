@@ -399,7 +399,7 @@ class _Text(NamedTuple):
 
     text: str
     binds: int
-    #: of elementary.where, which is the sum of two parts: condition and value of the one, value of the other
+    #: parts of elementary.where, a sum of two: condition and value of the one, value of the other
     condition: str = ""
     value: str = ""
 

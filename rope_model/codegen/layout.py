@@ -26,7 +26,7 @@ from ..simulation.wires import NO_MEMORY
 MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
 #: kinds of events
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
-#: of the nodes, 7 numbers each; behind them the lengths of the elements and the arc lengths of the nodes
+#: arrays of the nodes, 7 numbers each; behind them the lengths of the elements and the arc lengths of the nodes
 ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 _NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t", c_char: "char"}
 

@@ -36,7 +36,7 @@ class Rules(NamedTuple):
 
 
 SMOOTH = Rules(8.0, 5.0, 0.1, 0.5, 8.0, 1.0)
-#: of equations with kinks: a factorization and its prediction serve the side of the kink where it was made
+#: rules for equations with kinks: a factorization and its prediction serve the side of the kink where it was made
 KINKED = Rules(16.0, 1.0, 0.1, 0.2, HUGE, HUGE)
 
 

@@ -32,8 +32,8 @@ LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
 #: 1 + SLIPPED times as much beyond x = SLIPS_FROM, and yawed by up to TURNED x (rad) beyond TURNS_FROM; the change goes
 #: with the power SLIPS_AT_ONCE (evidence.mesh_rule.coarse)
 SLIPPED, SLIPS_FROM, TURNED, TURNS_FROM, SLIPS_AT_ONCE = 1.8, 0.87, 0.033, 1.2, 12
-#: of the loop's place, by joined elements of the legs over grading_length times length, and by steps over the largest
-#: error of a node's place
+#: error of the loop's place by joined elements of the legs over grading_length times length, and by steps over the
+#: largest error of a node's place
 LEGS, STEPS = 4e-7, 12.0
 #: error of the loop's place over x^2 v^2 / g, and the share of it that a step may take: `make promise`, seed that tunes
 FLOW, FLOW_SHARE = 0.13, 0.6

@@ -31,7 +31,7 @@ SPACING = 0.25
 MOST_PLACES = 1000
 #: diameters along the rope within which it does not touch itself: the circle that would takes a radius of five
 APART = 10.0 * math.pi
-#: so many strands of equal diameter lie around one
+#: most strands of equal diameter around one
 MOST_STRANDS = 6
 #: where in an element the nearest place is looked for first, and corrections from the best of these
 PROBES, CORRECTIONS = (0.0, 0.25, 0.5, 0.75, 1.0), 4

@@ -33,7 +33,7 @@ from .costello import tension
 from .elementary import cross, dot, exp, larger, log, sqrt
 from .frame import carried, small_turn, turned
 
-#: of a section: tangent, curvature vector, angle; and z behind them
+#: numbers of a section: tangent, curvature vector, angle; and z behind them
 SECTION, MEMORY = 7, 10
 #: squares in units of k0^2 that count as 0, so that there is a derivative where nothing moves
 NOTHING = 1e-26

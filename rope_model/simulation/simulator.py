@@ -53,7 +53,7 @@ log = logging.getLogger(__name__)
 SHORTEST_INTERVAL = 1e-9
 #: steps, rejected ones too, of one communication step: some hundred seconds, and no call goes on for ever
 MOST_STEPS = 20000
-#: as good as no bound
+#: practically no bound
 UNBOUNDED = 2**31 - 1
 #: s: beyond, the shortest steps are lost in the rounding of the time
 FARTHEST_START = 1e10

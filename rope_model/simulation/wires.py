@@ -21,7 +21,7 @@ from ..physics.wire_friction import MEMORY, section_at, slide, slip_curvature, w
 
 Array = NDArray[np.float64]
 
-#: of a rope without friction between its wires
+#: state z of a rope without friction between its wires
 NO_MEMORY = np.zeros((0, 3 * len(POINTS)))
 
 

@@ -37,9 +37,9 @@ from ..rope_system import Array
 from .pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
 from .point_forces import NO_FORCES, PointForces
 
-#: of Newton's method at most
+#: largest number of Newton's iterations
 ITERATIONS = 15
-#: of all forces, and N, by which the law may be missed
+#: allowed error of the law: share of all forces, and N
 TOLERANCE, SMALL = 1e-4, 1e-3
 #: a step is halved that makes more than this part of the largest work of any, or of the energy of a metre of the rope
 #: at so many m/s, if it is not shorter than so many s

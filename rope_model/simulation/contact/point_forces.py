@@ -15,7 +15,7 @@ from ...physics import hermite
 from ...physics.point_forces import part_of_time
 from ..rope_system import ANGLE, POSITION, SLOPE, Array
 
-#: of the rope's length, by which places may be off its ends
+#: share of the rope's length by which places may be off its ends
 ROUNDING = 1e-9
 
 

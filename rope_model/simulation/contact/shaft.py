@@ -43,7 +43,7 @@ RESOLUTION = 1e-3
 TURNED_FAR = 0.5 * math.pi
 #: s: in this time a rope that swings at 10 m/s moves by less than bodies are thick
 LOOK_EVERY = 0.01
-#: of each kind
+#: clearances of each kind before any search
 NOT_NEAR = (Nearest(),) * len(KINDS)
 
 

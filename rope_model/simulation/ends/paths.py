@@ -91,7 +91,7 @@ OfAxes = tuple[Any, Any, Any, Any]
 
 
 class EndPath(NamedTuple):
-    """A quintic in s = t - start for each of x, y, z and yaw; held from ``stop`` on."""
+    """A quintic in s = t - start for each values of x, y, z and yaw; held from ``stop`` on."""
 
     start: float
     stop: float

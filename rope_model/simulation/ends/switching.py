@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 #: width in s to which events are located
 EVENT_WIDTH = 1e-9
-#: so many switchings within so many s are no motion of a rope
+#: number of switchings, and time (s), beyond which a swivel chatters
 CHATTER = 50, 1e-3
 
 

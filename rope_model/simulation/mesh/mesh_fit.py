@@ -23,7 +23,7 @@ from ...physics.estimates import axial_frequency, bending_length
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
 #: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
 DUE = 0.6
-#: of l to the elements of IV: five segments
+#: ratio of l to the elements of IV: five segments
 RATIO = 4.0
 #: of end_levels
 MOST_LEVELS = 8

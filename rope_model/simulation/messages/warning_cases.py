@@ -251,7 +251,7 @@ BLIND_GUARDS: Cases = {
 }
 ACCURACY_GIVEN_UP: Cases = {warning_messages.accuracy_given_up: _accuracy_given_up}
 
-#: of the inputs of an end
+#: cases of the inputs of an end
 INPUTS: Cases = {
     warning_messages.positions_rounded: _positions_rounded,
     warning_messages.samples_repeated: _samples_repeated,
