@@ -45,7 +45,7 @@ _ALONG = """\
 `shape.tension` follows from the balance of momentum between the left end and the point. It includes waves and
 damping; in a loop wider than its suspension it can be negative. `shape.bending` (root mean square along each element)
 and `shape.torsion` are linear between the middles of elements; the bend at a clamped end is sharper. The points of
-`shape` move along the rope with its loop. `station` stands at places fixed in the rope, for wear and fatigue, from
+`shape` move along the rope with its loop. `station` stands at even places in the rope, for wear and fatigue, from
 `station.first` to `station.last`.
 """
 _ADDED_MASS = """\
