@@ -5,9 +5,9 @@ native/component.c).  The rest is the model: entries to scene and end motions, s
 finite numbers, choices in range.  A method that returns False leaves the rope as it was, with the reason in
 ``message``.
 
-The export copies this file into the FMU under a name that carries the build's hash, and the packages it imports
-under another, because modules of the same name from two FMUs would be one module in the host's process.  It must
-define one class, which pythonfmu's builder and python_model.c both find by that.
+The export copies this file and the packages that it imports into the FMU under names with the build's hash: modules of
+the same name from two FMUs would be one module in the host's process.  It must define one class, which pythonfmu's
+builder and python_model.c both find by that.
 """
 
 from __future__ import annotations

@@ -8,8 +8,8 @@ Every datum is a range with its status and its source.  A rope of diameter d has
     torque factor     c1 = Qc / (Qa d): the torque of a tension T is c1 d T while nothing turns
     torsional stiffness at constant tension           D = Qd - Qb Qc / Qa: what a torsion test of a loaded sample shows
 
-Bending and torsion lie between n equal wires that slide freely, the least that n wires of this area can have, and a
-section without any slip, whose metal fills the circle evenly:
+Bending and torsion have two bounds: n equal wires of this area that slide freely, and a section without slip, whose
+metal fills the circle evenly:
 
     EI from E A^2 / (4 pi n) to E A d^2 / 16          D from 2 (G / E) times the first to 2 (G / E) times the second
 

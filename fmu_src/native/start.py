@@ -2,8 +2,8 @@
 
 Token, start values and the way that arrays are shown lie in one block of the library, behind MAGIC.  It is read at run
 time (volatile), so it can be written after the compiler is done: one library per platform and version of FMI serves
-every export.  It is the same, byte by byte, as one compiled from the export's own sources, but for the linker's mark of
-its contents (the time stamp of Windows' libraries, macOS's UUID).
+every export.  Its bytes are those of one compiled from the export's own sources, but for the linker's mark (the time
+stamp of Windows' libraries, macOS's UUID).
 """
 
 from __future__ import annotations

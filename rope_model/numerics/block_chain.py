@@ -8,8 +8,8 @@ Forward elimination carries the Schur complement of everything to the left, back
     x_n = -z_n,         x_i = -z_i - W_i x_{i+1}
 
 There is no pivoting beyond the block: the matrices of a time step and of pseudo-transient continuation are nearly
-symmetric and positive definite.  Rows and columns of degrees of freedom that are not free are replaced by those of
-the identity, so their correction is zero and their residual is the reaction.
+symmetric and positive definite.  Rows and columns of prescribed degrees of freedom are those of the identity.  So their
+correction is zero and their residual is the reaction.
 
 Everything is built from CasADi functions of one element; this module knows nothing of the element.  The work for each
 element is the same in chains of any length, and is compiled once: ``chain_parts``.

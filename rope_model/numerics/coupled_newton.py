@@ -1,9 +1,9 @@
 """Newton's method for a chain with forces between nodes far apart: (J + C) x = -R.
 
 J is the chain's block tridiagonal matrix, which the chain solves; C has the tangents of forces between far nodes,
-symmetric and positive semidefinite.  Conjugate gradients find x, preconditioned with J: as J^-1 C has rank r, in exact
-arithmetic they end after r + 1 steps, and each takes one solution with J, which need not be multiplied with: J p
-follows p.  Rounds of a factorization and corrections with it are those of numerics.newton, judged alike.
+symmetric and positive semidefinite.  Conjugate gradients find x, preconditioned with J: J^-1 C has rank r, so that
+exact arithmetic ends after r + 1 steps.  Each takes one solution with J and no product: J p follows p.  Rounds of a
+factorization and corrections with it are those of numerics.newton, judged alike.
 """
 
 from __future__ import annotations

@@ -70,8 +70,7 @@ class StepLimits(NamedTuple):
 class ErrorSums(NamedTuple):
     """Errors of the steps since the start.
 
-    ``waves``: of the slowest wave of the left and of the right leg, the error of the strain at its end, and the same a
-    quarter of a period later.
+    ``waves``: errors of the strain at both ends by the slowest wave of the leg, and a quarter of a period later.
     """
 
     time: float = 0.0  # s

@@ -17,11 +17,11 @@ The rate of k is the one seen by an observer who turns with the cross-section, s
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
 leave an hourglass mode in the axial strain.
 
-A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear, and by as much and more
-where tension and torsion are coupled, because e, which is continuous, cannot follow a tau that is not.  In Rayleigh's
-quotient with a wave that is exact at the nodes both are (k l)^2 (Qd / 12 - c^2 rhoJ_x), c the wave's own speed: the
-inertia rhoJ_x = Qd / (12 c^2) of theta's slope takes them away, and leaves an error of fourth order.  It is too
-much for the little torsion of a longitudinal wave, which runs too slow by 8e-4 (k l)^2 with the default rope.
+A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear.  Coupling adds as much
+and more, because e is continuous and cannot follow a tau that is not.  In Rayleigh's quotient with a wave that is exact
+at the nodes both are (k l)^2 (Qd / 12 - c^2 rhoJ_x), c the wave's own speed: the inertia rhoJ_x = Qd / (12 c^2) of
+theta's slope takes them away, and leaves an error of fourth order.  It is too much for the little torsion of a
+longitudinal wave, which runs too slow by 8e-4 (k l)^2 with the default rope.
 
 tau is uniform in the element: the turn of the angles from node to node, over its length.  So the frame's reference
 (physics.frame) leaves energies and forces alone, but for the quadrature of that mean.

@@ -2,10 +2,10 @@
 
     M = EI k + C z,   C = EI_stick - EI,     z_t = k_t - (k_t . z)+ z / k0^2,     (x)+ = max(x, 0)
 
-M and k are the vectors of bending moment and curvature as the cross-section sees them: z stays with the section,
-where the wires are, and turns with it.  While no wire slides M follows k with EI_stick; once all do, C z is the
-friction moment C k0 = M0 + M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc
-and Wen with the exponent n = 2 and beta = gamma, |z| for |z_x| so that no direction across the rope is preferred.
+M and k are the vectors of bending moment and curvature as the cross-section sees them: z stays with the section, where
+the wires are, and turns with it.  While no wire slides M follows k with EI_stick; once all do, C z is the friction
+moment C k0 = M0 + M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc and Wen with
+n = 2 and beta = gamma.  |z| stands for |z_x|: no direction across the rope is preferred.
 
 The energy is 1/2 C z^2, the dissipation C (k_t . z)+ z^2 / k0^2, which is never negative, however k0 changes.
 

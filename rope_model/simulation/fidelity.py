@@ -7,8 +7,8 @@
 
 A torque-free rope has no coupling, no installed twist and no permanent curvature.  Out of plane its swivels must turn
 freely as well, or its writhe twists it; they hold while the rope is initialised, so the run must start in the plane.
-The omitted quantities are then zero in the complete model too.  Beyond that 'auto' takes one only when the error of the
-vertical end forces (root mean square over a winding, relative to the largest) is estimated within the scene's force
+The omitted quantities are then zero in the complete model too.  Otherwise 'auto' takes one only when the estimated
+error of the vertical end forces (root mean square over a winding, relative to the largest) is within the scene's
 tolerance. physics.estimates has the estimates, fidelity_cases the formulas of the choice.
 """
 

@@ -1,8 +1,8 @@
 """The rope's equations of motion where it may touch itself: physics.rope_on_rope in a RopeSystem.
 
 Which elements are near each other follows from boxes around them.  Along an element of such a pair the distance changes
-by no more than the way along it, so that places which are certainly far are left out: a leg then costs a few checks.
-Nothing is remembered: the state has no part in it.
+by no more than the way, so that far places are left out: a leg then costs a few checks. Nothing is remembered: the
+state has no part in it.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """The rope among the bodies of its scene: where they are, how near it comes to them, when it passes through something.
 
-The clearance from a kind of bodies is the least distance of the rope's surface from one of them over the whole centre
-line, not over samples of it: a piece of an element is looked at more closely, half by half, as long as the upright box
-about it comes nearer to the body than the nearest place that is known, by RESOLUTION or more.  A straight leg along a
-wall fills no such box, so it costs no more than its nodes.  The other leg, from the lowest node on, may come near a
-conveyance and its head ropes: the rope's own end hangs below them.
+The clearance from a kind of bodies is the least distance of the rope's surface from them, over the whole centre line: a
+piece of an element is halved as long as the upright box about it comes nearer to the body than the nearest known place,
+by RESOLUTION or more.  A straight leg along a wall fills no such box, so it costs no more than its nodes.  The other
+leg, from the lowest node on, may come near a conveyance and its head ropes: the rope's own end hangs below them.
 
 The rope lies in itself where contact would press it, or presses it (self_contact).  The legs pass through each other,
 or one of them through conveyance or head ropes above the other's end, where the turns over the height

@@ -15,10 +15,10 @@ the end, up to half of the pattern, halves the other leg's longest elements: the
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
-long, is shorter than l; unresolved, it leans the whole leg.  And the pattern goes on upwards in I and VII, 2 l, 3 l,
-4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
-waves of a swaying leg travel at sqrt(g x), and an element may be as long as sqrt(``grading_length`` x).  Their
-number, the same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
+long, is shorter than l; unresolved, it leans the whole leg.  And the pattern goes on upwards in I and VII, 2 l, 3 l, 4
+l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
+waves of a swaying leg travel at sqrt(g x).  An element may be as long as sqrt(``grading_length`` x).  Their number, the
+same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
 """
 
 from __future__ import annotations

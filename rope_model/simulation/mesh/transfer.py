@@ -1,9 +1,9 @@
 """Nodal values between the nodes, and carried from one partition of the rope to another.
 
-A transformation carries q, the velocities and the accelerations to those fields on the new elements that differ least
-from the old ones in the mean square along the rope.  So the momentum stays where two elements merge, but for the part
-that the clamped ends take up.  Dropping the middle node alone would lose its excess over its neighbours: a blow to the
-leg at every transformation.
+A transformation carries q, the velocities and the accelerations to new elements: the new fields are those nearest to
+the old ones in the mean square along the rope.  So the momentum stays where two elements merge, but for the part that
+the clamped ends take up.  Dropping the middle node alone would lose its excess over its neighbours: a blow to the leg
+at every transformation.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Search for the instant at which a function leaves the negative side: codegen.formulas makes the C of it.
 
-Regula falsi with the Illinois modification, and a bisection whenever that does not halve the interval twice in a row,
-or a value is infinite (the function may be kinked).
+Regula falsi with the Illinois modification.  It bisects when that fails to halve the interval twice in a row, or a
+value is infinite (the function may be kinked).
 """
 
 from __future__ import annotations
