@@ -32,7 +32,7 @@ real outputs are NaN.
 
 Directional derivatives relate the end forces and moments at the end of a step to the inputs of that step. The step
 is as long as the last one, or `solver.step_max` before the first. With `inputs_at_step_end` = false they include
-the extrapolation.
+the extrapolation. Inputs that `inputs.given` does not trust have the derivative 0.
 """
 _STRUCTURE = """\
 An input set after a step takes effect with the next step. So there are no algebraic loops, and the dependencies in

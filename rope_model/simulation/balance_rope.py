@@ -110,8 +110,8 @@ class BalanceRope(ABC):
         left, right : EndMotion
             Motions of the ends at ``given_at``.
         given_at : float, optional
-            Instant of the motions [s], ``t`` by default. Motions of an earlier instant are extrapolated with constant
-            acceleration.
+            Instant of the motions [s], ``t`` by default. Motions of an earlier instant, at most inputs.hold_max before
+            the step, are extrapolated with constant acceleration.
 
         Returns
         -------
