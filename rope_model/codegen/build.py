@@ -28,7 +28,7 @@ NAME = "rope"
 
 @cache
 def sources() -> dict[str, str]:
-    """Text by file name: what is written by hand, and what is generated."""
+    """Return the text of all written and generated files, by file name."""
     return {path.name: path.read_text(encoding="utf-8") for path in _written()} | _generated()
 
 
@@ -38,7 +38,7 @@ def _written() -> list[Path]:
 
 
 def lay_out(folder: Path) -> None:
-    """Put all C into ``folder`` for an editor: links to what is written, what is generated, compile_commands.json."""
+    """Put all C into ``folder`` for an editor: links to written files, generated files, compile_commands.json."""
     folder = folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     for name in sources():

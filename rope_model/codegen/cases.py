@@ -1,4 +1,4 @@
-"""C text of what asks scene and state: tables of cases and conditions in cases.h, signals in state_signals.h.
+"""C text of formulas of scene and state: tables of cases and conditions in cases.h, signals in state_signals.h.
 
 A formula is called with symbols that stand for the facts its parameters name, as in codegen.formulas; but a fact is a
 whole structure, with integers and choices, and only members that the formula reads become text.

@@ -516,7 +516,7 @@ def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
 
 
 def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[str]]:
-    """Lines that name what is used more than once, and the expressions of the results.
+    """Lines that name repeated terms, and the expressions of the results.
 
     Numbers are of the type ``kind``: of vectors V a quotient is a product with the reciprocal, computed once for each
     divisor, as division is what costs most.

@@ -165,7 +165,7 @@ class RopeModel:
         return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
 
     def audit_interval(self, before: RopeState, state: RopeState) -> RopeState:
-        """``state``, the communication step that leads to it from ``before`` compared with what acted in it."""
+        """``state`` with the audit of the communication step from ``before``: its change against all that acted."""
         if state.fidelity == "rigid":
             return state
         m, scene = state.motion, self.scene

@@ -76,7 +76,7 @@ class _Search:
 
 
 def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
-    """One for each body, all from what is known."""
+    """One search for each body, from the known clearances."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
     around = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
     lowest = int(q[:, 1].argmin()) if around else 0
@@ -96,7 +96,7 @@ def _nearest_of(searches: Sequence[_Search], known: Sequence[Nearest]) -> tuple[
 
 
 def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[Nearest, ...]:
-    """Of each kind, the nearest place of the present rope, or the ``known`` one where none is nearer."""
+    """Nearest place of the present rope to each kind, or the ``known`` one where none is nearer."""
     if not (searches := _searches_of(scene, state, known)):
         return known
     lengths, s, rows = state.partition.lengths, state.partition.nodes_s.tolist(), state.motion.q[:, : SLOPE.stop]
@@ -113,7 +113,7 @@ def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[
 
 
 def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
-    """Of each kind, the nearest place of the present rope."""
+    """Nearest place of the present rope to each kind of body."""
     searches, s = _searches_of(scene, state, NOT_NEAR), state.partition.nodes_s.tolist()
     for search in searches:
         for k in range(search.first, search.last + 1):

@@ -50,7 +50,7 @@ class Surroundings:
 
 
 def surroundings(scene: Scene) -> Surroundings | None:
-    """What the rope of ``scene`` may touch; None where there is nothing."""
+    """Bodies that the rope of ``scene`` may touch, or None."""
     kinds = tuple(placed.kind for placed in placed_bodies(scene.shaft, 2 * [(0.0, 0.0, 0.0)]))
     return Surroundings(scene, kinds) if may_touch(scene.shaft) else None
 

@@ -100,7 +100,7 @@ class Following(NamedTuple):
 
 
 class Manner(NamedTuple):
-    """How an end follows: bandwidths (rad/s) of the observer and of the filters for what is not given, and more."""
+    """Manner in which an end follows: bandwidths (rad/s) of the observer and of the filters, trust, and a bound."""
 
     observer: float
     estimate: float
@@ -111,7 +111,7 @@ class Manner(NamedTuple):
 
 
 def follow_manner(scene: Any, trusted: Any) -> Manner:
-    """As chosen, or as it follows from the accuracy asked for and from the rope.
+    """Manner as chosen, or as it follows from the accuracy asked for and from the rope.
 
     ``trusted`` is the place of inputs.given among its choices.
     """
@@ -129,12 +129,12 @@ def follow_manner(scene: Any, trusted: Any) -> Manner:
 
 
 def manner_of(scene: Scene) -> Manner:
-    """How the ends of ``scene`` follow."""
+    """Manner in which the ends of ``scene`` follow."""
     return follow_manner(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
 
 
 def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Following:
-    """``now`` with what the host gives of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
+    """Add to ``now`` the host's sample of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
     values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
     since = where(given_at > now.given_at, given_at - now.given_at, h)
     repeated = _repeated(now, manner, since, values, speeds)
@@ -166,7 +166,7 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
 
 
 def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> Any:
-    """Whether what is trusted of a sample is that of the latest one, to the last bit, and cannot have been again.
+    """Whether the trusted part of a sample repeats the latest one to the last bit, and cannot be a new one.
 
     A position cannot while the end moves.  Where positions alone are given, it must be too fast to have stopped since:
     behind a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest sample.
@@ -183,7 +183,7 @@ def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> An
 
 
 def _completed(was: Any, manner: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by what is trusted of ``sample``."""
+    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by the trusted part of ``sample``."""
     x, v, a = was
     kept = exp(-manner.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
     lost = 1.0 - kept
@@ -287,7 +287,7 @@ class Limits(NamedTuple):
 
 
 def missed(path: Any, now: Any) -> list[Axis]:
-    """By how much place, speed and acceleration at the path's end are short of what is given, by PATH."""
+    """Misfit of place, speed and acceleration at the path's end, by PATH."""
     found = []
     for given, x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
         place, speed = quintic.extrapolate(*given, path.stop - now.given_at)
@@ -296,7 +296,7 @@ def missed(path: Any, now: Any) -> list[Axis]:
 
 
 def follow_limits(path: Any, now: Any) -> Limits:
-    """What decides whether the path can be followed; NaN where a coordinate is."""
+    """Measures that decide whether the path can be followed; NaN where a coordinate is."""
     place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
     return Limits(path.peak_accelerations(), place, speed)
 
