@@ -79,7 +79,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
     EndMotion ends[2];
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
-    return copy_message(model, rope_advance(model->rope, t + h, ends, given_at), message);
+    return copy_message(model, rope_advance_to(model->rope, t + h, ends, given_at), message);
 }
 
 int model_retune(ModelInstance *model, const double *values, char *message) {
@@ -96,7 +96,7 @@ double model_time(const ModelInstance *model) {
 
 int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     (void)message;
-    *value = rope_signal(model->rope, (int)ROPE_PLACES[scalar].offset);
+    rope_signals(model->rope, 1, &(int){(int)ROPE_PLACES[scalar].offset}, value);
     return 1;
 }
 
@@ -143,7 +143,7 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
                      MODEL_VARIABLES[unknown[i]].name);
             return 0;
         }
-    if (!copy_message(model, rope_derivative(model->rope, input, model->at_step_end, force), message)) return 0;
+    if (!copy_message(model, rope_load_derivative(model->rope, input, model->at_step_end, force), message)) return 0;
     for (size_t i = 0; i < number; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
     return 1;
 }
