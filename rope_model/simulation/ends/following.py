@@ -288,10 +288,10 @@ class Limits(NamedTuple):
 
 def missed(path: Any, now: Any) -> list[Axis]:
     """Misfit of place, speed and acceleration at the path's end, by PATH."""
-    found = []
-    for given, x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
-        place, speed = quintic.extrapolate(*given, path.stop - now.given_at)
-        found.append((place - x, speed - v, given[2] - a))
+    found, ahead = [], path.stop - now.given_at
+    for (place, speed, acceleration), x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
+        then, faster = quintic.extrapolate(place, speed, acceleration, ahead)
+        found.append((then - x, faster - v, acceleration - a))
     return found
 
 
