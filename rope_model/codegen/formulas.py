@@ -298,7 +298,6 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "TWIST_STEP": hang.TWIST_STEP,
     "LEAST_TWIST_STEP": hang.LEAST_TWIST_STEP,
     "MOST_TURN": hang.MOST_TURN,
-    "MOST_LOST": hang.MOST_LOST,
     "MOST_CORRECTIONS": hang.MOST_CORRECTIONS,
     "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "ACCEPT_BELOW": accuracy.ACCEPT_BELOW,

@@ -67,7 +67,7 @@ def fails_at_twist(reached: float, twist: float, step: float, iterations: int, w
 
 
 def takes_too_long() -> str:
-    return "twice the iterations of any rope that came to rest; use less twist, or a shorter rope"
+    return "more than ropes need that come to rest; use less twist, or a shorter rope"
 
 
 def fails_at_curvature(reached: float, curvature: float, why: str) -> str:
