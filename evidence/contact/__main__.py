@@ -10,7 +10,6 @@ from evidence.tables import write
 
 from .checks import checks
 from .page import as_table
-from .plectoneme import plectoneme_table
 from .slack_rod import slack_table
 
 
@@ -22,7 +21,7 @@ def main() -> int:
             f"{'holds ' if m.holds else 'MISSES'} {case}: {m.what} {m.value:.3g} {m.relation} {m.bound:g}", flush=True
         )
         found.append((case, m))
-    tables = {"checks": as_table(found), "slack": slack_table(), "plectoneme": plectoneme_table()}
+    tables = {"checks": as_table(found), "slack": slack_table()}
     write(tables, DOCS / "data" / "contact")
     for path in publish(PAGES["contact"]):
         print(path)

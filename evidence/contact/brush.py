@@ -83,6 +83,12 @@ def brush(trip: Trip, mesh: Mesh = FITTED, step: float = 0.0) -> Brush:
     return Brush(rows[:, 0], impulse, (pressure, force, place), gaps, rows[:, 2:8], rows[:, 8:], sums, rope.elements)
 
 
+def at_rest(mesh: Mesh) -> float:
+    """Force (N) of a thin divider that the default rope leans on at rest."""
+    shaft = Shaft(divider_1=Divider(size=0.1, y=-25.0, offset=1.03))
+    return made(Scene(mesh=mesh, shaft=shaft)).signals(["contact.divider"])["contact.divider"]
+
+
 def errors(coarse: Brush, fine: Brush) -> tuple[float, float, float]:
     """Errors of what ``told`` estimates."""
     presses = (coarse.pressure > 0.0) | (fine.pressure > 0.0)

@@ -12,7 +12,7 @@ from evidence.rendering import DOCS
 from evidence.tables import Table, read, rows
 
 from . import wall
-from .brush import FINE, brush, equal, errors, past
+from .brush import FINE, FITTED, at_rest, brush, equal, errors, past
 from .plectoneme import grown, soft_rod
 from .rebound import exact_speed, rebound
 from .scenes import fallen, let_down, pulled, touch_down
@@ -46,6 +46,11 @@ def _fallen() -> Iterator[Measurement]:
 def _pulled() -> Iterator[Measurement]:
     for friction, bound in ((0.0, 1e-4), (0.2, 5e-4), (0.5, 3e-3)):
         yield below(f"tension, friction {friction:g}, off by", abs(pulled(friction, 0.1)), bound)
+
+
+def _leaning() -> Iterator[Measurement]:
+    off = at_rest(FITTED) / at_rest(equal(1000)) - 1.0
+    yield below("force at rest, off that of 1000 elements by", abs(off), 0.01)
 
 
 def _brushed() -> Iterator[Measurement]:
@@ -148,6 +153,7 @@ CASES = {
     "a rope that lies on a floor": _touch_down,
     "a rope that falls on a floor": _fallen,
     "a rope pulled half around a divider": _pulled,
+    "a leg that leans on a thin divider": _leaning,
     "a leg that brushes a thin divider": _brushed,
     "a leg that swings against a wall": _wall,
     "a rope that strikes a floor flat": _rebound,

@@ -31,7 +31,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.tables import Table, table
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.rope_on_rope import rope_touch
@@ -50,8 +49,6 @@ WOUND, WINDING, DRAWING, GROWN, GROWING, RESTING = 5.0, 20.0, 20.0, 1.5, 20.0, 1
 GIVE, FASTEST, WITHIN = 2e-3, 0.5, 0.2
 #: s, the host's step; m, heights between which the plectoneme is far from both its ends
 STEP, HEIGHTS = 0.02, (-2.3, -1.5)
-#: of a table of them
-COLUMNS = ("of", "tension", "torque", "nearer", "angle", "radius")
 
 
 class Plectoneme(NamedTuple):
@@ -67,11 +64,6 @@ class Plectoneme(NamedTuple):
 def soft_rod(tension: float) -> Plectoneme:
     """The closed form of a rod that presses itself as ours does."""
     return _at_radius(tension, float(brentq(lambda R: _pressed(tension, R), 0.25 * DIAMETER, 0.5 * DIAMETER)))
-
-
-def hard_rod(tension: float) -> Plectoneme:
-    """The closed form of a rod that is not pressed in."""
-    return _at_radius(tension, 0.5 * DIAMETER)
 
 
 def _at_radius(tension: float, R: float) -> Plectoneme:
@@ -154,10 +146,3 @@ def _turned(t: float) -> tuple[float, float]:
     _, wound, winds, _ = smooth_step(t / WINDING)
     _, grown, grows, _ = smooth_step((t - WINDING - DRAWING) / GROWING)
     return WOUND * wound + GROWN * grown, WOUND * winds / WINDING + GROWN * grows / GROWING
-
-
-def plectoneme_table() -> Table:
-    """Ours, and the closed forms at its tension."""
-    ours = grown().found
-    found = {"ours": ours, "closed form": soft_rod(ours.tension), "closed form, hard": hard_rod(ours.tension)}
-    return table(COLUMNS, [(name, *x) for name, x in found.items()])
