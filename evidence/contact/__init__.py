@@ -6,6 +6,5 @@ wall       a leg that swings against a wall, against a chain of its own
 rebound    a rope that strikes a floor flat
 turned     legs that are turned about each other
 plectoneme a rod in tension that winds up, against its closed form
-slack_rod  a slack rod turned until its loop lies on itself; elastica_rod the same in PyElastica
 page       the checks, and what the page contact.md.j2 says
 """

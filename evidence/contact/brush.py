@@ -57,7 +57,6 @@ class Brush(NamedTuple):
     forces: Array
     loop: Array
     sums: ContactSums
-    elements: int
 
     @property
     def peak(self) -> float:
@@ -79,8 +78,8 @@ def brush(trip: Trip, mesh: Mesh = FITTED, step: float = 0.0) -> Brush:
     rows = follow(rope, 1e-2, trip.stop, trip.ends, rope.reader(_SIGNALS))
     impulse, pressure, force, place = rope.signals(_TOLD).values()
     gaps = int(np.count_nonzero((rows[:, 1] < -INSIDE) & (rows[:, 0] == 0.0)))
-    sums = rope.state.contact
-    return Brush(rows[:, 0], impulse, (pressure, force, place), gaps, rows[:, 2:8], rows[:, 8:], sums, rope.elements)
+    told, sums = (pressure, force, place), rope.state.contact
+    return Brush(rows[:, 0], impulse, told, gaps, rows[:, 2:8], rows[:, 8:], sums)
 
 
 def at_rest(mesh: Mesh) -> float:

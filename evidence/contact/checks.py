@@ -3,31 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
 from evidence.claims import Measurement, above, below
-from evidence.rendering import DOCS
-from evidence.tables import Table, read, rows
 
 from . import wall
 from .brush import FINE, FITTED, at_rest, brush, equal, errors, past
 from .plectoneme import grown, soft_rod
 from .rebound import exact_speed, rebound
 from .scenes import fallen, let_down, pulled, touch_down
-from .slack_rod import LENGTH, slack_table
 from .turned import struck_legs, turned
 
 #: s, steps of the rebound; and s/m, its damping
 STEPS, DAMPING = (2e-3, 1e-3, 5e-4, 2.5e-4), 0.5
-
-
-def checks() -> Iterator[tuple[str, Measurement]]:
-    """Each with the case that it belongs to."""
-    for case, measure in CASES.items():
-        for measurement in measure():
-            yield case, measurement
 
 
 def _touch_down() -> Iterator[Measurement]:
@@ -89,10 +80,10 @@ def _rebound() -> Iterator[Measurement]:
     yield below("energy unexplained without damping, of the kinetic", abs(free.unexplained), 1e-4)
 
 
-def _let_down() -> Iterator[Measurement]:
-    for stiffness in (1e5, 1e6):
+def _energies(unexplained: Callable[[float], float], *stiffnesses: float) -> Iterator[Measurement]:
+    for stiffness in stiffnesses:
         what = f"energy unexplained, stiffness {stiffness:g} N/m^2, of the work done"
-        yield below(what, abs(let_down(stiffness)), 1e-3)
+        yield below(what, abs(unexplained(stiffness)), 1e-3)
 
 
 def _turned() -> Iterator[Measurement]:
@@ -105,34 +96,6 @@ def _turned() -> Iterator[Measurement]:
         yield above(f"its growth in the fourth turn over that in the second, {name}", stiffer, 1.0)
         yield below(f"energy unexplained, {name}, of the work done", abs(x.unexplained), 1e-3)
     yield below("times that the legs passed through each other", smooth.crossings + rough.crossings, 1)
-
-
-def _struck_legs() -> Iterator[Measurement]:
-    for stiffness in (1e6, 1e7):
-        what = f"energy unexplained, stiffness {stiffness:g} N/m^2, of the work done"
-        yield below(what, abs(struck_legs(stiffness)), 1e-3)
-
-
-def elastica_table() -> Table:
-    """The slack rod in PyElastica, which evidence.contact.elastica_rod measures."""
-    return read(DOCS / "data" / "contact")["elastica"]
-
-
-def _slack() -> Iterator[Measurement]:
-    theirs, ours = elastica_table(), slack_table()
-    coarse, fine = (rows(theirs, elements=float(n)) for n in np.unique(theirs["elements"]))
-    buckled, looped = fine["pressed"] < 1.0, fine["pressed"] >= 1.0
-    for name in ("torque", "pull"):
-        off = np.abs(ours[name] - fine[name])[buckled].max() / np.abs(fine[name][buckled]).max()
-        # straight pieces of 0.1 m err by about (l k)^2 / 12, the curvature k being up to 2.5/m
-        yield below(f"{name} before it jumps, off PyElastica's by", off, 5e-3)
-    for name, what in (("torque", "torque"), ("pull", "pull"), ("pressed", "force of the legs")):
-        # an error that falls with the square of its elements' length is a third of that
-        change = np.abs(coarse[name] - fine[name])[looped]
-        off = (np.abs(ours[name] - fine[name])[looped] / change).max()
-        yield below(f"{what} with a loop, off PyElastica's by, of what twice its elements change", off, 1.0)
-    places = max(np.abs(ours[name] - fine[name])[looped].max() for name in ("first", "second"))
-    yield below("places where the loop closes, off by", places, LENGTH / fine["elements"][0], "m")
 
 
 def _plectoneme() -> Iterator[Measurement]:
@@ -149,7 +112,7 @@ def _plectoneme() -> Iterator[Measurement]:
     yield below("times that its strands passed through each other", ours.crossings, 1)
 
 
-CASES = {
+CASES: dict[str, Callable[[], Iterator[Measurement]]] = {
     "a rope that lies on a floor": _touch_down,
     "a rope that falls on a floor": _fallen,
     "a rope pulled half around a divider": _pulled,
@@ -157,9 +120,8 @@ CASES = {
     "a leg that brushes a thin divider": _brushed,
     "a leg that swings against a wall": _wall,
     "a rope that strikes a floor flat": _rebound,
-    "a loop let down among bodies of every kind": _let_down,
+    "a loop let down among bodies of every kind": partial(_energies, let_down, 1e5, 1e6),
     "legs turned slowly about each other": _turned,
-    "legs that strike each other": _struck_legs,
-    "a slack rod turned until it lies on itself": _slack,
+    "legs that strike each other": partial(_energies, struck_legs, 1e6, 1e7),
     "a rod in tension wound into a plectoneme": _plectoneme,
 }

@@ -24,11 +24,8 @@ from rope_model.shaft_parameters import Air, Contact, Shaft
 
 from .scenes import WEIGHT, Array, follow, made, unexplained
 
-#: m, m, elements; s that the ends turn, and by how many turns each
-LENGTH, SPACING, ELEMENTS = 10.0, 0.5, 40
-TIME, TURNS = 60.0, 4.0
-#: s: half of the time that they take where the legs strike each other
-FAST = 4.0
+#: m, m, elements; s that the ends turn, by how many turns each, and s, half of that where the legs strike each other
+LENGTH, SPACING, ELEMENTS, TIME, TURNS, FAST = 10.0, 0.5, 40, 60.0, 4.0, 4.0
 #: m: between these heights the ply is far from both its ends
 PLY = (-3.4, -2.2)
 

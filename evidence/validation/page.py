@@ -81,7 +81,7 @@ def _contact(t: Table) -> Iterator[Row]:
         r = rows(t, case=case)
         over = [_part(*x) for x in zip(r["value"], r["relation"], r["bound"], strict=True)]
         what = f"{len(r['case'])} checks, the largest part of an acceptance"
-        kind: Literal["code", "theory"] = "code" if any("PyElastica" in x for x in r["what"]) else "theory"
+        kind: Literal["code", "theory"] = "code" if any("the chain's" in x for x in r["what"]) else "theory"
         yield Row(f"K-{k}", kind, f"contact: {case}", what, max(over), "1", 1.0, "make contact")
 
 
