@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from ...physics import contact_error
 from ...physics.accuracy import BRAKED, length_for, memory
-from ...physics.contact_error import delay
 from ...physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
 from ...physics.estimates import axial_frequency, bending_length
 
@@ -52,7 +52,7 @@ NEAREST = 0.12
 END_LENGTH, END_ERROR = 2.9, 0.033
 #: legs that a divider may press have elements that follow its pressure with this delay (s): physics.contact_error; it
 #: may press legs that hang within REACH of the spacing from it
-BLOW, REACH = 0.014, 0.5
+BLOW, REACH = 0.01, 0.5
 
 
 class FittedLengths(NamedTuple):
@@ -99,7 +99,7 @@ def pressed_length(scene: Any) -> Any:
     shaft = scene.shaft
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
     pressed = both(shaft.contact.stiffness > 0, either(*(_is_near(scene, divider) for divider in dividers)))
-    return where(pressed, BLOW / delay(scene), math.inf)
+    return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
 def _is_near(scene: Any, divider: Any) -> Any:
