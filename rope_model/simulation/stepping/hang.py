@@ -95,7 +95,7 @@ def _equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float =
     motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
     state = _turn_right_end(state._replace(motion=motion), found.turn)
     balance = model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
-    # a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way
+    # a loop that yaws by psi turns the frame of the right end by -2 psi: which shows full turns on a long way
     yaw = state.loop_yaw - 0.5 * found.turn
     books = energies(state.energy_balance, balance)
     return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), found.iterations
@@ -108,7 +108,7 @@ def _turn_right_end(state: RopeState, angle: float) -> RopeState:
 
 
 def _twist_evenly(state: RopeState, angle: float) -> RopeState:
-    """The same, the angle spread along the rope."""
+    """The row with the angle spread along the rope."""
     m, s = state.motion, state.partition.nodes_s
     q = m.q.copy()
     q[:, ANGLE] += angle * (s / s[-1])
