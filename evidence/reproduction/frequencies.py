@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,7 +11,6 @@ from tqdm import tqdm
 
 from evidence.claims import above, below
 from evidence.drawing import CURVES, figure
-from evidence.rendering import number
 from evidence.tables import Table, Tables, table
 from rope_model.parameters import Swivel, rope_120
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, nominal_points
@@ -24,11 +22,11 @@ from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
-from .section import Claim, Picture, Section
+from .claim import Claim, Section
 
 Array = NDArray[np.float64]
 
-#: an independent discrete-rod model, Hz; tests.test_reference_numbers has the same
+#: an independent discrete-rod model, Hz
 REFERENCE_HZ = {
     ("out", 0.0): (0.06518, 0.07751, 0.17880, 0.18815),
     ("in", 0.0): (0.07759, 0.11735, 0.18137, 0.24060),
@@ -212,8 +210,6 @@ def draw(tables: Tables) -> Figure:
     front.plot([], [], color="black", lw=0.6, ls="--", label="swivels locked")
     front.plot([], [], "s", mfc="none", mec="#c0392b", ms=9, label="veering")
     made.legend(*front.get_legend_handles_labels(), loc="outside lower center", ncols=7)
-    title = "First four natural frequencies along the travel: curves veer out of plane and keep apart in plane"
-    made.suptitle(title, x=0.01, ha="left", fontsize=11)
     return made
 
 
@@ -223,35 +219,4 @@ def _middle(t: Table, plane: str, close: Table, i: int) -> float:
     return float(np.mean([t[column("free", plane, k + j)][at][0] for j in (0, 1)]))
 
 
-def numbers(tables: Tables) -> dict[str, Any]:
-    """Ranges of the frequencies, and the closest approaches of their curves."""
-    ranges_of = [
-        (words, [number(x, ".0f") for x in ranges(tables, plane)])
-        for plane, words in (("out", "out of plane"), ("in", "in plane"))
-    ]
-    t = tables["approaches"]
-    return {"ranges": ranges_of, "approaches": [_approach(t, int(i)) for i in np.flatnonzero(t["H [m]"] >= 0)]}
-
-
-def _approach(t: Table, i: int) -> tuple[str, ...]:
-    k = int(t["lower mode"][i])
-    return (
-        t["swivels"][i],
-        t["plane"][i],
-        f"{k}, {k + 1}",
-        number(t["H [m]"][i], ".2f"),
-        number(t["gap [Hz]"][i], ".5f"),
-        *(" / ".join(number(t[name][i], ".2f") for name in names) for names in (SWAPPED, KEPT)),
-        number(t[ALONG][i], ".2f"),
-        "yes" if exchange_rows(t)[i] else "no",
-    )
-
-
-SECTION = Section(
-    key="frequencies",
-    title="Natural frequencies over the travel",
-    pictures=[Picture("frequencies", "First four natural frequencies out of plane and in plane over H", draw)],
-    claims=claims,
-    numbers=numbers,
-    data=("frequencies", "approaches"),
-)
+SECTION = Section("Natural frequencies", claims, ("frequencies", "approaches"))
