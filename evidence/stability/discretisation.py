@@ -105,29 +105,6 @@ def hourglass() -> Finding:
     )
 
 
-# long steps on long elements
-
-
-def long_steps() -> Finding:
-    """8 m/s on elements of 2 m with communication steps of 20 ms, which are the longest steps too."""
-    reference, h = trip(40.0, 8.0, 2.0, 4.0), 0.02
-    scene = Scene(rope=Rope(length=60.0), mesh=Mesh(kind="eem", elements=30), solver=fixed_steps(h))
-    constant = Solver(step_max=h, step_min=h, tolerance=1e6)
-    counterexample, ours = (
-        follow(hang(s, 0.0, 40.0), reference, 40.0, h) for s in (scene.with_(solver=constant), scene)
-    )
-    counts = ours.rope.state.counts
-    return Finding(
-        counterexample=(below("part of the trip completed, constant steps of 20 ms", counterexample.completion, 0.99),),
-        ours=(
-            above("part of the trip completed, with step control", ours.completion, 0.999),
-            # that it was the control that helped
-            above("steps rejected, halved and tried again", counts.rejections, 0.5),
-        ),
-        message=f"With constant steps: {counterexample.status.message}",
-    )
-
-
 # the loop and its fine mesh
 
 
@@ -181,33 +158,8 @@ def rms(x: Array) -> float:
     return float(np.sqrt(np.mean(x**2)))
 
 
-def near_end() -> Finding:
-    """The loop driven to an end of the rope, where the pattern has no room."""
-    scene, travel = Scene(rope=Rope(length=40.0), mesh=Mesh()), -10.0
-    reference = trip(12.0, 3.0, 1.5, 3.0)
-    rope = hang(scene, 0.0, travel)
-    ours = follow(rope, reference, travel)
-    cut_off = 1.0 - min(rope.state.partition.counts[::6])
-    silent = follow(without_transformations(hang(scene, 0.0, travel)), reference, travel)
-    fine = follow(hang(scene.with_(mesh=Mesh(kind="eem", elements=160)), 0.0, travel), reference, travel)
-    distance, counterexample_distance = errors(ours, fine)[0], errors(silent, fine)[0]
-    return Finding(
-        counterexample=(
-            # 1 cm, the acceptance of the method, is not kept
-            above("loop bottom, largest error", 1e3 * counterexample_distance.max(), 10.0, "mm"),
-        ),
-        ours=(
-            above("part of the trip completed", ours.completion, 0.999),
-            below("loop bottom, largest error", 1e3 * distance.max(), 10.0, "mm"),
-            above("of the pattern beyond the rope's end, in l", cut_off, 0.5),
-        ),
-    )
-
-
 ENTRIES = (
     Entry("locking", "Membrane locking", shear_locking, slow=True),
     Entry("hourglass", "Two Gauss points: hourglass mode", hourglass, slow=True),
-    Entry("long-steps", "Long constant steps at speed on a coarse mesh", long_steps, slow=True),
     Entry("fast", "TMN-ETM at 16 m/s", fast, slow=True),
-    Entry("near-end", "Loop near one end of the rope", near_end, slow=True),
 )

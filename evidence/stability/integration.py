@@ -14,7 +14,6 @@ from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart,
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem
-from rope_model.simulation.simulator import RopeSimulator
 
 from .entry import Array, Entry, Finding
 from .trips import hang
@@ -56,14 +55,6 @@ def take_step(system: RopeSystem, motion: Motion, h: float) -> Motion:
 def step_without_recentring(system: RopeSystem, motion: Motion, h: float) -> Motion:
     """A step whose auxiliary acceleration is taken as it is, wherever it lives."""
     return take_step(system, replace(motion, a_rate=np.zeros_like(motion.a_rate)), h)
-
-
-def step_after_rejection(system: RopeSystem, motion: Motion, h: float) -> Motion:
-    """A step after a rejected one of twice the length, which has re-centred the auxiliary acceleration in place."""
-    if motion.h > 0:
-        moved = Coefficients(RHO).shift * (2 * h - motion.h) * motion.a_rate
-        motion = replace(motion, b=motion.b + moved)
-    return take_step(system, motion, h)
 
 
 def integrate(stepper: Stepper, steps: int, pattern: tuple[float, ...]) -> Motion:
@@ -146,54 +137,7 @@ def ringing() -> Finding:
     )
 
 
-# rejected steps
-
-
-def bytes_of(motion: Motion) -> bytes:
-    return b"".join(x.tobytes() for x in (motion.q, motion.v, motion.a, motion.b, motion.a_rate, motion.reaction))
-
-
-def lower(rope: RopeSimulator, steps: int) -> RopeSimulator:
-    """Both ends moved by a few steps of the host of 0.1 s."""
-    for k in range(steps):
-        t = 0.1 * (k + 1)
-        y, vy, ay = 0.5 * t**2, t, 1.0
-        ends = EndMotion(y=y, vy=vy, ay=ay), EndMotion(y=6.0 - y, vy=-vy, ay=-ay)
-        assert rope.advance_to(t, *ends).valid
-    return rope
-
-
-def rollback() -> Finding:
-    """Every step taken twice, the first time too long: what the rejected one leaves behind."""
-    found = compare_orders(step_after_rejection, (1.0,), "auxiliary acceleration not rolled back")
-    # ours: steps that were rejected, and the same steps never tried too long
-    scene = Scene(
-        rope=Rope(length=30.0),
-        mesh=Mesh(kind="eem", elements=30),
-        solver=Solver(step_max=0.1, tolerance=0.1, kernels="portable"),
-    )
-    rejecting = lower(hang(scene, 0.0, 6.0), 1)
-    knowing = hang(scene, 0.0, 6.0)
-    knowing.restore(knowing.state._replace(step_next=0.1 / 16))  # where the first step's four halvings lead
-    lower(knowing, 1)
-    spared = rejecting.state.counts.rejections - knowing.state.counts.rejections
-    apart = float(bytes_of(rejecting.state.motion) != bytes_of(knowing.state.motion))
-    # a host's step in which all trials fail
-    rejecting.retune(scene.with_(solver=replace(scene.solver, tolerance=1e-15, step_min=1e-2)))
-    before = rejecting.save()
-    status = rejecting.advance_to(0.2, EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion(y=5.98, vy=-0.2, ay=-1.0))
-    changed = float(status.valid or rejecting.save() != before)
-    ours = (
-        *found.ours,
-        above("rejections that the comparison is about", spared, 0.5),
-        below("states that differ from those of a run without rejections", apart, 0.5),
-        below("states changed by a failed step of the host", changed, 0.5),
-    )
-    return replace(found, ours=ours, message=status.message)
-
-
 ENTRIES = (
     Entry("varying-steps", "Varying steps", varying_steps, slow=True),
     Entry("ringing", "Spectral radius 1 with swivel events", ringing, slow=True),
-    Entry("rollback", "Rejected steps without rollback", rollback, slow=True),
 )

@@ -9,7 +9,7 @@ import numpy as np
 
 from evidence.tables import Table, Tables, rows
 
-from . import bending, buckle, cabledyn, chains, onset, wires
+from . import buckle, cabledyn, chains, onset, wires
 from .row import Row, as_table, from_table
 
 ALONE = "make validate"
@@ -23,13 +23,6 @@ def _wires(t: Table) -> Iterator[Row]:
             span = " to ".join(f"{1e3 * gap:.0f}" for gap in dict.fromkeys((gaps[0], gaps[-1])))
             what = f"measured turn that throws a loop, outside ours of all stiffnesses, ends {span} mm apart, by"
             yield Row(f"W-{k}{part}", "measured", source, what, wires.outside(t, wire.name, gaps), "deg", bound, ALONE)
-
-
-def _bending(t: Table) -> Iterator[Row]:
-    source = "power cable of 164.5 mm, bent to and fro without tension, three stages of one series"
-    for part, parts, least, most in zip("ab", *t.values(), strict=True):
-        what = f"stiffness where its parts {parts}, off the best constant by"
-        yield Row(f"M-1{part}", "measured", source, what, bending.from_constant(least, most), "1", math.nan, ALONE)
 
 
 def _pulls(t: Table) -> Iterator[Row]:
@@ -87,7 +80,6 @@ def _buckles(t: Table) -> Iterator[Row]:
 #: by table: what measures it, and what its rows are
 PARTS: dict[str, tuple[Callable[[], Table], Callable[[Table], Iterator[Row]]]] = {
     "wires": (wires.measure, _wires),
-    "bending": (bending.measure, _bending),
     "pulls": (chains.pulls, _pulls),
     "swings": (chains.swings, swing_rows),
     "onsets": (onset.measure, onset_rows),

@@ -11,8 +11,8 @@ import pytest
 from benchmarks.kinematic import wind
 from evidence.rendering import DOCS
 from evidence.reproduction import frequencies, release, winding_claims, windings
-from evidence.reproduction.page import FIGURES, SECTIONS
 from evidence.reproduction.claim import Claim
+from evidence.reproduction.page import FIGURES, SECTIONS
 from evidence.tables import Tables, read, table, write
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
