@@ -1,4 +1,4 @@
-"""Errors and savings of lower fidelities, the estimates of their errors, and the effect of single terms."""
+"""Errors and savings of lower fidelities, and the estimates of their errors."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel, balance_rope
-from rope_model.parameters import FidelityChoice, Rope
+from rope_model.parameters import FidelityChoice
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
 from rope_model.simulation.messages import fidelity_cases
 
-from .scenes import CASES, COUPLED, LONG_TRIP, P120, P240, STOP, Case
+from .scenes import CASES, P120, P240, Case
 
 ROUNDS = 3
 #: of the estimates' windings: m/s to m/s^2 and m/s^3; EI (N m^2) and spacing (m)
@@ -91,35 +91,4 @@ def estimates() -> Tables:
     return {"estimates": table(names, [estimate(*x) for x in tqdm([*windings()], unit="winding", leave=False)])}
 
 
-SCENES = {
-    "winding": Case("120 m winding", COUPLED, "torsional"),
-    "emergency stop": Case("120 m, stop", COUPLED, "torsional", trip=STOP, until=STOP.duration + 5.0),
-    "release": Case("240 m, release", P240.scene, "torsional", trip=LONG_TRIP, travel=P240.travel, until=25.0),
-}
-#: term, change, the rope with it
-VARIANTS: tuple[tuple[str, str, Callable[[Rope], Rope]], ...] = (
-    ("spin inertia", "rhoJ / 100", lambda r: replace(r, rhoJ=0.01 * r.rhoJ)),
-    ("non-conservative coupling", "the published Qb, Qc", lambda r: replace(r, Qb=2.371e5, Qc=2.301e5)),
-    ("material damping", "beta_K = 0", lambda r: replace(r, beta_K=0.0)),
-    ("material damping", "beta_K = 1e-2 s", lambda r: replace(r, beta_K=1e-2)),
-    ("stretch", "Qa x 10", lambda r: replace(r, Qa=10 * r.Qa)),
-)
-
-
-def terms() -> Tables:
-    """Change one term at a time: differences, of theta and torque over their largest value, and steps."""
-    rows = []
-    for name, case in SCENES.items():
-        base = valid(case.wind(case.scene))
-        for term, change, rope in tqdm(VARIANTS, desc=name, unit="run", leave=False):
-            run = valid(case.wind(case.scene.with_(rope=rope(case.scene.rope))))
-            theta = [np.array(r.observed)[:, :, 6] for r in (run, base)]
-            shares = [np.abs(np.subtract(*x)).max() / np.abs(x[1]).max() for x in (theta, (run.torque, base.torque))]
-            steps = (r.rope.state.counts.steps for r in (run, base))
-            errors = force_error(run.force, base.force), place_error(run.bottom, base.bottom)
-            rows.append((name, term, change, *errors, *shares, *steps))
-    names = ("scene", "term", "change", "force_rms", "loop_m", "theta", "torque", "steps", "steps_default")
-    return {"terms": table(names, rows)}
-
-
-MEASURES: dict[str, Callable[[], Tables]] = {"fidelity": fidelities, "terms": terms, "estimates": estimates}
+MEASURES: dict[str, Callable[[], Tables]] = {"fidelity": fidelities, "estimates": estimates}

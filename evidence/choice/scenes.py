@@ -1,4 +1,4 @@
-"""Ten scenes with the fidelity that 'auto' takes; the page and the test of the choice share them."""
+"""Ten scenes with the fidelity that 'auto' takes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import FidelityChoice, Model, Scene, Swivel, rope_120, rope_240
 from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.fidelity import Fidelity
 
 P120, P240 = rope_120(), rope_240()
 TRIP = s_curve(Trip())
@@ -26,15 +25,13 @@ LOOSE = UNCOUPLED.with_(left=FREE, right=FREE)
 
 @dataclass(frozen=True)
 class Case:
-    """A winding, the fidelity that 'auto' must start it at, and the one that it must end at."""
+    """A winding, and the motion of its left end that a fidelity may not follow."""
 
     title: str
     scene: Scene
-    fidelity: Fidelity
     trip: Trajectory = TRIP
     travel: float = P120.travel  # m
     until: float = TRIP.duration + 3.0  # s
-    last: Fidelity | None = None  # the fidelity at the end where it is another
     z: float = 0.0  # m, by which the left conveyance moves out of plane between 1 s and 4 s
     yaw: float = 0.0  # rad, by which it turns
 
@@ -65,41 +62,30 @@ def smooth_step(t: float, start: float = 1.0, duration: float = 3.0) -> tuple[fl
     )
 
 
-def with_force_tolerance(scene: Scene, force_tolerance: float) -> Scene:
+def tolerating(scene: Scene, force_tolerance: float) -> Scene:
     return scene.with_(model=Model(force_tolerance=force_tolerance))
 
 
+LOWER = "same, uncoupled rope"
+SIDE, TURN = "left conveyance moves 0.2 m out of plane", "left conveyance turns by 0.1 rad"
 CASES = (
-    Case("120 m winding, swivels locked", COUPLED, "torsional"),
-    Case("same, uncoupled rope", UNCOUPLED, "planar"),
-    Case(
-        "same, uncoupled rope, swivels free, left conveyance moves 0.2 m out of plane",
-        LOOSE,
-        "planar",
-        last="spatial",
-        until=SHORT,
-        z=0.2,
-    ),
-    Case(
-        "same, uncoupled rope, left conveyance moves 0.2 m out of plane", UNCOUPLED, "planar", last="torsional", z=0.2
-    ),
-    Case("same, uncoupled rope, left conveyance turns by 0.1 rad", UNCOUPLED, "planar", last="torsional", yaw=0.1),
-    Case("same, uncoupled rope, swivels free, left conveyance turns by 0.1 rad", LOOSE, "planar", yaw=0.1),
-    Case("120 m winding, swivels locked, force tolerance 0.1 %", with_force_tolerance(COUPLED, 1e-3), "planar"),
-    Case("120 m winding, swivels locked, force tolerance 0.5 %", with_force_tolerance(COUPLED, 5e-3), "rigid"),
+    Case("120 m winding, swivels locked", COUPLED),
+    Case(LOWER, UNCOUPLED),
+    Case(f"{LOWER}, swivels free, {SIDE}", LOOSE, until=SHORT, z=0.2),
+    Case(f"{LOWER}, {SIDE}", UNCOUPLED, z=0.2),
+    Case(f"{LOWER}, {TURN}", UNCOUPLED, yaw=0.1),
+    Case(f"{LOWER}, swivels free, {TURN}", LOOSE, yaw=0.1),
+    Case("120 m winding, swivels locked, force tolerance 0.1 %", tolerating(COUPLED, 1e-3)),
+    Case("120 m winding, swivels locked, force tolerance 0.5 %", tolerating(COUPLED, 5e-3)),
     Case(
         "120 m winding, emergency stop at 12 s, force tolerance 0.5 %",
-        with_force_tolerance(COUPLED, 5e-3),
-        "rigid",
-        last="planar",
+        tolerating(COUPLED, 5e-3),
         trip=STOP,
         until=STOP.duration + 5.0,
     ),
     Case(
         "240 m winding, swivels released at 20 s, until 25 s, force tolerance 1 %",
-        with_force_tolerance(P240.scene, 1e-2),
-        "planar",
-        last="torsional",
+        tolerating(P240.scene, 1e-2),
         trip=LONG_TRIP,
         travel=P240.travel,
         until=25.0,

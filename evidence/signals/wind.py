@@ -1,9 +1,8 @@
-"""A trip with each signal, in process or through the FMU, against the exact motion at the reference level."""
+"""A trip with each signal against the exact motion at the reference level."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,26 +109,3 @@ def rows(trip: Trip, step: float) -> Iterator[tuple[Any, ...]]:
         for reading in READINGS:
             source = signal.make(trip.motion, step)
             yield row(trip, signal, step, reading, exact, run(trip, trip.scene("standard"), source, step, reading))
-
-
-def through_fmu(path: Path, signal: Signal, step: float) -> Run:
-    """The first trip through FMPy, which sets the inputs at a step's start."""
-    from fmpy import simulate_fmu
-
-    trip = TRIPS[0]
-    source = signal.make(trip.motion, step)
-    times = step * np.arange(round((trip.motion.duration + REST) / step) + 1)
-    given = np.array([source(t) for t in times])
-    names = ["time", "left.y", "left.vy", "left.ay", "right.y", "right.vy", "right.ay"]
-    columns = [times, *given.T, trip.travel - given[:, 0], -given[:, 1], -given[:, 2]]
-    inputs = np.rec.fromarrays(columns, dtype=[(name, float) for name in names])
-    result = simulate_fmu(
-        str(path),
-        stop_time=float(times[-1]),
-        output_interval=step,
-        input=inputs,
-        output=[*OUTPUTS, "inputs.misfit.position"],
-        start_values={"left.y": given[0, 0], "right.y": trip.travel - given[0, 0]},
-    )
-    values = np.array([result[name] for name in OUTPUTS]).T[1:]
-    return Run(values, float(result["inputs.misfit.position"][-1]), "", "")
