@@ -66,7 +66,7 @@ contact: $(READY)  ## check contact against exact cases (3 minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.contact
 
 signals: $(READY)  ## wind with motions that tables, rounding and slow parts give (10 minutes)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.signals
+	$(MEASURE) signals -- signals
 
 bench: $(READY)  ## measure the speed of every form of the rope, and windings per minute
 	$(BIN)/python -m benchmarks.speed

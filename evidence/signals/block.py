@@ -11,8 +11,8 @@ from evidence.claims import Measurement
 from evidence.rendering import markdown, quantity
 from evidence.tables import Table, Tables
 
+from .measure import STEP, TRIPS
 from .sources import SIGNALS
-from .wind import STEP, TRIPS
 
 #: targets: deviation of the end force over its largest, RMS and at an instant, and estimate over deviation
 RMS, LARGEST, FACTOR = 3e-3, 2e-2, 3.0

@@ -9,7 +9,7 @@ from tqdm import tqdm
 from evidence.claims import Measurement
 from evidence.tables import Tables, table
 
-from . import coupling, discretisation, frames, integration, motion, swivel
+from . import discretisation, frames, integration, motion, swivel
 from .entry import Entry
 
 CHAPTERS: dict[str, tuple[Entry, ...]] = {
@@ -18,7 +18,6 @@ CHAPTERS: dict[str, tuple[Entry, ...]] = {
     "Frame of the cross-section": frames.ENTRIES,
     "Swivels": swivel.ENTRIES,
     "Large motions": motion.ENTRIES,
-    "Co-simulation": coupling.ENTRIES,
 }
 CLAIMS = ("scene", "side", "what", "value", "unit", "relation", "bound")
 

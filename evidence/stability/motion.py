@@ -11,7 +11,6 @@ from rope_model import balance_rope
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends.paths import EndMotion
 
-from . import turn_over
 from .entry import Array, Entry, Finding
 
 GRAVITY = Layout().gravity
@@ -92,7 +91,4 @@ def measure_snatch() -> Finding:
     )
 
 
-ENTRIES = (
-    Entry("snatch-load", "A snatch load without dissipation at high frequencies", measure_snatch),
-    *turn_over.ENTRIES,
-)
+ENTRIES = (Entry("snatch-load", "A snatch load without dissipation at high frequencies", measure_snatch),)
