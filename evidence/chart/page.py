@@ -41,6 +41,7 @@ def page(tables: Tables) -> str:
         "finest": finest(t, "coupled"),
         "fastest": [(words, *(_fastest(t, c, error, bound) for c in COUPLINGS)) for error, bound, words in ASKED],
         "stated": [_statement(t, c) for c in COUPLINGS],
+        "spacing": depth.FINEST,
         "depth": depth.reading(tables["depth"]),
         "exact": _against_complete(t, "uncoupled", ("spatial", "planar")),
         "approximate": _against_complete(t, "coupled", ("planar", "rigid")),

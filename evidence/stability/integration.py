@@ -11,11 +11,10 @@ import numpy as np
 
 from evidence.claims import above, below
 from rope_model.numerics.generalized_alpha import Coefficients, Motion, restart, step
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
-from rope_model.simulation.ends.paths import EndMotion
+from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem
 
-from .entry import Array, Entry, Finding
+from .entry import Entry, Finding
 from .trips import hang
 
 PORTABLE = Solver(kernels="portable")
@@ -88,56 +87,4 @@ def varying_steps() -> Finding:
     return compare_orders(step_without_recentring, VARYING, "without re-centring")
 
 
-# spectral radius
-
-
-def alternation(x: Array) -> Array:
-    """What alternates in sign from step to step: a fourth difference, over 16; two samples shorter at each end."""
-    return np.asarray(np.abs(x[4:] - 4 * x[3:-1] + 6 * x[2:-2] - 4 * x[1:-3] + x[:-4]) / 16)
-
-
-def after_release(rho: float) -> tuple[Array, Array, int]:
-    """Times (s), alternating part of the left end's force (N), and swivel events."""
-    h, swivel = 0.01, Swivel(mode="coulomb", mu_static=0.007, mu_kinetic=0.006, release_time=0.2)
-    rope = hang(
-        Scene(
-            rope=Rope(length=30.0, beta_K=0.0),
-            left=swivel,
-            right=swivel,
-            mesh=Mesh(kind="eem", elements=60),
-            solver=Solver(rho_inf=rho, tolerance=1e6),
-        ),
-        right=6.0,
-    )
-    force = []
-    for k in range(400):
-        assert rope.advance_to((k + 1) * h, EndMotion(), EndMotion(y=6.0)).valid
-        force.append(rope.state.motion.reaction[0, 1])
-    return h * np.arange(3.0, 399.0), alternation(np.array(force)), rope.state.counts.swivel_events
-
-
-def ringing() -> Finding:
-    """The alternating part of an end force just after the first slips and seconds later."""
-    early, late = (0.3, 0.8), (3.5, 4.0)
-    runs = {rho: after_release(rho) for rho in (1.0, 0.6)}
-
-    def remains(rho: float) -> tuple[float, float]:
-        t, x, _ = runs[rho]
-        first, last = (float(np.sqrt(np.mean(x[(t >= a) & (t < b)] ** 2))) for a, b in (early, late))
-        return last, last / first
-
-    counterexample, ours = remains(1.0), remains(0.6)
-    return Finding(
-        counterexample=(
-            # |eigenvalue| 1 at infinite frequency: what is in stays in, and every event adds
-            above("alternating force after 4 s over that after 0.5 s, rho_inf = 1", counterexample[1], 0.5),
-            above("alternating force after 4 s, rho_inf = 1, over that with 0.6", counterexample[0] / ours[0], 10.0),
-        ),
-        ours=(below("alternating force after 4 s over that after 0.5 s, rho_inf = 0.6", ours[1], 0.5),),
-    )
-
-
-ENTRIES = (
-    Entry("varying-steps", "Varying steps", varying_steps, slow=True),
-    Entry("ringing", "Spectral radius 1 with swivel events", ringing, slow=True),
-)
+ENTRIES = (Entry("varying-steps", "Varying steps", varying_steps, slow=True),)
