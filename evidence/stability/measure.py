@@ -9,15 +9,14 @@ from tqdm import tqdm
 from evidence.claims import Measurement
 from evidence.tables import Tables, table
 
-from . import discretisation, frames, integration, motion, swivel
+from . import discretisation, frames, motion, swivel
 from .entry import Entry
 
 CHAPTERS: dict[str, tuple[Entry, ...]] = {
     "Elements and meshes": discretisation.ENTRIES,
-    "Time integration": integration.ENTRIES,
     "Frame of the cross-section": frames.ENTRIES,
     "Swivels": swivel.ENTRIES,
-    "Large motions": motion.ENTRIES,
+    "Time integration in large motions": motion.ENTRIES,
 }
 CLAIMS = ("scene", "side", "what", "value", "unit", "relation", "bound")
 

@@ -12,13 +12,11 @@ from numpy.testing import assert_allclose
 
 from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.rule import judges, off, shares, slip
-from evidence.mesh_rule.scenes import FIT, JUDGE, KINDS, draw
+from evidence.mesh_rule.scenes import JUDGE, KINDS, draw
 from evidence.promise.scenes import draw as promise_scenes
 from evidence.promise.wind import errors, wind
 from evidence.rendering import DOCS
-from evidence.sampling import BENDING, LENGTH, MASS
 from evidence.tables import read, table
-from hoist_demo.control.trajectory import s_curve
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.estimates import axial_frequency
@@ -138,13 +136,3 @@ def test_fits_find_the_coefficients_of_made_up_data() -> None:
     )
     ends = table(("end element [m]", "layer [m]", "moment error"), [(a, 0.5, 1e-3 * (2 * a) ** 4) for a in x])
     assert_allclose(laws._ends(ends).values, (1e-3, 4.0))
-
-
-def test_scenes_lie_within_their_bounds_and_seeds_differ() -> None:
-    fit, judge = list(draw(FIT, 30)), list(draw(JUDGE, 30))
-    assert fit[0].rope != judge[0].rope
-    assert list(draw(FIT, 30)) == fit
-    for d in fit + judge:
-        for value, (low, high) in ((d.rope.length, LENGTH), (d.rope.mass_per_length, MASS), (d.rope.EI, BENDING)):
-            assert low <= value <= high
-        assert s_curve(d.stopped).duration < s_curve(d.smooth).duration
