@@ -65,7 +65,7 @@ validate: $(READY)  ## hold the model against measurement, theory and other code
 contact: $(READY)  ## check contact against exact cases (3 minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.contact
 
-signals: $(READY)  ## wind with motions that tables, rounding and slow parts give (10 minutes)
+signals: $(READY)  ## wind with motions that tables, rounding and repetition give (5 minutes)
 	$(MEASURE) signals -- signals
 
 bench: $(READY)  ## measure the speed of every form of the rope, and windings per minute

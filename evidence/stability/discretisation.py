@@ -1,4 +1,4 @@
-"""Elements and meshes that break: locking, hourglassing, long steps on long elements, a loop that leaves its mesh."""
+"""Elements and meshes that break: locking, and a loop that leaves its mesh."""
 
 from __future__ import annotations
 
