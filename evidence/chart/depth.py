@@ -73,15 +73,10 @@ def _run(scene: Scene, mesh: Mesh, trip: Trip) -> Winding:
 class Saving(NamedTuple):
     """TMN-ETM against equal elements with the same error of the loop's place."""
 
-    rope: str
     length: float  # m
-    travel: float  # m
     speed: float  # m/s
     coupling: str
-    elements: int
     wanted: float  # m, loop_error that the mesh is made for
-    loop_error: float  # m
-    force_error: float
     equal_elements: float  # with the same loop error
     saved: float  # % of the equal elements' time
 
@@ -99,10 +94,8 @@ def savings(t: Table) -> list[Saving]:
             for name in ("processor time [s/s]", "elements")
         )
         saved = 100 * (1 - float(t["processor time [s/s]"][i]) / time)
-        rope, coupling = str(t["rope"][i]), str(t["coupling"][i])
-        length, travel, speed = (float(t[name][i]) for name in COLUMNS[1:4])
-        mesh, wanted, force = int(t["elements"][i]), float(t["loop_error [m]"][i]), float(t["force error"][i])
-        found.append(Saving(rope, length, travel, speed, coupling, mesh, wanted, bound, force, elements, saved))
+        length, speed, wanted = (float(t[name][i]) for name in ("length [m]", "speed [m/s]", "loop_error [m]"))
+        found.append(Saving(length, speed, str(t["coupling"][i]), wanted, elements, saved))
     return found
 
 
