@@ -21,7 +21,7 @@ def _wires(t: Table) -> Iterator[Row]:
         source = f"{wire.name} wire of {1e3 * wire.mass:.1f} g/m, {least:.0f} to {most:.0f} deg in five tests"
         for part, gaps, bound in (("a", wires.GAPS, 0.5 * wires.STEP), ("b", (wires.GAP,), math.nan)):
             span = " to ".join(f"{1e3 * gap:.0f}" for gap in dict.fromkeys((gaps[0], gaps[-1])))
-            what = f"measured turn that throws a loop, outside ours of all stiffnesses, ends {span} mm apart, by"
+            what = f"turn that throws a loop, outside ours of all stiffnesses, ends {span} mm apart, by"
             yield Row(f"W-{k}{part}", "measured", source, what, wires.outside(t, wire.name, gaps), "deg", bound, ALONE)
 
 
@@ -30,7 +30,7 @@ def _pulls(t: Table) -> Iterator[Row]:
     for k, (x, ours, chain) in enumerate(zip(t["depth"], t["ours"], t["chain"], strict=True), 1):
         # the theory's fold has no size; ours takes FOLD of the 1 - x that still falls, which is no longer little at 0.9
         bound = chains.FOLD / (1 - x) if x < 0.8 else math.nan
-        what = f"pull when the tip has fallen by {x:g} of the length, off by"
+        what = f"pull at a fall of {x:g} of the length, off by"
         yield Row(f"C-{k}", "theory", source, what, abs(ours / chain - 1), "1", bound, ALONE)
     source = "folded chain that keeps its energy falls in 0.847 sqrt(2 L/g)"
     yield Row("C-6", "theory", source, "fall time, off by", abs(chains.fall_time()), "1", chains.FOLD, ALONE)

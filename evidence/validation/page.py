@@ -50,7 +50,7 @@ def _rod(t: Table) -> Iterator[Row]:
     """The discrete rod: differences over what the convergence of the two codes accepts."""
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
-        what = f"{len(r['case'])} quantities, largest difference over what the convergence of both codes allows"
+        what = f"{len(r['case'])} quantities, largest part of what both codes' convergence allows"
         value = float(np.max(r["difference, fine"] / r["accepted"]))
         yield Row(f"R-{k}", "code", f"discrete rod: {case}", what, value, "1", 1.0, "make validate")
 
@@ -77,7 +77,7 @@ def _contact(t: Table) -> Iterator[Row]:
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
         over = [_part(*x) for x in zip(r["value"], r["relation"], r["bound"], strict=True)]
-        what = f"{len(r['case'])} checks, the largest part of an acceptance"
+        what = f"{len(r['case'])} checks, largest part of the acceptance"
         kind: Literal["code", "theory"] = "code" if any("PyElastica" in x for x in r["what"]) else "theory"
         yield Row(f"K-{k}", kind, f"contact: {case}", what, max(over), "1", 1.0, "make contact")
 
