@@ -45,7 +45,7 @@ hoist_demo.drive: .parameters rope_model.numerics
 hoist_demo.control: .parameters
 hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control
-hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.texts
+hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.parameters rope_model.texts
 hoist_demo.cases: .parameters .control rope_model.parameters
 hoist_demo.cosimulation.schemes:
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model

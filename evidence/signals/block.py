@@ -25,7 +25,7 @@ LONGEST = 0.02
 
 
 def block(tables: Tables) -> str:
-    """Return the table of signals."""
+    """Return the tables of signals and of tools with two steps."""
     t = tables["signals"]
     shown = [k for k in range(len(t["rope"])) if t["step [s]"][k] == STEP and t["reading"][k] == "start"]
     rows = []
@@ -35,18 +35,29 @@ def block(tables: Tables) -> str:
         said = next((str(t["warning"][k]) for k in found if str(t["warning"][k]) not in ("", "nan")), "")
         rows.append((signal.name, *cells, said))
     head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "the rope says")
+    m = tables["multirate"]
+    tools = [
+        (
+            str(m["tool"][k]),
+            *(quantity(m[name][k], "ms") for name in ("drive [s]", "rope [s]")),
+            *(quantity(m[name][k], "%", ".2g") for name in ("RMS", "largest")),
+            f"{m['repeated'][k]:.0f}",
+        )
+        for k in range(len(m["tool"]))
+    ]
     return "\n\n".join(
         (
             markdown(rows, *head),
             "Deviation of the end forces over the largest: root mean square / largest at an instant / told by "
             f"`status.end_force_error`. Communication steps of {quantity(STEP, 'ms')}, inputs read at a step's start; "
             "all runs are in [signals.csv](../data/signals/signals.csv).",
+            markdown(tools, "tool", "steps of the drive", "of the rope", "RMS", "largest", "samples repeated"),
         )
     )
 
 
 def claims(tables: Tables) -> Iterator[Measurement]:
-    """The targets, over all ropes, steps up to LONGEST and readings."""
+    """The targets, over all ropes and readings: of the estimate for all steps, others for steps up to LONGEST."""
     t = tables["signals"]
     judged = {signal.name for signal in SIGNALS if signal.judged}
     told = {signal.name for signal in SIGNALS if signal.told}
@@ -55,15 +66,16 @@ def claims(tables: Tables) -> Iterator[Measurement]:
     yield Measurement("end force, RMS", _worst(t["RMS"][kept]), "1", "<", RMS)
     yield Measurement("end force, largest", _worst(t["largest"][kept]), "1", "<", LARGEST)
     estimated = {signal.name for signal in SIGNALS if signal.estimated}
-    ratio = (t["told"] / t["RMS"])[short & (t["RMS"] > SMALL) & np.isin(t["signal"], sorted(estimated))]
+    ratio = (t["told"] / t["RMS"])[(t["RMS"] > SMALL) & np.isin(t["signal"], sorted(estimated))]
     yield Measurement("estimate over deviation, largest", _worst(ratio), "1", "<", FACTOR)
     yield Measurement("estimate over deviation, least", float(np.min(ratio)), "1", ">", 1.0 / FACTOR)
     # a table as fine as the steps fits
     unfit = short & np.isin(t["signal"], sorted(told)) & (t["misfit [m]"] > FITS)
     silent = sum(1 for k in np.flatnonzero(unfit) if not _says(t, k))
     yield Measurement("signals that no warning names", silent, "1", "<", 0.5)
-    failed = sum(1 for x in t["failure"] if str(x) not in ("", "nan"))
+    failed = sum(1 for x in (*t["failure"], *tables["multirate"]["failure"]) if str(x) not in ("", "nan"))
     yield Measurement("runs that fail", failed, "1", "<", 0.5)
+    yield Measurement("drive and rope with two steps, RMS", _worst(tables["multirate"]["RMS"]), "1", "<", RMS)
 
 
 def _says(t: Table, k: Any) -> bool:

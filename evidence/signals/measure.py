@@ -17,6 +17,7 @@ from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Level, Scene, at_level, balance_rope, rope, rope_120
 from rope_model.parameters import Layout
 
+from . import multirate
 from .sources import SIGNALS, Sample, Source, motion_of
 
 OUTPUTS = ("left.fy", "right.fy", "left.fx", "right.fx", "loop.y", "status.end_force_error", "status.loop_error")
@@ -123,4 +124,4 @@ def missed(recorded: Tables) -> Iterator[str]:
     return (f"{c.what} is {c.value:.3g}, wanted {c.relation} {c.bound:.3g}" for c in claims(recorded) if not c.holds)
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"signals": tables}
+MEASURES: dict[str, Callable[[], Tables]] = {"signals": tables, "multirate": multirate.tables}
