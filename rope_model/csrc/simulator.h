@@ -9,7 +9,7 @@
 
 /* A step that nobody has accepted yet, as numerics.generalized_alpha.StepResult; its arrays are the simulator's. */
 typedef struct {
-    double t, h, place, strains[2], error, balance[BALANCE]; /* error: of place and strain over what is allowed */
+    double t, h, place, error, balance[BALANCE]; /* error: of place and strain over what is allowed */
     int reached, near;                                       /* near: whether it may touch a body */
     Progress newton;
 } Trial;

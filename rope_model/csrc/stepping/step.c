@@ -161,8 +161,7 @@ Trial trial_step(Simulator *rope, State *state, double h) {
     double largest = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t at = (side ? size - DOF : 0) + SLOPE + 1;
-        trial.strains[side] = local_error(&method, h, change[at]);
-        largest = fmax(largest, fabs(trial.strains[side]));
+        largest = fmax(largest, fabs(local_error(&method, h, change[at])));
     }
     const StepLimits limits = step_limits(&rope->scene, &state->errors, bottom_of(rope, state, state->t), apart(&old),
                                           local_error(&method, 1, 1));
@@ -249,7 +248,11 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     const double moved_by = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom = bottom_of(rope, state, state->t), speed = apart(&m);
-    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], c[3], force = 0;
+    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const size_t at = (side ? size - DOF : 0) + SLOPE + 1;
+        paces[side] = (now->v[at] - m.v[at]) / h;
+    }
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
     for (size_t i = 0; i < size; i++) {
@@ -268,8 +271,8 @@ void commit(Simulator *rope, State *state, const Trial *trial) {
     state->t = s.time = trial->t, state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    newton_coefficients(&method, trial->h, c);
-    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, c, trial->strains, trial->place, force);
+    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, local_error(&method, 1, 1), paces,
+                               trial->place, force);
     set_powers(rope, state);
     if (!trial->near) s.around = NULL;
     set_energies(energy, trial->balance, &s, m.q, m.v);
