@@ -10,7 +10,7 @@ import argparse
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -24,12 +24,10 @@ from rope_model import balance_rope
 from rope_model.codegen.platforms import text_hash
 
 from .judging import claims, completed, over_asked
-from .scenes import JUDGE, Sample, draw
+from .scenes import JUDGE, REQUESTED, SCENES, Sample, draw
 from .wind import COLUMNS, REQUESTS, SETTLE, judge
 
 PAGE = PAGES["promise"]
-#: scenes that are wound with the default, and how many of them with the other requests, too
-SCENES, REQUESTED = 44, 30
 #: columns that are printed of the worst scenes, and how many of these
 SHOWN, WORST = ("end force", "end force, estimated", "loop [m]", "loop, estimated [m]"), 10
 
@@ -49,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rest = [s for s in samples if not (folder / f"{s.number:03d}.csv").exists()]
         for number in pool.map(_keep, rest, [folder] * len(rest), [begun + 60 * options.minutes] * len(rest)):
             print(f"scene {number}: {time.monotonic() - begun:.0f} s", flush=True)
-    found = _together(read(folder).values())
+    found = _together([*read(folder).values()])
     is_page = options.seed == JUDGE
     if is_page or options.out != DOCS:
         write({"scenes": found}, options.out / "data" / PAGE.data)
@@ -76,8 +74,7 @@ def _keep(sample: Sample, folder: Path, until: float) -> int:
     return sample.number
 
 
-def _together(tables: Iterator[Table]) -> Table:
-    parts = list(tables)
+def _together(parts: Sequence[Table]) -> Table:
     return {name: np.concatenate([t[name] for t in parts]) for name in COLUMNS}
 
 

@@ -16,8 +16,8 @@ from rope_model.parameters import Layout, Rope, Scene, Swivel, SwivelMode
 
 from .sine_stop import SineStop, sine_stop
 
-#: seeds
-TUNE, JUDGE = 60, 271
+#: seeds; scenes that are wound with the default, and how many of them with the other requests, too
+TUNE, JUDGE, SCENES, REQUESTED = 60, 271, 44, 30
 LENGTH, BENDING = (40.0, 1200.0), (40.0, 3000.0)  # m, N m^2
 #: of steel wire ropes: d^2 (m^2) per mass per length; Qd (N m^2) over EA d^2
 SECTION, TORSION = 2.42e-4, (0.008, 0.02)

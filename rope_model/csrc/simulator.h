@@ -10,7 +10,7 @@
 /* A step that nobody has accepted yet, as numerics.generalized_alpha.StepResult; its arrays are the simulator's. */
 typedef struct {
     double t, h, place, error, balance[BALANCE]; /* error: of place and strain over what is allowed */
-    int reached, near;                                       /* near: whether it may touch a body */
+    int reached, near;                           /* near: whether it may touch a body */
     Progress newton;
 } Trial;
 
