@@ -45,7 +45,7 @@ hoist_demo.drive: .parameters rope_model.numerics
 hoist_demo.control: .parameters
 hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control
-hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.texts
+hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.parameters rope_model.texts
 hoist_demo.cases: .parameters .control rope_model.parameters
 hoist_demo.cosimulation.schemes:
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
@@ -69,7 +69,7 @@ HOMES = rules(
 casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
     rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.cases
-    rope_model.codegen.formulas rope_model.codegen.state_values rope_model.codegen.tables
+    rope_model.codegen.formulas rope_model.codegen.tables
     hoist_demo.design hoist_demo.drive
     hoist_demo.drive_fmu.kernels
 scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling

@@ -19,14 +19,14 @@ from pathlib import Path
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
-from ..parameters import CHOICES, Scene
+from ..parameters import Scene
 from ..physics.outline import suspension_points
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .contact.bodies import no_room
 from .contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from .contact.shaft import LOOK_EVERY, with_passages
 from .ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
-from .ends.following import Following, follow, follow_limits, follow_program, follow_rates
+from .ends.following import Following, follow, follow_limits, follow_program, manner_of
 from .ends.misfit import follow_account
 from .ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
@@ -213,7 +213,7 @@ class RopeSimulator(BalanceRope):
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
-        state = with_passages(scene, at_rest(scene, self.model.audit_begun(state)))
+        state = with_passages(scene, at_rest(scene, self.model.begin_audit(state)))
         self._accept(with_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
@@ -227,16 +227,18 @@ class RopeSimulator(BalanceRope):
         step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
         if t - start > MOST_STEPS * step_max:
             return Status(False, messages.too_far_at_once(start, t, MOST_STEPS, step_max, MOST_STEPS * step_max))
-        rates, trusted = follow_rates(scene), [*CHOICES["inputs.given"]].index(scene.inputs.given)
-        at, followed = t if given_at is None else given_at, []
+        at, earliest = t if given_at is None else given_at, start - scene.inputs.hold_max
+        if not earliest <= at <= t + SHORTEST_INTERVAL:
+            return Status(False, messages.motions_of_another_time(at, earliest, t))
+        manner, followed = manner_of(scene), []
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            found = follow(self._follow, state.following[k], state.paths[k], rates, trusted, at, t, end)
+            found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end)
             refused = refusal(scene.inputs, end, found.limits, side)
             if message := refused or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
             bottom = self.model.bottom(state.paths, start)
             leg = bottom if k == 0 else scene.rope.length - bottom
-            followed.append((found.path, follow_account(found.following, found.path, rates, scene.rope, trusted, leg)))
+            followed.append((found.path, follow_account(found.following, found.path, manner, scene.rope, leg)))
         paths, following = zip(*followed, strict=True)
         state = state._replace(paths=paths, following=following, events=())
         if scene.inputs.given != "all":
@@ -245,7 +247,7 @@ class RopeSimulator(BalanceRope):
             if self.scene.model.fidelity != "auto":
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(state.fidelity, why))
             try:
-                state = self.model.audit_begun(raise_fidelity(self.model, state, why))
+                state = self.model.begin_audit(raise_fidelity(self.model, state, why))
             except StaticsError as error:
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
@@ -269,7 +271,7 @@ class RopeSimulator(BalanceRope):
         mean = impulse[0] / (t - start), impulse[1] / (t - start)
         if state.counts.given_up and not self.state.counts.given_up:
             state = state._replace(given_up_since=start)
-        state = self.model.audited(self.state, state)
+        state = self.model.audit_interval(self.state, state)
         self._accept(state._replace(last_interval=t - start, force_mean=mean))
         return Status(True)
 
