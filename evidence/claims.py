@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from evidence.rendering import number
+
 
 @dataclass(frozen=True)
 class Measurement:
@@ -30,3 +32,9 @@ def below(what: str, value: float, bound: float, unit: str = "1") -> Measurement
 def above(what: str, value: float, bound: float, unit: str = "1") -> Measurement:
     """Return the claim that ``value`` is above ``bound``."""
     return Measurement(what, float(value), unit, ">", bound)
+
+
+def text(m: Measurement) -> str:
+    """Return the value against its bound."""
+    unit = "" if m.unit == "1" else f" {m.unit}"
+    return f"{number(m.value, '.4g')}{unit} {m.relation} {number(m.bound, 'g')}{unit}"
