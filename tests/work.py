@@ -28,7 +28,7 @@ from rope_model.parameters import Swivel
 from rope_model.simulation.stepping.hang import MOST_CORRECTIONS
 from rope_model.simulation.stepping.stepping import most_work
 
-SEED, RESTS, TRIPS = 27, 60, 20
+SEED, RESTS, TRIPS = 27, 60, 120
 TURNS = 20.0
 STEPS = (0.01, 0.02, 0.05, 0.1)  # s
 LONGEST = 10.0  # s, of a trip that is looked at

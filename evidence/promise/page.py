@@ -52,7 +52,7 @@ def _request(all_scenes: Table, asked: str) -> tuple[str, ...]:
     work = dict(zip(default["scene"].tolist(), default["work"].tolist(), strict=True))
     paid = [w / work[k] for k, w in zip(t["scene"].tolist(), t["work"].tolist(), strict=True) if k in work]
     return (
-        f"{quantity(request.end_force, '%', 'g')}, {quantity(request.loop, 'mm', 'g')}",
+        f"{asked}: {quantity(request.end_force, '%', 'g')}, {quantity(request.loop, 'mm', 'g')}",
         str(len(over)),
         quantity(float(np.mean(over <= 1)), "%"),
         number(float(over.max()), ".2g"),

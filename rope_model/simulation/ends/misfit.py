@@ -43,7 +43,8 @@ def follow_account(now: Any, path: Any, manner: Any, rope: Any, leg: Any) -> Fol
     lags = order * grows / manner.estimate
     lag = now.lag + (1.0 - exp(-manner.estimate * h)) * (lags - now.lag)
     # of a sample at the step's end whose place and speed fit: the acceleration's rate changed once within the step
-    y, vy = quintic.extrapolate(*now.motion[1], path.stop - now.given_at)
+    given_y, given_vy, given_ay = now.motion[1]
+    y, vy = quintic.extrapolate(given_y, given_vy, given_ay, path.stop - now.given_at)
     beyond = beyond_linear(h, (c0, c1), (now.asked[1], now.motion[1][2]), (y, vy), now.lively[1], LEAST_JERK)
     fits = larger(1.0 - (path.stop - now.given_at) / h, 0.0) * beyond.place_fits * beyond.speed_fits
     faster, most = beyond.faster * fits, ONE_CHANGE * h * abs(beyond.faster * fits)
