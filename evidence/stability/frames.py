@@ -1,17 +1,15 @@
-"""Frames of the cross-section that break: Tait-Bryan angles, Frenet's frame, and none at all."""
+"""A frame of the cross-section that breaks: Tait-Bryan angles."""
 
 from __future__ import annotations
 
 import math
-
-import numpy as np
 
 from evidence.claims import above, below
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
-from .counterexamples import modified_element, no_rate, tait_bryan_rate
+from .counterexamples import modified_element, tait_bryan_rate
 from .entry import Entry, Finding
 from .trips import hang
 
@@ -78,32 +76,4 @@ def tait_bryan() -> Finding:
     )
 
 
-# no frame
-
-
-def yaw_and_torque(twist: float) -> tuple[float, float]:
-    """Loop yaw (deg) and torque (N m) of an uncoupled 120 m rope that is fastened with ``twist`` (rad)."""
-    rope = hang(Scene(rope=Rope(Qb=0.0, Qc=0.0, installed_twist=twist), solver=Solver(kernels="portable")))
-    return math.degrees(rope.loop.yaw), rope.ends.moment(1, rope.state.motion.reaction)
-
-
-def theta_prime() -> Finding:
-    """Loop yaw over torque, with and without the frame's own twist in the torsional strain."""
-    twists = np.array([0.02, 0.04, 0.06, 0.08])
-    ours = np.array([yaw_and_torque(x) for x in twists])
-    with modified_element(frame_rate=no_rate):
-        counterexample = np.array([yaw_and_torque(x) for x in twists])
-    rates = [abs(x[0, 0] / x[0, 1]) for x in (ours, counterexample)]
-    return Finding(
-        counterexample=(below("loop yaw per torque, tau = theta'", rates[1], 1e-6, "deg/(N m)"),),
-        ours=(
-            # 1.23 deg at 1 N m, independently calculated; the theory asks for 2 %
-            below("error of the loop yaw per torque of 1.23 deg/(N m)", 100 * abs(rates[0] / 1.23 - 1), 2.0, "%"),
-        ),
-    )
-
-
-ENTRIES = (
-    Entry("tait-bryan", "Tait-Bryan angles at 90 degrees of loop yaw", tait_bryan, slow=True),
-    Entry("theta-prime", "Torsional strain without the frame's twist", theta_prime, slow=True),
-)
+ENTRIES = (Entry("tait-bryan", "Tait-Bryan angles at 90 degrees of loop yaw", tait_bryan, slow=True),)
