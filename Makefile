@@ -52,7 +52,7 @@ reproduce: $(READY)  ## run the published evaluation anew (10 minutes)
 accuracy: $(READY)  ## measure accuracy and speed anew (30 minutes, on a quiet machine)
 	$(MEASURE) chart choice latency -- accuracy levels
 
-promise: $(READY)  ## hold asked against reached accuracy on 200 scenes (20 minutes)
+promise: $(READY)  ## hold asked against reached accuracy on seeded scenes (half an hour)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.promise
 
 stability: $(READY)  ## run the scenes in which methods fail (10 minutes)
@@ -65,8 +65,8 @@ validate: $(READY)  ## hold the model against measurement, theory and other code
 contact: $(READY)  ## check contact against exact cases (3 minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.contact
 
-signals: $(READY)  ## wind with motions that tables, rounding and slow parts give (10 minutes)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.signals
+signals: $(READY)  ## wind with motions that tables, rounding and repetition give (5 minutes)
+	$(MEASURE) signals -- signals
 
 bench: $(READY)  ## measure the speed of every form of the rope, and windings per minute
 	$(BIN)/python -m benchmarks.speed

@@ -21,7 +21,6 @@ from rope_model.simulation.state import Event
 
 Array = NDArray[np.float64]
 H = 0.01  # s, communication step
-TORQUES = ("left.swivel.torque", "right.swivel.torque")
 
 
 def fixed_steps(h: float) -> Solver:
@@ -39,15 +38,10 @@ class Winding:
     force: list[Array] = field(default_factory=list)  # N, left and right
     bottom: list[Array] = field(default_factory=list)  # m
     observed: list[Array] = field(default_factory=list)  # (2, 7) r, r', theta at the observation points
-    torque: list[tuple[float, ...]] = field(default_factory=list)  # N m, of the conveyances on the rope's ends
     kinetic: list[float] = field(default_factory=list)  # J
     events: list[Event] = field(default_factory=list)
     simulated: float = 0.0  # s
     cpu: float = 0.0  # s, of the steps alone
-
-    @property
-    def real_time_factor(self) -> float:
-        return self.simulated / self.cpu
 
 
 def scene_of(rope: str, coupling: str) -> Scene:
@@ -83,7 +77,6 @@ def wind(
     progress: Callable[[float], None] | None = None,
     watch: Callable[[BalanceRope], None] | None = None,
     interval: float = H,
-    ends_at: Callable[[Trajectory, float, float], tuple[EndMotion, EndMotion]] = ends_at,
 ) -> Winding:
     """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``.
 
@@ -109,7 +102,6 @@ def wind(
             run.force.append(-state.motion.reaction[[0, -1], 1])
             run.bottom.append(bottom)
             run.observed.append(observation_points(state.motion.q, bottom))
-            run.torque.append(tuple(rope.signals(TORQUES).values()))
             run.kinetic.append(state.energy_balance.kinetic)
             if watch is not None:
                 watch(rope)

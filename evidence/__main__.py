@@ -18,7 +18,7 @@ from evidence.tables import read, write
 #: rooms that ``--measure`` knows: the module ``measure`` of each has MEASURES, and may have ``missed``
 ROOMS = (
     *("chart", "choice", "coupling", "discrete_rod", "knowledge"),
-    *("latency", "peer", "reproduction", "stability", "validation"),
+    *("latency", "peer", "reproduction", "signals", "stability", "validation"),
 )
 
 

@@ -56,7 +56,7 @@ class Page:
 
 PAGES: dict[str, Page] = {
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
-    "accuracy": Page("accuracy.md", "chart", accuracy_page, CHART, ("choice", "latency", "peer", "promise")),
+    "accuracy": Page("accuracy.md", "chart", accuracy_page, CHART, ("latency", "peer", "promise")),
     "promise": Page("promise.md", "promise", promise_page, PROMISE, orphan=True),
     "stability": Page("stability.md", "stability", stability_page, STABILITY, ("coupling",)),
     "validation": Page("validation.md", "validation", validation_page, {}, ("contact", "discrete_rod", "peer")),

@@ -49,11 +49,6 @@ def folded(text: str, summary: str) -> str:
     return f"<details><summary>{summary}</summary>\n\n{text}\n\n</details>"
 
 
-def verdict(yes: bool) -> str:
-    """Return the verdict on an aim."""
-    return "reached" if yes else "not reached"
-
-
 def listed(words: Sequence[str]) -> str:
     """A list in a sentence: "a", "a and b", "a, b and c"."""
     return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
@@ -74,9 +69,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters.update(
-        number=number, quantity=quantity, table=markdown, folded=folded, verdict=verdict, listed=listed, links=links
-    )
+    made.filters.update(number=number, quantity=quantity, table=markdown, folded=folded, listed=listed, links=links)
     return made
 
 

@@ -1,6 +1,7 @@
 """What the shaft's air does to a winding: at rest, pushed aside by a conveyance, and blown across by a gallery."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -21,6 +22,7 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=y, vy=v, ay=a), EndMotion(y=TRAVEL - y, vy=-v, ay=-a)
 
 
+@cache
 def wound(air: Air) -> np.ndarray:
     """The loop's place (m) and the ends' side forces (N) over the winding and as long after it."""
     scene = rope_120().scene

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip, wound
 
+from rope_model import BalanceRope, balance_rope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.simulation.ends.paths import EndMotion
@@ -26,8 +27,16 @@ BOTTOM = SHAPE_POINTS // 2
 
 def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> RopeSimulator:
     """A smooth trip of 8 m in 5 s, after so many steps of 10 ms."""
-    rope = RopeSimulator(scene if fidelity is None else scene.with_(model=Model(fidelity=fidelity)))
-    return wound(rope, lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps)
+    scene = scene if fidelity is None else scene.with_(model=Model(fidelity=fidelity))
+    return seen(wound(balance_rope(scene), lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps))
+
+
+def seen(wound: BalanceRope) -> RopeSimulator:
+    """The Python rope in the state of one that was wound; it compiles nothing for a look."""
+    solver = replace(wound.scene.solver, kernels="portable")
+    rope = RopeSimulator(wound.scene.with_(solver=solver))
+    rope.restore(wound.state)
+    return rope
 
 
 def along(rope: RopeSimulator, name: str) -> np.ndarray:
@@ -109,8 +118,9 @@ def test_rigid_rope_has_the_tension_of_its_ends_and_nearly_that_of_the_flexible_
 @pytest.mark.parametrize("length", [30.0, *(pytest.param(x, marks=pytest.mark.slow) for x in (120.0, 1000.0)), 4000.0])
 def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
     scene = UNCOUPLED.with_(rope=replace(UNCOUPLED.rope, length=length), mesh=Mesh(), model=Model("planar"))
-    rope = RopeSimulator(scene)
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    hung = balance_rope(scene)
+    assert hung.initialize(0.0, EndMotion(), EndMotion()).valid
+    rope = seen(hung)
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
     pieces = np.diff(shape(q, lengths, rope.loop.s, loop_width(scene), SHAPE_POINTS).T[:2])
     corners = np.diff(np.unwrap(np.arctan2(pieces[1], pieces[0])))

@@ -73,23 +73,6 @@ def test_commands_are_found_where_they_stand(path: Path) -> None:
     assert unknown_commands(path.read_text(encoding="utf-8")) == []
 
 
-def in_navigation(page: Path) -> set[Path]:
-    """Return the pages that a page's toctrees list, and those that their toctrees list."""
-    trees = "\n".join(re.findall(r"```\{toctree\}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL))
-    names = [re.sub(r".* <(.*)>", r"\1", line) for line in trees.splitlines() if line and not line.startswith(":")]
-    listed = {page.parent / f"{name}.md" for name in names}
-    return listed.union(*(in_navigation(found) for found in listed))
-
-
-def test_every_page_is_in_the_site_s_navigation_or_linked_from_one_that_is() -> None:
-    index = DOCS / "index.md"
-    texts = {page: page.read_text(encoding="utf-8") for page in PAGES if page.is_relative_to(DOCS)}
-    orphans = {page for page, text in texts.items() if text.startswith("---\norphan: true\n---\n")}
-    listed = in_navigation(index)
-    assert listed == set(texts) - {index} - orphans
-    assert all(any(f"]({orphan.name}" in texts[page] for page in listed) for orphan in orphans)
-
-
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
     assert (DOCS / "images" / name).read_text(encoding="utf-8") == FIGURES[name]().svg()
@@ -100,18 +83,3 @@ def test_the_animated_winding_shows_every_frame_and_is_small() -> None:
     moves = [element.get("values", "") for element in ET.parse(path).iter() if "animate" in element.tag]
     assert {len(values.split(";")) for values in moves} == {round(winding.END / winding.FRAME) + 1}
     assert path.stat().st_size < 1.5e6
-
-
-def unknown_equations(text: str) -> set[str]:
-    """Return the labels that a text refers to but does not have, or has twice."""
-    labels = re.findall(r"^\$\$ \((\S+)\)$", text, re.MULTILINE)
-    twice = {label for label in labels if labels.count(label) > 1}
-    return twice | ({*re.findall(r"\{eq\}`(\S+?)`", text)} - {*labels})
-
-
-def test_equations_that_the_theory_refers_to_are_there() -> None:
-    assert not unknown_equations("".join(path.read_text(encoding="utf-8") for path in (DOCS / "theory").glob("*.md")))
-
-
-def test_an_unknown_equation_is_seen() -> None:
-    assert unknown_equations("$$\na\n$$ (a)\n$$\nb\n$$ (b)\n$$\nb\n$$ (b)\n{eq}`a` {eq}`c`\n") == {"b", "c"}

@@ -76,14 +76,14 @@ def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
 
 
 def test_trips_from_rest_miss_what_builds_up(tmp_path: Path) -> None:
-    schedule = schedule_of(tmp_path, repeat=3, settle=15.0)
+    schedule = schedule_of(tmp_path, repeat=2, settle=15.0)
     rest = place_at_rest(schedule, rope_of(schedule))
     trips = table([row(trip, rest) for trip in wound(schedule)], 2)
     found = {one.name: one for one in worst(trips, 2)}
     assert found["loop_yaw"].trip > 2
     assert found["loop_yaw"].missed > 0.3
     assert_array_equal(trips["yaw_start"][1:], trips["yaw_end"][:-1])
-    assert_allclose(trips["landing"], [90.0, 0.0] * 3, rtol=0.0, atol=1e-12)
+    assert_allclose(trips["landing"], [90.0, 0.0] * 2, rtol=0.0, atol=1e-12)
     assert steady_from(trips, 2) is None
 
 

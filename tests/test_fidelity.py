@@ -17,7 +17,6 @@ from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity, choose_fidelity, lowest_sufficient
 from rope_model.simulation.messages.fidelity_cases import expected_travel, force_error
 from rope_model.simulation.rigid import RigidRope, rigid_rope
-from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
 
 Ends = tuple[EndMotion, EndMotion]
@@ -40,13 +39,9 @@ def ends_at(t: float, z: float = 0.0, yaw: float = 0.0, duration: float = DURATI
     return left, EndMotion(y=HIGH - x, vy=-v, ay=-a)
 
 
-def start(scene: Scene, **model: object) -> RopeSimulator:
-    return started(RopeSimulator(scene.with_(model=Model(**model))))  # type: ignore[arg-type]
-
-
-def start_fast(scene: Scene, fidelity: Fidelity) -> BalanceRope:
-    """The native rope, where it is to be had."""
-    return started(balance_rope(scene.with_(model=Model(fidelity))))
+def start(scene: Scene, **model: object) -> BalanceRope:
+    """The native rope, where it is to be had; test_native holds the Python one against it."""
+    return started(balance_rope(scene.with_(model=Model(**model))))  # type: ignore[arg-type]
 
 
 def started(rope: Form) -> Form:
@@ -71,7 +66,7 @@ def loop(rope: BalanceRope) -> np.ndarray:
 
 
 def test_planar_equals_torsional_without_torque_through_transformations() -> None:
-    full, planar = start_fast(SHORT, "torsional"), start_fast(SHORT, "planar")
+    full, planar = start(SHORT, fidelity="torsional"), start(SHORT, fidelity="planar")
     for k in range(1, 400):
         advance(full, k)
         advance(planar, k)
@@ -89,7 +84,7 @@ def out_of_plane_difference(elements: int, inertia: float) -> float:
     swivel = replace(FREE, inertia=0.05 * inertia)
     rope = replace(UNCOUPLED, rhoJ=UNCOUPLED.rhoJ * inertia, beta_K=0.0)
     scene = SHORT.with_(rope=rope, left=swivel, right=swivel, mesh=Mesh(kind="eem", elements=elements))
-    ropes = [start_fast(scene, "torsional"), start_fast(scene, "spatial")]
+    ropes = [start(scene, fidelity="torsional"), start(scene, fidelity="spatial")]
     differences = []
     for k in range(1, 401):
         for each in ropes:
@@ -162,7 +157,7 @@ def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> Non
         (EVEN, ("planar", "rigid")),
     ]
     for scene, fidelities in pairs:
-        ropes, forces = [start_fast(scene, fidelity) for fidelity in fidelities], []
+        ropes, forces = [start(scene, fidelity=fidelity) for fidelity in fidelities], []
         for k in range(1, 1001):
             for rope in ropes:
                 advance(rope, k, duration=duration)
@@ -248,7 +243,7 @@ def test_fidelity_and_reason_survive_saving() -> None:
     state = RopeState.from_bytes(rope.save())
     assert (state.fidelity, state.fidelity_reason) == (rope.state.fidelity, rope.state.fidelity_reason)
     assert state.fidelity == "torsional"
-    again = RopeSimulator(rope.scene)
+    again = balance_rope(rope.scene)
     again.restore(rope.save())
     advance(again, 121, z=0.2)
     advance(rope, 121, z=0.2)

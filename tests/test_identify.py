@@ -12,7 +12,7 @@ from balance_rope import _with_rope, main
 from hoist_demo.calibration.definition import read_known, read_measured
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
-from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement, Trial
+from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.settings import rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
@@ -91,12 +91,6 @@ def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
     found = fit(residuals_of(bench, plan, bench.predict(truth, plan), sigmas), truth.size)
     # what Newton's method leaves of the yaw, 1e-5 rad, is 1e-3 of its sigma
     assert_allclose(found.shares, truth, atol=1e-3)
-
-
-def test_the_swing_is_that_of_the_reference() -> None:
-    # of the uncoupled rope-120 at equal heights, by an independent discrete rod that its author holds for 0.2 %
-    trial = Trial(rope_data({"rope.Qb": 0.0, "rope.Qc": 0.0}))
-    assert_allclose(trial.frequencies("in plane", 0.0, 0.0)[:2], [0.07759, 0.11735], rtol=5e-3)
 
 
 def test_what_a_swing_sweeps_is_that_of_its_track() -> None:

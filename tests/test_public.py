@@ -23,8 +23,6 @@ from rope_model.numerics.kernels import find_compiler
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
 SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))
-#: what has a docstring, like functions
-DESCRIBED = type, property, staticmethod
 #: N/m of rope_120
 WEIGHT = 8.0 * 9.81
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

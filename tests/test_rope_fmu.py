@@ -164,7 +164,7 @@ def test_serialized_state_goes_on_in_another_process_over_swivel_events_to_the_b
     host: Host, folders: Folders, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
     """Also in an instance that has not been initialised, and has other parameters."""
-    host.start(**{"inputs_at_step_end": True, "rope.installed_twist": 2.0, **SWIVELS})
+    host.start(**EVEN, **{"rope.installed_twist": 2.0}, **SWIVELS)
     run(host, 0, 40)
     state, saved = host.state(), tmp_path / "state"
     saved.write_bytes(host.serialize(state))

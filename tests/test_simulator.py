@@ -40,8 +40,8 @@ def ends_at(t: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=LOW + x, vy=v, ay=a), EndMotion(y=HIGH - x, vy=-v, ay=-a)
 
 
-def start(scene: Scene = SHORT) -> RopeSimulator:
-    return started(RopeSimulator(scene))
+def start(scene: Scene = SHORT) -> BalanceRope:
+    return started(balance_rope(scene))
 
 
 def started(rope: Form) -> Form:
@@ -173,7 +173,7 @@ def test_work_of_nonconservative_coupling_is_counted_and_the_energy_balance_clos
 def test_saved_state_continues_to_the_bit_over_a_transformation_and_a_release() -> None:
     swivel = Swivel(mode="coulomb", mu_static=0.004, mu_kinetic=0.003, release_time=1.5)
     scene = SHORT.with_(left=swivel, right=swivel)
-    rope = start(scene)
+    rope = started(RopeSimulator(scene))
     wind(rope, 0, 140)
     data = rope.save()
     expected = wind(rope, 140, 240, names=None)

@@ -50,9 +50,9 @@ def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable
 
 
 @functools.cache
-def wind(tool: str, ssp: Path, steps: int = STEPS) -> NDArray[np.float64]:
+def wind(tool: str, ssp: Path, steps: int = STEPS, *signals: str) -> NDArray[np.float64]:
     """(steps, signals)."""
-    command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(steps)]
+    command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(steps), *signals]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
     assert line is not None, done.stdout[-2000:] + done.stderr[-2000:]

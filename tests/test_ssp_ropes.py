@@ -1,20 +1,16 @@
 """A hoist with several ropes that differ as one SSP: what is connected, how it moves, and what is refused."""
 
-import functools
-import json
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
-import ssp_driver
 from exports import FLAVOURS
 from fmpy.ssp.ssd import read_ssd
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from test_tools import environment, require
+from test_ssp import wind as in_tool
+from test_tools import require
 
 from balance_rope import main
 from hoist_demo.cosimulation.host import Host
@@ -62,14 +58,9 @@ def ssp(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "rope.ssp"
 
 
-@functools.cache
 def wind(tool: str, ssp: Path) -> NDArray[np.float64]:
-    """(STEPS, signals)."""
-    command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(STEPS), *SIGNALS]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
-    line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
-    assert line is not None, done.stdout[-2000:] + done.stderr[-2000:]
-    return np.array(json.loads(line.removeprefix("RESULT ")))
+    """(STEPS, SIGNALS)."""
+    return in_tool(tool, ssp, STEPS, *SIGNALS)
 
 
 def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(ssp: Path) -> None:

@@ -1,22 +1,16 @@
-"""A host in C (tests/native/threads.c) in which threads instantiate and step an FMU of the rope at once.
-
-``python tests/threads.py --runs 100`` runs it so often, with both flavours.
-"""
+"""A host in C (tests/native/threads.c) in which threads instantiate and step an FMU of the rope at once."""
 
 from __future__ import annotations
 
-import argparse
 import ctypes.util
 import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 import fmpy
-from exports import ARCHIVES
 from native_raw import SMALL
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -64,34 +58,3 @@ def run(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS) -> sub
     return subprocess.run(
         list(map(str, command)), capture_output=True, text=True, timeout=600, check=False, env=environment
     )
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description="threads of a host in C that instantiate at once")
-    parser.add_argument("--runs", type=int, default=100)
-    parser.add_argument("--threads", type=int, default=THREADS)
-    parser.add_argument("--flavours", nargs="+", default=["python", "native-2"])
-    options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        program, failed = build(folder), 0
-        for flavour in options.flavours:
-            fmu = ARCHIVES[flavour](folder / f"{flavour}.fmu")
-            unzipped = Path(fmpy.extract(str(fmu), str(folder / flavour)))
-            wrong = []
-            for number in range(options.runs):
-                done = run(program, fmu, unzipped, options.threads)
-                print(f"{flavour} {number + 1}: {done.stdout.strip()}", flush=True)
-                if done.returncode:
-                    wrong.append(f"exit code {done.returncode}: {done.stdout}{done.stderr[-500:]}")
-            print(
-                f"{flavour}: {options.runs} runs of {options.threads} threads, {len(wrong)} failed",
-                *wrong[:3],
-                sep="\n",
-            )
-            failed += len(wrong)
-    raise SystemExit(failed > 0)
-
-
-if __name__ == "__main__":
-    main()

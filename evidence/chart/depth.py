@@ -16,7 +16,6 @@ from tqdm import tqdm
 
 from benchmarks.kinematic import Winding, scene_of, wind
 from evidence.errors import force_error, place_error
-from evidence.rendering import number, quantity
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
@@ -74,15 +73,10 @@ def _run(scene: Scene, mesh: Mesh, trip: Trip) -> Winding:
 class Saving(NamedTuple):
     """TMN-ETM against equal elements with the same error of the loop's place."""
 
-    rope: str
     length: float  # m
-    travel: float  # m
     speed: float  # m/s
     coupling: str
-    elements: int
     wanted: float  # m, loop_error that the mesh is made for
-    loop_error: float  # m
-    force_error: float
     equal_elements: float  # with the same loop error
     saved: float  # % of the equal elements' time
 
@@ -100,36 +94,19 @@ def savings(t: Table) -> list[Saving]:
             for name in ("processor time [s/s]", "elements")
         )
         saved = 100 * (1 - float(t["processor time [s/s]"][i]) / time)
-        rope, coupling = str(t["rope"][i]), str(t["coupling"][i])
-        length, travel, speed = (float(t[name][i]) for name in COLUMNS[1:4])
-        mesh, wanted, force = int(t["elements"][i]), float(t["loop_error [m]"][i]), float(t["force error"][i])
-        found.append(Saving(rope, length, travel, speed, coupling, mesh, wanted, bound, force, elements, saved))
+        length, speed, wanted = (float(t[name][i]) for name in ("length [m]", "speed [m/s]", "loop_error [m]"))
+        found.append(Saving(length, speed, str(t["coupling"][i]), wanted, elements, saved))
     return found
 
 
-def reading(t: Table) -> dict[str, Any]:
-    """Return rows of the page's table, and where the savings that the source states are reached."""
+def reading(t: Table) -> list[dict[str, Any]]:
+    """Return the most that is saved of either coupling."""
     found = savings(t)
-    return {"rows": [_row(s) for s in found], "sources": [_verdict_of(found, c) for c in COUPLINGS]}
-
-
-def _row(s: Saving) -> tuple[str, ...]:
-    known = bool(np.isfinite(s.saved))
-    return (
-        f"{s.rope}, {quantity(s.length, 'm', 'g')}",
-        f"{quantity(s.travel, 'm', 'g')} at {quantity(s.speed, 'm/s', 'g')}",
-        s.coupling,
-        str(s.elements),
-        quantity(s.loop_error, "mm", ".2g"),
-        quantity(s.force_error, "%", ".2g"),
-        number(s.equal_elements, ".0f") if known else "more than tried",
-        f"{s.saved:.1f} %" if known else "",
-        f"{100 * (1 - s.elements / s.equal_elements):.1f} %" if known else "",
-    )
+    return [_verdict_of(found, c) for c in COUPLINGS]
 
 
 def _verdict_of(found: Sequence[Saving], coupling: str) -> dict[str, Any]:
-    """Return the most that is saved at each length, and whether it is the part that the source states."""
+    """Return the most that is saved at each length, and the part that the source states."""
     mine = [s for s in found if s.coupling == coupling and np.isfinite(s.saved)]
     most = {s.length: max(x.saved for x in mine if x.length == s.length) for s in mine}
     return {"coupling": coupling, "asked": SOURCE_SAVED[coupling], "most": [(part, at) for at, part in most.items()]}

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
-from evidence.choice.page import choices
 from evidence.latency.page import latencies
 from evidence.machine import facts
-from evidence.promise.judging import completed, near, over_asked
+from evidence.promise.judging import ESTIMATES, completed, near, over_asked
 from evidence.promise.scenes import JUDGE
 from evidence.rendering import number, quantity, render
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, rows
+from rope_model.physics.estimates import ASSUMED
 
 from . import depth
 from .front import cheapest, cost_at
 from .levels import levels
 from .measure import COST
-from .reading import FORCE, LOOP, TWIST, elements_for, finest, limit, the, time_saving
+from .reading import FORCE, LOOP, finest, limit, the
 
 COUPLINGS = ("coupled", "uncoupled")
 #: asked for in the tables: fraction of the largest force, m
@@ -38,18 +37,16 @@ def page(tables: Tables) -> str:
         "machine": facts(tables["machine"]),
         "levels": levels(tables),
         "promise": _promise(tables["promise/scenes"]),
-        "references": [_reference(t, c) for c in COUPLINGS],
+        "own": [{"coupling": c, "force": limit(t, c, FORCE), "loop": limit(t, c, LOOP)} for c in COUPLINGS],
+        "finest": finest(t, "coupled"),
         "fastest": [(words, *(_fastest(t, c, error, bound) for c in COUPLINGS)) for error, bound, words in ASKED],
-        "tmn_against_eem": [
-            (words, *(x for c in COUPLINGS for x in _tmn_against_eem(t, c, e, bound))) for e, bound, words in ASKED
-        ],
         "stated": [_statement(t, c) for c in COUPLINGS],
-        "finest": depth.FINEST,
+        "spacing": depth.FINEST,
         "depth": depth.reading(tables["depth"]),
         "exact": _against_complete(t, "uncoupled", ("spatial", "planar")),
         "approximate": _against_complete(t, "coupled", ("planar", "rigid")),
         "equal": equal_errors(tables["peer/winding"]),
-        "choice": choices(tables),
+        "expected": ASSUMED,
         "latency": latencies(tables),
     }
     return render("chart/accuracy.md.j2", data)
@@ -59,29 +56,8 @@ def _promise(scenes: Table) -> dict[str, Any]:
     """Return how far the accuracy that is asked for is kept."""
     t = completed(scenes)
     over = over_asked(t)
-    estimates = (near(t[f"{x}, estimated{unit}"], t[f"{x}{unit}"]) for x, unit in (("end force", ""), ("loop", " [m]")))
-    of = {"number": len(scenes["kind"]), "seed": JUDGE, "within": float(np.mean(over <= 1)), "worst": over.max()}
-    return {**of, "near": [*estimates]}
-
-
-def _reference(t: Table, coupling: str) -> dict[str, Any]:
-    """Return the reference solution, the differences of coarser ones from it, and its own error."""
-    r = rows(t, family="reference", coupling=coupling)
-    n, h = finest(t, coupling)
-    columns = (r[name].tolist() for name in ("elements", "largest step [s]", FORCE, LOOP, TWIST))
-    differences = [
-        (
-            number(k, "g"),
-            quantity(s, "ms", "g"),
-            quantity(force, "%", ".2g"),
-            quantity(loop, "mm", ".2g"),
-            quantity(twist, "mrad", ".2g") if math.isfinite(twist) else "",
-        )
-        for k, s, force, loop, twist in zip(*columns, strict=True)
-        if (k, s) != (n, h)
-    ]
-    errors = {name: limit(t, coupling, error) for name, error in (("force", FORCE), ("loop", LOOP), ("twist", TWIST))}
-    return {"coupling": coupling, "elements": n, "step": h, "differences": differences, **errors}
+    of = {"number": len(over), "seed": JUDGE, "within": float(np.mean(over <= 1)), "worst": over.max()}
+    return {**of, "near": [near(t, estimate) for estimate in ESTIMATES]}
 
 
 def _fastest(t: Table, coupling: str, error: str, bound: float) -> str:
@@ -92,13 +68,6 @@ def _fastest(t: Table, coupling: str, error: str, bound: float) -> str:
     kind = str(r["mesh"][i]).split(",")[0]
     step = min(r["largest step [s]"][i], r["communication step [s]"][i])
     return f"{kind} {r['elements'][i]:.0f}, {quantity(step, 'ms', 'g')}: {1 / r[COST][i]:.0f} x real time"
-
-
-def _tmn_against_eem(t: Table, coupling: str, error: str, bound: float) -> tuple[str, str, str]:
-    """Return the elements of either mesh, and the time saved."""
-    tmn, eem = (elements_for(t, family, coupling, error, bound) for family in ("tmn", "eem"))
-    part = time_saving(t, coupling, error, bound)
-    return tmn, eem, f"{part:.0f} %" if np.isfinite(part) else ""
 
 
 def _statement(t: Table, coupling: str) -> dict[str, Any]:

@@ -57,8 +57,6 @@ class Study:
     trip: Trip
     settle: float  # s
     rounds: int
-    elements: tuple[int, ...] = REFERENCE_ELEMENTS  # of the reference's convergence study
-    steps: tuple[float, ...] = REFERENCE_STEPS  # s, likewise
 
     def reference(self, coupling: str) -> Point:
         """The reference solution."""
@@ -67,7 +65,7 @@ class Study:
     @property
     def finest(self) -> str:
         """Name of the reference solution."""
-        return eem_name(self.elements[-1], self.steps[-1])
+        return eem_name(REFERENCE_ELEMENTS[-1], REFERENCE_STEPS[-1])
 
     def of(self, family: str, coupling: str) -> list[Point]:
         """The points of one family."""
@@ -86,19 +84,12 @@ def eem_name(elements: int, step: float) -> str:
 
 def complete() -> Study:
     """Everything, on the winding of 90 m."""
-    points = [p for c in COUPLINGS for p in _all(c, REFERENCE_ELEMENTS, REFERENCE_STEPS)]
+    points = [p for c in COUPLINGS for p in _all(c)]
     return Study(tuple(points), Trip(), settle=3.0, rounds=3)
 
 
-def quick() -> Study:
-    """Return the levels and a coarse reference on 1 m of travel: a check that all is in place, not a result."""
-    elements, steps = (60, 90), (20e-3, 10e-3)
-    points = [p for c in COUPLINGS for p in _all(c, elements, steps) if p.family in ("reference", "levels")]
-    return Study(tuple(points), Trip(travel=1.0, start_delay=0.0), 0.0, 1, elements, steps)
-
-
-def _all(coupling: str, elements: tuple[int, ...], steps: tuple[float, ...]) -> Iterator[Point]:
-    for n, h in product(elements, steps):
+def _all(coupling: str) -> Iterator[Point]:
+    for n, h in product(REFERENCE_ELEMENTS, REFERENCE_STEPS):
         yield Point("reference", eem_name(n, h), coupling, Mesh("eem", elements=n), fixed_steps(h))
     yield from _levels(coupling)
     for n, h in product(EEM_ELEMENTS, STEPS):

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from evidence.tables import Table, rows
 
-from .front import cost_at, pareto
-from .measure import COST, ERRORS
+from .measure import ERRORS
 
 FORCE, LOOP, TWIST = ERRORS
 Array = NDArray[np.float64]
@@ -47,20 +46,3 @@ def limit(t: Table, coupling: str, error: str) -> float:
         order = np.argsort(-size[line])[:-1]  # the last is the reference itself
         parts.append(finest_error(r[error][line][order]) if order.size else 0.0)
     return sum(parts)
-
-
-def elements_for(t: Table, family: str, coupling: str, error: str, bound: float) -> str:
-    """Elements with which a family keeps ``bound``, interpolated on its own front, as text."""
-    r = rows(t, family=family, coupling=coupling)
-    elements = cost_at(r["elements"], r[error], bound)
-    if not np.isfinite(elements):
-        return "not reached"
-    front = pareto(r["elements"], r[error])
-    least = "at most " if bound >= r[error][front].max() else ""
-    return f"{least}{elements:.0f}"
-
-
-def time_saving(t: Table, coupling: str, error: str, bound: float) -> float:
-    """% of EEM's time that TMN-ETM saves at the same error; NaN where either does not reach it."""
-    tmn, eem = (rows(t, family=f, coupling=coupling) for f in ("tmn", "eem"))
-    return 100 * (1 - cost_at(tmn[COST], tmn[error], bound) / cost_at(eem[COST], eem[error], bound))

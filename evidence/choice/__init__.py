@@ -1,1 +1,1 @@
-"""Which fidelity of the model a scene needs, and which terms of the equations."""
+"""How far the estimates are off that choose the fidelity of the model."""

@@ -9,7 +9,7 @@ import numpy as np
 from evidence.rendering import number, quantity
 from evidence.tables import Tables, records, rows
 
-from .measure import CAUSES, ROUNDS, SETTLE, STOP, H
+from .measure import ROUNDS, SETTLE, STOP, H
 
 
 def latencies(tables: Tables) -> dict[str, Any]:
@@ -26,14 +26,6 @@ def latencies(tables: Tables) -> dict[str, Any]:
         )
         for r in records(rows(t, place="FMU"))
     ]
-    causes = [
-        (
-            f"{r['scene']}, {r['trip']}",
-            *(f"{number(1e2 * r[f'{x}, slowest'], '.2g')} ({number(1e2 * r[f'{x}, all'], '.2g')})" for x in CAUSES),
-            f"{number(r['count.newton, slowest'], '.2g')} ({number(r['count.newton, all'], '.2g')})",
-        )
-        for r in records(tables["latency/causes"])
-    ]
     share = float(np.max(t["own largest [s]"] / t["H [s]"]))
     of = {"step": H, "settle": SETTLE, "stop": STOP, "rounds": ROUNDS, "late": float(t["late"].max())}
-    return {**of, "rows": lines, "causes": causes, "share": share}
+    return {**of, "rows": lines, "share": share}

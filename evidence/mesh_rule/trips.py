@@ -57,7 +57,7 @@ def auto_mesh(sample: Sample, loop_error: float) -> Mesh:
 
 
 def parts(samples: Iterable[Sample]) -> Table:
-    """How far the loop's place is off by joined legs, by the ends' elements, and by steps of 10 ms."""
+    """How far the loop's place is off by joined legs, and by steps of 10 ms."""
     rows: list[tuple[object, ...]] = []
     for d, kind in ((d, kind) for d in samples for kind in KINDS):
         auto = auto_mesh(d, ASKED)
@@ -70,8 +70,6 @@ def parts(samples: Iterable[Sample]) -> Table:
             run = run_trip(d, kind, replace(auto, grading_length=growth))
             rows.append((*head, "legs", part, growth, run.elements, distance(run, plain)))
             if part == 1.0:
-                finer = run_trip(d, kind, replace(auto, end_levels=auto.end_levels + 3))
                 shorter = run_trip(d, kind, auto, SHORT_STEP)
-                rows.append((*head, "ends", part, growth, run.elements, distance(run, finer)))
                 rows.append((*head, "steps", part, growth, run.elements, distance(run, shorter)))
     return table(("scene", "length [m]", "trip", "what", "part", "grading_length [m]", "elements", "off [m]"), rows)

@@ -27,7 +27,6 @@ from rope_model.simulation.mesh.transfer import interpolate
 from .elements import BEAM, ELEMENTS
 
 Array = NDArray[np.float64]
-VERSION: str = exu.config.Version()
 
 #: prescribed coordinates of an end node
 HELD = (0, 1, 2)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from benchmarks.kinematic import ends_at
+from benchmarks.kinematic import wind
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, Mesh, Scene, balance_rope, rope_120
@@ -52,30 +51,13 @@ class Run:
         return self.cpu / DURATION
 
 
-def winding_ends(t: float) -> tuple[EndMotion, EndMotion]:
-    """The planar winding."""
-    return ends_at(REFERENCE, TRAVEL, t)
-
-
 def ours(group: str, label: str, scene: Scene) -> Run:
     """Return one run of ours; the host's step is the largest step."""
-    step, rope = scene.solver.step_max, balance_rope(scene)
-    status, cpu = rope.initialize(0.0, *winding_ends(0.0)), 0.0
-    count, every = round(DURATION / step), round(SAMPLE / step)
-    force, bottom = np.full((count // every, 2), np.nan), np.full((count // every, 3), np.nan)
-    for k in range(1, count + 1):
-        if not status.valid:
-            break
-        targets = winding_ends(k * step)
-        start = time.process_time()
-        status = rope.advance_to(k * step, *targets)
-        cpu += time.process_time() - start
-        if status.valid and k % every == 0:
-            motion, row = rope.state.motion, k // every - 1
-            force[row] = -motion.reaction[[0, -1], 1]
-            bottom[row] = loop_bottom(motion.q, rope.state.partition.lengths).position
-    elements = rope.elements
-    return Run("ours", group, label, elements, step, cpu, force, bottom, "" if status.valid else status.message)
+    step = scene.solver.step_max
+    run = wind(scene, REFERENCE, TRAVEL, DURATION - REFERENCE.duration, round(SAMPLE / step), interval=step)
+    if not run.status.valid:
+        raise RuntimeError(f"{label}: {run.status.message}")
+    return Run("ours", group, label, run.rope.elements, step, run.cpu, np.array(run.force), np.array(run.bottom))
 
 
 @cache

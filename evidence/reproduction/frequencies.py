@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,7 +11,6 @@ from tqdm import tqdm
 
 from evidence.claims import above, below
 from evidence.drawing import CURVES, figure
-from evidence.rendering import number
 from evidence.tables import Table, Tables, table
 from rope_model.parameters import Swivel, rope_120
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, nominal_points
@@ -24,11 +22,11 @@ from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
-from .section import Claim, Picture, Section
+from .claim import Claim, Section
 
 Array = NDArray[np.float64]
 
-#: an independent discrete-rod model, Hz; tests.test_reference_numbers has the same
+#: an independent discrete-rod model, Hz
 REFERENCE_HZ = {
     ("out", 0.0): (0.06518, 0.07751, 0.17880, 0.18815),
     ("in", 0.0): (0.07759, 0.11735, 0.18137, 0.24060),
@@ -41,7 +39,6 @@ HEIGHTS: Array = np.unique(
 )
 SHOWN = 4
 COUNT = 5  # one more, because the fourth veers with the fifth
-SWIVELS = ("free", "locked")
 PLANES = ("out", "in")
 GRID = np.linspace(0.0, 120.0, 241)  # m, arc length at which shapes are compared
 #: the MAC's columns in the table ``approaches``
@@ -60,8 +57,8 @@ class HangingRope:
         cells = partition(self.mesh, self.rope.length, 0.5 * self.rope.length)
         self.kernels = RopeKernels(cells.lengths.size, self.scene.solver.kernels)
 
-    def modes(self, height: float) -> dict[tuple[str, str], tuple[Array, Array]]:
-        """Frequencies (5,) and shapes (5, points, components) on GRID by swivels and plane.
+    def modes(self, height: float) -> dict[str, tuple[Array, Array]]:
+        """Frequencies (5,) and shapes (5, points, components) on GRID by plane, the swivels free.
 
         The left end is ``height`` (m) above the right one.
         """
@@ -72,29 +69,22 @@ class HangingRope:
         s = arc_lengths(lengths)
         ends = points + np.array([[0.0, 0.5 * height, 0.0], [0.0, -0.5 * height, 0.0]])
         q, found = hanging_guess(s, *ends), {}
-        for swivels in SWIVELS:
-            # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
-            free = SwivelState(Phase.SLIP if swivels == "free" else Phase.LOCKED, 0.0, 1.0)
-            held = SwivelState(Phase.LOCKED, 0.0, 0.0)
-            boundary = HangingEnds(points, paths, (Swivel(), Swivel(mode="free")), (held, free), (0.0, 0.0))
-            system = RopeSystem(self.kernels, lengths, P, boundary, q)
-            q = find_equilibrium(system, q).q
-            modes = natural_modes(system, q, 14)
-            for plane in PLANES:
-                chosen = np.flatnonzero((modes.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
-                columns = [2] if plane == "out" else [0, 1]
-                shapes = [interpolate(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
-                found[swivels, plane] = modes.frequencies[chosen], np.array(shapes)
+        # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
+        turns = SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.SLIP, 0.0, 1.0)
+        boundary = HangingEnds(points, paths, (Swivel(), Swivel(mode="free")), turns, (0.0, 0.0))
+        system = RopeSystem(self.kernels, lengths, P, boundary, q)
+        q = find_equilibrium(system, q).q
+        modes = natural_modes(system, q, 14)
+        for plane, columns in (("out", [2]), ("in", [0, 1])):
+            chosen = np.flatnonzero((modes.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
+            shapes = [interpolate(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
+            found[plane] = modes.frequencies[chosen], np.array(shapes)
         return found
 
 
-def column(swivels: str, plane: str, k: int) -> str:
-    """Name of a column of the table ``frequencies``."""
-    return (
-        f"{plane} of plane {k + 1}, swivels {swivels} [Hz]"
-        if plane == "out"
-        else (f"in plane {k + 1}, swivels {swivels} [Hz]")
-    )
+def column(plane: str, k: int) -> str:
+    """Return the name of a column of the table ``frequencies``."""
+    return f"{'out of' if plane == 'out' else 'in'} plane {k + 1} [Hz]"
 
 
 def measure() -> Tables:
@@ -105,12 +95,12 @@ def measure() -> Tables:
     heights = np.concatenate((-HEIGHTS[:0:-1], HEIGHTS))
     columns = {"H [m]": heights}
     rows: list[tuple[object, ...]] = []
-    for key in [(swivels, plane) for swivels in SWIVELS for plane in PLANES]:
-        f, shapes = np.array([m[key][0] for m in modes]), np.array([m[key][1] for m in modes])
+    for plane in PLANES:
+        f, shapes = np.array([m[plane][0] for m in modes]), np.array([m[plane][1] for m in modes])
         seen = np.concatenate((shapes[:0:-1, :, ::-1], shapes)), np.concatenate((f[:0:-1], f))
-        columns |= {column(*key, k): seen[1][:, k] for k in range(COUNT)}
-        rows += [(*key, *row) for row in approaches(heights, seen[1], seen[0])]
-    names = ("swivels", "plane", "lower mode", "H [m]", "gap [Hz]", "gap [% of the mean]", *SWAPPED, *KEPT, ALONG)
+        columns |= {column(plane, k): seen[1][:, k] for k in range(COUNT)}
+        rows += [(plane, *row) for row in approaches(heights, seen[1], seen[0])]
+    names = ("plane", "lower mode", "H [m]", "gap [Hz]", "gap [% of the mean]", *SWAPPED, *KEPT, ALONG)
     return {"frequencies": columns, "approaches": table(names, rows)}
 
 
@@ -148,15 +138,15 @@ def exchange_rows(t: Table) -> NDArray[np.bool_]:
     return found
 
 
-def veerings(t: Table, swivels: str, plane: str) -> NDArray[np.bool_]:
-    """Rows of ``approaches`` at which two curves come close without touching and exchange their shapes."""
-    found: NDArray[np.bool_] = (t["swivels"] == swivels) & (t["plane"] == plane) & exchange_rows(t)
+def veerings(t: Table) -> NDArray[np.bool_]:
+    """Rows of ``approaches`` out of plane at which two curves come close without touching and exchange their shapes."""
+    found: NDArray[np.bool_] = (t["plane"] == "out") & exchange_rows(t)
     return found
 
 
 def ranges(tables: Tables, plane: str) -> Array:
     """Largest over smallest frequency of each mode along the travel, less one, in %."""
-    f = np.array([tables["frequencies"][column("free", plane, k)] for k in range(SHOWN)])
+    f = np.array([tables["frequencies"][column(plane, k)] for k in range(SHOWN)])
     spread: Array = 100 * (f.max(axis=1) / f.min(axis=1) - 1)
     return spread
 
@@ -165,7 +155,7 @@ def reference_error(tables: Tables) -> float:
     """Largest deviation from REFERENCE_HZ, %."""
     t = tables["frequencies"]
     errors = [
-        abs(t[column("free", plane, k)][t["H [m]"] == height][0] / f - 1)
+        abs(t[column(plane, k)][t["H [m]"] == height][0] / f - 1)
         for (plane, height), values in REFERENCE_HZ.items()
         for k, f in enumerate(values)
     ]
@@ -174,7 +164,7 @@ def reference_error(tables: Tables) -> float:
 
 def claims(tables: Tables) -> list[Claim]:
     """What the source says of the frequencies."""
-    number = int(veerings(tables["approaches"], "free", "out").sum())
+    number = int(veerings(tables["approaches"]).sum())
     ratio = float(ranges(tables, "in").max() / ranges(tables, "out").max())
     return [
         Claim(
@@ -198,60 +188,25 @@ def draw(tables: Tables) -> Figure:
     made, axes = figure(1, 2, 4.6)
     for ax, plane in zip(axes[0], PLANES, strict=True):
         for k in range(SHOWN):
-            ax.plot(t["H [m]"], t[column("free", plane, k)], color=CURVES[k], label=f"mode {k + 1}")
-            ax.plot(t["H [m]"], t[column("locked", plane, k)], color=CURVES[k], lw=0.6, ls="--")
+            ax.plot(t["H [m]"], t[column(plane, k)], color=CURVES[k], label=f"mode {k + 1}")
             for height in (0.0, 80.0):
                 ax.plot(height, REFERENCE_HZ[plane, height][k], "o", mfc="white", mec="black", ms=5, zorder=3)
-        for i in np.flatnonzero(veerings(close, "free", plane)):
+        for i in np.flatnonzero(veerings(close)) if plane == "out" else ():
             ax.plot(close["H [m]"][i], _middle(t, plane, close, int(i)), "s", mfc="none", mec="#c0392b", ms=11)
         ax.set(xlabel="height difference H [m]", ylim=(0.0, 0.28), xticks=range(-80, 81, 40))
         ax.set_title("Out of plane" if plane == "out" else "In plane")
     front = axes[0, 0]
     front.set_ylabel("natural frequency [Hz]")
     front.plot([], [], "o", mfc="white", mec="black", ms=5, label="reference numbers")
-    front.plot([], [], color="black", lw=0.6, ls="--", label="swivels locked")
     front.plot([], [], "s", mfc="none", mec="#c0392b", ms=9, label="veering")
-    made.legend(*front.get_legend_handles_labels(), loc="outside lower center", ncols=7)
-    title = "First four natural frequencies along the travel: curves veer out of plane and keep apart in plane"
-    made.suptitle(title, x=0.01, ha="left", fontsize=11)
+    made.legend(*front.get_legend_handles_labels(), loc="outside lower center", ncols=6)
     return made
 
 
 def _middle(t: Table, plane: str, close: Table, i: int) -> float:
     """Hz, between the two curves of row ``i`` of ``approaches``."""
     k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
-    return float(np.mean([t[column("free", plane, k + j)][at][0] for j in (0, 1)]))
+    return float(np.mean([t[column(plane, k + j)][at][0] for j in (0, 1)]))
 
 
-def numbers(tables: Tables) -> dict[str, Any]:
-    """Ranges of the frequencies, and the closest approaches of their curves."""
-    ranges_of = [
-        (words, [number(x, ".0f") for x in ranges(tables, plane)])
-        for plane, words in (("out", "out of plane"), ("in", "in plane"))
-    ]
-    t = tables["approaches"]
-    return {"ranges": ranges_of, "approaches": [_approach(t, int(i)) for i in np.flatnonzero(t["H [m]"] >= 0)]}
-
-
-def _approach(t: Table, i: int) -> tuple[str, ...]:
-    k = int(t["lower mode"][i])
-    return (
-        t["swivels"][i],
-        t["plane"][i],
-        f"{k}, {k + 1}",
-        number(t["H [m]"][i], ".2f"),
-        number(t["gap [Hz]"][i], ".5f"),
-        *(" / ".join(number(t[name][i], ".2f") for name in names) for names in (SWAPPED, KEPT)),
-        number(t[ALONG][i], ".2f"),
-        "yes" if exchange_rows(t)[i] else "no",
-    )
-
-
-SECTION = Section(
-    key="frequencies",
-    title="Natural frequencies over the travel",
-    pictures=[Picture("frequencies", "First four natural frequencies out of plane and in plane over H", draw)],
-    claims=claims,
-    numbers=numbers,
-    data=("frequencies", "approaches"),
-)
+SECTION = Section("Natural frequencies", claims, ("frequencies", "approaches"))

@@ -6,12 +6,11 @@ from collections.abc import Callable
 
 from evidence.tables import Tables
 
-from . import costs, frequencies, release, timestep, windings
+from . import costs, frequencies, release, windings
 
 MEASURES: dict[str, Callable[[], Tables]] = {
     "frequencies": frequencies.measure,
     "windings": windings.measure,
     "costs": costs.measure,
-    "timestep": timestep.measure,
     "release": release.measure,
 }

@@ -1,4 +1,4 @@
-"""docs/reproduction.md from the tables: the claims of all sections, and what each section's numbers are."""
+"""docs/reproduction.md from the tables: the claims of all sections, and two figures."""
 
 from __future__ import annotations
 
@@ -6,37 +6,29 @@ from evidence.rendering import render
 from evidence.tables import Tables
 from hoist_demo.parameters import ASSUMED_DATA
 
-from . import costs, displacements, energies, frequencies, stresses, swing
-from .section import Section
+from . import costs, frequencies, release, winding_claims
+from .claim import Section
+from .windings import ROUNDS
 
-SECTIONS: tuple[Section, ...] = tuple(
-    module.SECTION for module in (frequencies, displacements, stresses, energies, costs, swing)
-)
-FIGURES = {picture.name: picture.draw for section in SECTIONS for picture in section.pictures}
+SECTIONS: tuple[Section, ...] = (frequencies.SECTION, *winding_claims.SECTIONS, costs.SECTION, release.SECTION)
+FIGURES = {"frequencies": frequencies.draw, "release": release.draw}
 
 
 def page(tables: Tables) -> str:
-    """The page, claims first."""
-    claims = [section.claims(tables) for section in SECTIONS]
+    """Return the page, claims first."""
+    claims = [(section.title, c) for section in SECTIONS for c in section.claims(tables)]
+    reasons = dict.fromkeys(c.because for _, c in claims if not c.holds)
     data = {
         "assumed": ASSUMED_DATA,
+        "rounds": ROUNDS,
         "summary": [
-            (str(k), c.source, c.measured.what, c.number, c.bound, "yes" if c.holds else "**no**")
-            for k, group in enumerate(claims, start=1)
-            for c in group
+            (title, c.source, c.measured.what, c.number, c.bound, "yes" if c.holds else "**no**") for title, c in claims
         ],
-        "kept": sum(c.holds for group in claims for c in group),
-        "missed": [c for group in claims for c in group if not c.holds],
-        "sections": [
-            {
-                "key": section.key,
-                "title": section.title,
-                "pictures": section.pictures,
-                "claims": group,
-                "numbers": section.numbers(tables),
-                "data": section.data,
-            }
-            for section, group in zip(SECTIONS, claims, strict=True)
+        "kept": sum(c.holds for _, c in claims),
+        "missed": [
+            ([f"{c.source} ({c.number})" for _, c in claims if c.because == why and not c.holds], why)
+            for why in reasons
         ],
+        "data": [name for section in SECTIONS for name in section.data],
     }
     return render("reproduction/reproduction.md.j2", data)

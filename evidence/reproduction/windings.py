@@ -28,9 +28,7 @@ MESHES = {"TMN-ETM": DEFAULT_MESH, "EEM": Mesh(kind="eem", elements=600)}
 TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
 ROUNDS = 11  # a winding of some tenths of a second is told to a few per cent by their median
 SAMPLE = 5  # communication steps of 10 ms
-EVERY = 5  # samples per row of a colour map
 STRESSES = ("bending", "torsion")
-CELLS = np.arange(0.25, 120.0, 0.5)  # m, arc lengths of a colour map
 SIDES = ("left", "right")
 
 
@@ -42,7 +40,7 @@ def scene_of(coupling: str, mesh: Mesh) -> Scene:
 
 @dataclass
 class Stresses:
-    """Stress norms (Pa) and twist (rad/m) of the elements at every sample, and where the loop is.
+    """Stress norms (Pa) of the elements at every sample, and where the loop is.
 
     ``python`` looks at the states that the rope comes to.
     """
@@ -59,7 +57,7 @@ class Stresses:
         self.bottom.append(python.loop.s)
         self.nodes.append(arc_lengths(state.partition.lengths))
         strains, torsional = python.system.strains(state.motion.q), float(state.fidelity == "torsional")
-        self.values.append((*material_values(rope.scene.rope, torsional, strains.T)[:2], np.abs(strains[:, 1])))
+        self.values.append(material_values(rope.scene.rope, torsional, strains.T)[:2])
 
 
 def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:
@@ -92,57 +90,44 @@ def measure() -> Tables:
     return {
         "times": table(names, times),
         **tables,
-        "transformations": table(("coupling", "t [s]", "kinetic [J]", "potential [J]"), changes),
+        "transformations": table(("coupling", "t [s]", "kinetic [J]"), changes),
         "stress-places": {"t [s]": t, **{k: v for name in MESHES for k, v in _places(name, stresses[name])}},
-        **{f"stress-{kind}-{name}": _map(t, stresses[name], i) for i, kind in enumerate(STRESSES) for name in MESHES},
     }
 
 
 def _observations(runs: dict[str, Winding]) -> Table:
-    """Observation points, loop bottom, end forces and kinetic energy of both meshes at the samples."""
+    """Observation points and kinetic energy of both meshes at the samples."""
     columns = {"t [s]": np.array(next(iter(runs.values())).t)}
     for name, run in runs.items():
-        observed, bottom, force = np.array(run.observed), np.array(run.bottom), np.array(run.force)
+        observed = np.array(run.observed)
         half = 0.5 * run.rope.scene.layout.spacing
         for i, side in enumerate(SIDES):
             # counted from the plumb line below the end
             columns[f"{name} {side} in plane [mm]"] = 1e3 * (observed[:, i, 0] + (half, -half)[i])
             columns[f"{name} {side} out of plane [mm]"] = 1e3 * observed[:, i, 2]
             columns[f"{name} {side} theta [mrad]"] = 1e3 * observed[:, i, 6]
-            columns[f"{name} {side} force [N]"] = force[:, i]
-        columns |= {f"{name} bottom {axis} [m]": bottom[:, k] for k, axis in enumerate("xyz")}
         columns[f"{name} kinetic [J]"] = np.array(run.kinetic)
     first, second = runs
-    for name in [n for n in columns if n.startswith(first) and not n.endswith(("[m]", "[N]"))]:
+    for name in [n for n in columns if n.startswith(first)]:
         # six digits of a large number are too few for a small difference
         columns[name.replace(first, "difference", 1)] = columns[name] - columns[name.replace(first, second, 1)]
     return columns
 
 
-def _transformations(run: Winding) -> list[tuple[float, float, float]]:
-    return [(e.t, e.kinetic, e.potential) for e in run.events if e.what == "transformation"]
+def _transformations(run: Winding) -> list[tuple[float, float]]:
+    return [(e.t, e.kinetic) for e in run.events if e.what == "transformation"]
 
 
 def _places(name: str, stresses: Stresses) -> Iterator[tuple[str, Array]]:
     """Where the loop is, the largest values, where they are, and the share of the rope above half of them."""
     yield f"{name} loop s [m]", np.array(stresses.bottom)
-    for i, (kind, unit, factor) in enumerate(
-        (("bending", "MPa", 1e-6), ("torsion", "MPa", 1e-6), ("twist", "rad/m", 1.0))
-    ):
+    for i, kind in enumerate(STRESSES):
         rows = []
         for nodes, values in zip(stresses.nodes, stresses.values, strict=True):
             norm, largest = values[i], int(np.argmax(values[i]))
             above = np.diff(nodes)[norm > 0.5 * norm[largest]].sum()
-            rows.append((factor * norm[largest], nodes[largest : largest + 2].mean(), 100 * above / nodes[-1]))
+            rows.append((1e-6 * norm[largest], nodes[largest : largest + 2].mean(), 100 * above / nodes[-1]))
         columns = np.array(rows).T
-        yield f"{name} {kind} largest [{unit}]", columns[0]
+        yield f"{name} {kind} largest [MPa]", columns[0]
         yield f"{name} {kind} largest at s [m]", columns[1]
         yield f"{name} {kind} above half [%]", columns[2]
-
-
-def _map(t: Array, stresses: Stresses, kind: int) -> Table:
-    """Rows over time, columns over arc length, MPa: the element that holds the cell's middle."""
-    rows = []
-    for nodes, values in zip(stresses.nodes[::EVERY], stresses.values[::EVERY], strict=True):
-        rows.append(1e-6 * values[kind][np.searchsorted(nodes, CELLS) - 1])
-    return {"t [s]": t[::EVERY], **{f"{s:g} m [MPa]": x for s, x in zip(CELLS, np.array(rows).T, strict=True)}}

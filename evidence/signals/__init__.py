@@ -1,1 +1,1 @@
-"""Motions as tables, sensors and slower parts send them: how far the end forces are off, and what the rope says."""
+"""Motions as tables and sensors send them: how far the end forces are off, and what the rope says."""

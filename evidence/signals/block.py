@@ -11,8 +11,8 @@ from evidence.claims import Measurement
 from evidence.rendering import markdown, quantity
 from evidence.tables import Table, Tables
 
+from .measure import STEP, TRIPS
 from .sources import SIGNALS
-from .wind import STEP, TRIPS
 
 #: targets: deviation of the end force over its largest, RMS and at an instant, and estimate over deviation
 RMS, LARGEST, FACTOR = 3e-3, 2e-2, 3.0
@@ -25,7 +25,7 @@ LONGEST = 0.02
 
 
 def block(tables: Tables) -> str:
-    """The tables of signals and of tools with two steps."""
+    """Return the tables of signals and of tools with two steps."""
     t = tables["signals"]
     shown = [k for k in range(len(t["rope"])) if t["step [s]"][k] == STEP and t["reading"][k] == "start"]
     rows = []
@@ -79,7 +79,7 @@ def claims(tables: Tables) -> Iterator[Measurement]:
 
 
 def _says(t: Table, k: Any) -> bool:
-    return str(t["warning"][k]) not in ("", "nan") or "FMU" in str(t["rope"][k])
+    return str(t["warning"][k]) not in ("", "nan")
 
 
 def _worst(x: Any) -> float:

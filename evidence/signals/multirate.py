@@ -14,10 +14,12 @@ import sys
 import sysconfig
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from evidence.tables import Tables, table
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
@@ -25,7 +27,7 @@ from fmu_src.profile import FULL
 from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model
 
-MULTIRATE_COLUMNS = ("tool", "drive [s]", "rope [s]", "RMS", "largest", "told", "repeated", "failure")
+COLUMNS = ("tool", "drive [s]", "rope [s]", "RMS", "largest", "told", "repeated", "failure")
 PACKAGES = {"libcosim": "libcosimpy", "ecos": "ecospy"}
 STEP, STOP = 0.005, 26.0
 #: steps of drive and rope, s
@@ -34,6 +36,12 @@ READ = ("left.fy", "status.end_force_error", "inputs.repeated")
 MOTIONS = tuple(f"{side}.{kind}" for side in ("left", "right") for kind in ("y", "vy", "ay"))
 FORCES = ("left.fy_mean", "right.fy_mean")
 _OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
+
+
+def tables() -> Tables:
+    """Step every tool with every pair of steps."""
+    with TemporaryDirectory() as folder:
+        return {"multirate": table(COLUMNS, list(multirate(Path(folder))))}
 
 
 def multirate(folder: Path) -> Iterator[tuple[Any, ...]]:

@@ -1,23 +1,16 @@
-"""A rope held in any way, plain Newton on it, and its stability: what scenes without conveyances share."""
+"""A rope held in any way, its energy and its stability: what scenes without conveyances share."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.simulation.outputs.modal import ROUNDING, softest
-from rope_model.simulation.rope_system import ANGLE, RopeSystem
-from rope_model.simulation.stepping.statics import find_equilibrium
+from rope_model.simulation.rope_system import RopeSystem
 
 from .entry import Array
-
-STATIC = np.array([1.0, 0.0, 0.0])  # the stiffness alone
-
-#: the shape at rest from a guess, or None; the angles of both count along them
-Solve = Callable[[RopeSystem, Array], Array | None]
 
 
 @dataclass(frozen=True)
@@ -42,46 +35,6 @@ class StaticBoundary:
 
     def friction_load(self, nodes: int) -> Array:
         return np.zeros_like(self.values)
-
-
-@dataclass(frozen=True)
-class NewtonResult:
-    """Where plain Newton arrived, whether it converged, and the largest unbalanced force (N, N m) before each step."""
-
-    q: Array
-    converged: bool
-    unbalanced: Array
-
-
-def plain_newton(system: RopeSystem, guess: Array, tolerance: float = 1e-9, most: int = 100) -> NewtonResult:
-    """Full corrections with the tangent stiffness from ``guess``, until one is below ``tolerance``.
-
-    The frame is that of the system all the way.
-    """
-    q = np.where(system.free, guess, system.prescribed_motion(0.0)[0])
-    rest, unbalanced = np.zeros_like(q), []
-    with np.errstate(all="ignore"):  # divergence is what the caller looks for
-        for _ in range(most):
-            x, R = system.newton_step(q, rest, rest, rest, STATIC)
-            unbalanced.append(float(np.max(np.abs(np.where(system.free, R, 0.0)))))
-            if not np.all(np.isfinite(x)):
-                break
-            q = q + x
-            if np.max(np.abs(x)) < tolerance:
-                return NewtonResult(q, True, np.array(unbalanced))
-    return NewtonResult(q, False, np.array(unbalanced))
-
-
-def by_newton(system: RopeSystem, q: Array) -> Array | None:
-    found = plain_newton(system, q)
-    if not found.converged:
-        return None
-    found.q[:, ANGLE] += system.frame_turn(found.q)
-    return found.q
-
-
-def by_continuation(system: RopeSystem, q: Array) -> Array | None:
-    return find_equilibrium(system, q).q
 
 
 def potential(balance: dict[str, float]) -> float:

@@ -45,8 +45,3 @@ def tait_bryan_rate(p: Any, turn: Any, d: Any, change: Any) -> Any:
     """
     length = (d[0] ** 2 + d[1] ** 2 + d[2] ** 2) ** 0.5
     return d[2] * (d[0] * change[1] - d[1] * change[0]) / ((d[0] ** 2 + d[1] ** 2) * length)
-
-
-def no_rate(p: Any, turn: Any, d: Any, change: Any) -> Any:
-    """A frame that never turns: tau = theta'."""
-    return 0.0 * d[0]

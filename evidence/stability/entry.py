@@ -21,7 +21,6 @@ class Finding:
 
     counterexample: tuple[Measurement, ...]
     ours: tuple[Measurement, ...]
-    message: str = ""  # to the user, where ours stops instead of holding
     curves: Table | None = None
 
     @property

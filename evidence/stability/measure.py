@@ -9,31 +9,28 @@ from tqdm import tqdm
 from evidence.claims import Measurement
 from evidence.tables import Tables, table
 
-from . import coupling, discretisation, frames, integration, motion, swivel
+from . import discretisation, frames, motion, swivel
 from .entry import Entry
 
 CHAPTERS: dict[str, tuple[Entry, ...]] = {
     "Elements and meshes": discretisation.ENTRIES,
-    "Time integration": integration.ENTRIES,
     "Frame of the cross-section": frames.ENTRIES,
     "Swivels": swivel.ENTRIES,
-    "Large motions and slack rope": motion.ENTRIES,
-    "Co-simulation": coupling.ENTRIES,
+    "Time integration in large motions": motion.ENTRIES,
 }
 CLAIMS = ("scene", "side", "what", "value", "unit", "relation", "bound")
 
 
 def tables() -> Tables:
-    """Measure the claims of every entry, messages, and the curves that the page draws."""
-    claims, messages, curves = [], [], {}
+    """Measure the claims of every entry, and the curves that the page draws."""
+    claims, curves = [], {}
     for entry in tqdm([e for part in CHAPTERS.values() for e in part], unit="entry", leave=False):
         found = entry.measure()
         for side, group in found.sides.items():
             claims += [(entry.key, side, m.what, m.value, m.unit, m.relation, m.bound) for m in group]
-        messages.append((entry.key, found.message))
         if found.curves is not None:
             curves[entry.key] = found.curves
-    return {"claims": table(CLAIMS, claims), "scenes": table(("scene", "message"), messages), **curves}
+    return {"claims": table(CLAIMS, claims), **curves}
 
 
 def missed(recorded: Tables) -> Iterator[str]:

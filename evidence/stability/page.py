@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from evidence.claims import Measurement, text
+from evidence.claims import Measurement
 from evidence.coupling.page import cases, schemes
 from evidence.drawing import CURVES, figure
 from evidence.rendering import number, render
@@ -36,11 +35,10 @@ def claims_of(t: Table, key: str) -> Iterator[tuple[str, Measurement]]:
 
 def page(tables: Tables) -> str:
     """Return the whole page."""
-    told = dict(zip(tables["scenes"]["scene"].tolist(), tables["scenes"]["message"].tolist(), strict=True))
     entries = [entry for part in CHAPTERS.values() for entry in part]
     data = {
         "summary": [_summary(tables["claims"], e) for e in entries],
-        "scenes": {e.key: _scene(tables["claims"], e, told[e.key]) for e in entries},
+        "titles": {e.key: e.title for e in entries},
         "schemes": schemes(tables["coupling/schemes"]),
         "cases": cases(tables["coupling/cases"]),
         "default": Coupling().scheme,
@@ -55,17 +53,12 @@ def anchor(title: str) -> str:
 
 
 def _summary(t: Table, entry: Entry) -> tuple[str, ...]:
-    """Return the first claim of either side."""
+    """Return the first claim of either side, and how many of all hold."""
     claims = [*claims_of(t, entry.key)]
     first = [next(m for side, m in claims if side == wanted) for wanted in ("counterexample", "ours")]
     cells = [f"{m.what}: {number(m.value, '.4g')}{'' if m.unit == '1' else ' ' + m.unit}" for m in first]
-    return f"[{entry.title}](#{anchor(entry.title)})", *cells, "yes" if all(m.holds for _, m in claims) else "**no**"
-
-
-def _scene(t: Table, entry: Entry, message: str) -> dict[str, Any]:
-    claims = [(side, m.what, text(m), "yes" if m.holds else "**no**") for side, m in claims_of(t, entry.key)]
-    held = f"{sum(row[-1] == 'yes' for row in claims)} of {len(claims)} claims hold"
-    return {"title": entry.title, "claims": claims, "held": held, "message": message}
+    held = f"{sum(m.holds for _, m in claims)} of {len(claims)}"
+    return f"[{entry.title}](#{anchor(entry.title)})", *cells, held
 
 
 def draw(tables: Tables, key: str) -> Figure:

@@ -1,16 +1,13 @@
-"""The swivel: creep of a regularised friction law, and chattering near zero rate.
+"""The swivel: chattering near zero rate.
 
-All scenes hang a 30 m rope and twist it, by turns put in at the right end or by the left conveyance's yaw; the left
-end has the swivel.
+The scene hangs a 30 m rope and twists it by the left conveyance's yaw; the left end has the swivel.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from evidence.claims import above, below
 from rope_model.numerics import quintic
@@ -46,57 +43,6 @@ def relative(rope: RopeSimulator) -> tuple[float, float]:
     """Angle (rad) and rate (rad/s) of the left swivel."""
     m = rope.state.motion
     return rope.ends.relative(0, m.t, m.q[0, ANGLE], m.v[0, ANGLE])
-
-
-# creep
-
-HOLD = 20.0  # s
-INSTALLED = 0.1  # rad, a torque of half the static friction
-
-
-def regularised_friction(speed: float, moment: float, static: float, stiffness: float, inertia: float) -> Array:
-    """Angles of the rotor under M = M_static tanh(b_t / speed), the rope a torsion spring."""
-
-    def rates(t: float, y: Array) -> list[float]:
-        return [y[1], (moment - stiffness * y[0] - static * math.tanh(y[1] / speed)) / inertia]
-
-    times = np.linspace(0.0, HOLD, 201)
-    solution = solve_ivp(rates, (0.0, HOLD), [0.0, 0.0], "Radau", times, rtol=1e-8, atol=1e-10)
-    return np.asarray(solution.y[0])
-
-
-def tremble(t: float) -> EndMotion:
-    """The left conveyance turns to and fro by 4 mrad, so that the torque held varies."""
-    w = 2 * math.pi / 4.0
-    return EndMotion(yaw=0.002 * (1 - math.cos(w * t)), yaw_rate=0.002 * w * math.sin(w * t))
-
-
-def measure_creep() -> Finding:
-    bearing = Swivel(mode="coulomb", mu_static=0.1, mu_kinetic=0.08)
-    rope = hang(replace(UNCOUPLED, installed_twist=INSTALLED), bearing)
-    moment = abs(rope.state.motion.reaction[0, ANGLE])
-    static = rope.ends.friction(0, rope.state.motion.reaction, kinetic=False)
-    angles, largest = [relative(rope)[0]], 0.0
-    for k in range(1, round(HOLD / 0.05) + 1):
-        t = 0.05 * k
-        _require(rope.advance_to(t, tremble(t), EndMotion()))
-        angles.append(relative(rope)[0])
-        largest = max(largest, abs(rope.state.motion.reaction[0, ANGLE]))
-    drift = np.abs(np.array(angles) - angles[0])
-    counterexample = []
-    for speed in (0.01, 0.001):
-        crept = regularised_friction(speed, moment, static, moment / INSTALLED, bearing.inertia)
-        # the law balances the torque at the rate speed * atanh(M / M_static); the rope unwinds by it, hence the half
-        bound = 0.5 * min(speed * math.atanh(moment / static) * HOLD, INSTALLED)
-        counterexample.append(above(f"angle crept in {HOLD:g} s, tanh law of {speed:g} rad/s", crept[-1], bound, "rad"))
-    return Finding(
-        counterexample=tuple(counterexample),
-        ours=(
-            below("largest torque held, part of the static friction", largest / static, 1.0),
-            # exact but for the rounding of theta = offset + yaw + b
-            below(f"largest drift of the angle in {HOLD:g} s", drift.max(), 1e-12, "rad"),
-        ),
-    )
 
 
 # chattering
@@ -187,7 +133,4 @@ def measure_chattering() -> Finding:
     )
 
 
-ENTRIES = (
-    Entry("swivel-creep", "A regularised friction law creeps", measure_creep),
-    Entry("swivel-chattering", "Friction of the last rate's sign chatters", measure_chattering),
-)
+ENTRIES = (Entry("swivel-chattering", "Friction of the last rate's sign chatters", measure_chattering),)

@@ -28,7 +28,6 @@ class Record:
     t: Array  # s
     bottom: Array  # (n, 3) m, the loop's lowest point
     force: Array  # (n, 2) N, vertical, of the conveyances on the left and right end
-    stretch: Array  # largest | |r'| - 1 | of a node
 
     @property
     def completion(self) -> float:
@@ -63,10 +62,9 @@ def follow(rope: RopeSimulator, reference: Any, travel: float, interval: float =
         if not status.valid:
             break
         m = rope.state.motion
-        stretch = np.abs(np.linalg.norm(m.q[:, 3:6], axis=1) - 1).max()
-        rows.append([m.t, *rope.loop.position, *m.reaction[[0, -1], 1], stretch])
-    x = np.array(rows).reshape(-1, 7)
-    return Record(rope, status, wanted, x[:, 0], x[:, 1:4], x[:, 4:6], x[:, 6])
+        rows.append([m.t, *rope.loop.position, *m.reaction[[0, -1], 1]])
+    x = np.array(rows).reshape(-1, 6)
+    return Record(rope, status, wanted, x[:, 0], x[:, 1:4], x[:, 4:6])
 
 
 def without_transformations(rope: RopeSimulator) -> RopeSimulator:

@@ -2,8 +2,7 @@
 
 row        a line of the page's table: reference, result, acceptance, test
 wires      measured: the twist at which hanging wires throw a loop
-chains     a folded rope that is let go, a rope that hangs by one end
-bending    measured: a cable's stiffness while its parts stick and slip
+chains     a folded rope that is let go (falling), a rope that hangs by one end
 onset      theory: the torque at which a clamped rod buckles
 buckle     theory: the buckle in which a long rod's slack gathers
 cabledyn   a second code: a winding of a twisted U

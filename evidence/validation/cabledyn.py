@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 
@@ -37,16 +36,18 @@ Name Diam MassDenInAir EA BA EI GAs GJ Irt Irn Cd_n Cd_t Ca_n Ca_t
 rope {d} {rho} {EA} 0.0 {EI} {GAs} {GJ} 1e-3 2e-3 0.0 0.0 0.0 0.0
 --- POINTS ---
 ID Type X Y Z
-1 Coupled 0.0 0.0 {height}
+1 Coupled 0.0 0.0 0.0
 2 Fixed {spacing} 0.0 0.0
 --- LINES ---
 ID NodeA NodeB Outputs
-1 1 2 {files}
+1 1 2 p
 --- SECTIONS ---
 LineID LineType Length NumSegs
 1 rope {length} {elements}
 --- END CONNECTIONS ---
-{ends}
+LineID End Stiffness EzX EzY EzZ TorsStiffness NxX NxY NxZ Pretwist
+1 A Rigid 0.0 0.0 -1.0 Rigid 0.0 1.0 0.0 0.0
+1 B Rigid 0.0 0.0 1.0 Rigid 0.0 1.0 0.0 {twist}
 --- OPTIONS ---
 {g} g
 1e-6 rhoW
@@ -55,34 +56,6 @@ LineID LineType Length NumSegs
 {outputs}
 --- END ---
 """
-#: ends one of which is turned
-TWISTED = """\
-LineID End Stiffness EzX EzY EzZ TorsStiffness NxX NxY NxZ Pretwist
-1 A Rigid 0.0 0.0 -1.0 Rigid 0.0 1.0 0.0 0.0
-1 B Rigid 0.0 0.0 1.0 Rigid 0.0 1.0 0.0 {twist}"""
-
-
-@dataclass(frozen=True)
-class Deck:
-    """Deck of the winding: the ends' connections, options and outputs, and the motion of the first end."""
-
-    ends: str
-    options: tuple[str, ...]
-    outputs: tuple[str, ...]
-    motion: str
-
-    def run_in(self, folder: Path) -> Any:
-        """By CableDyn's driver, which the package ``cabledyn`` carries."""
-        import cabledyn
-
-        numbers = {"d": ROPE.diameter, "rho": ROPE.mass_per_length, "EA": ROPE.Qa, "EI": ROPE.EI, "GJ": ROPE.Qd}
-        layout = {"length": ROPE.length, "elements": ELEMENTS, "spacing": SPACING, "height": 0.0, "g": GRAVITY}
-        lines = {"options": "\n".join(self.options), "outputs": "\n".join(f'"{name}"' for name in self.outputs)}
-        text = DECK.format(**numbers, **layout, **lines, GAs=0.4 * ROPE.Qa, ends=self.ends, files="p")
-        deck = Path(folder, "u.dat")
-        deck.write_text(text, encoding="utf-8")
-        Path(folder, "motion.txt").write_text(self.motion, encoding="utf-8")
-        return cabledyn.CableDynDriver().run(deck, Path(folder, "u"))
 
 
 @dataclass(frozen=True)
@@ -130,14 +103,28 @@ def our_winding() -> Course:
 
 
 def their_winding() -> Course:
-    """By CableDyn."""
+    """By CableDyn's driver, which the package ``cabledyn`` carries."""
+    import cabledyn
+
     ends = [moving_end(k * STEP) for k in range(round(DURATION / STEP) + 1)]
-    lines = [f"{k * STEP:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g}" for k, e in enumerate(ends)]
+    motion = [f"{k * STEP:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g}" for k, e in enumerate(ends)]
     options = f"{STEP} dtM", f"{DURATION} TMax", f"{fixed_steps(STEP).rho_inf} rhoInf", "motion.txt motionFile"
     outputs = "FairTen1", "AnchTen1", "Torq1N1"
+    data = {"d": ROPE.diameter, "rho": ROPE.mass_per_length, "EA": ROPE.Qa, "EI": ROPE.EI, "GAs": 0.4 * ROPE.Qa}
+    data |= {
+        "GJ": ROPE.Qd,
+        "length": ROPE.length,
+        "elements": ELEMENTS,
+        "spacing": SPACING,
+        "g": GRAVITY,
+        "twist": TWIST,
+    }
+    lines = {"options": "\n".join(options), "outputs": "\n".join(f'"{name}"' for name in outputs)}
     with TemporaryDirectory() as folder:
-        deck = Deck(TWISTED.format(twist=TWIST), options, outputs, "\n".join(lines))
-        run = deck.run_in(Path(folder))
+        deck = Path(folder, "u.dat")
+        deck.write_text(DECK.format(**data, **lines), encoding="utf-8")
+        Path(folder, "motion.txt").write_text("\n".join(motion), encoding="utf-8")
+        run = cabledyn.CableDynDriver().run(deck, Path(folder, "u"))
         history = run.read_main()
         moving, held, torque = (np.array(history.column(name)) for name in outputs)
         places = np.array(run.read_line_positions(1).values)[:, 1:].reshape(len(ends), ELEMENTS + 1, 3)

@@ -9,7 +9,7 @@ import numpy as np
 
 from evidence.tables import Table, Tables, rows
 
-from . import bending, buckle, cabledyn, chains, onset, wires
+from . import buckle, cabledyn, chains, onset, wires
 from .row import Row, as_table, from_table
 
 ALONE = "make validate"
@@ -21,15 +21,8 @@ def _wires(t: Table) -> Iterator[Row]:
         source = f"{wire.name} wire of {1e3 * wire.mass:.1f} g/m, {least:.0f} to {most:.0f} deg in five tests"
         for part, gaps, bound in (("a", wires.GAPS, 0.5 * wires.STEP), ("b", (wires.GAP,), math.nan)):
             span = " to ".join(f"{1e3 * gap:.0f}" for gap in dict.fromkeys((gaps[0], gaps[-1])))
-            what = f"measured turn that throws a loop, outside ours of all stiffnesses, ends {span} mm apart, by"
+            what = f"turn that throws a loop, outside ours of all stiffnesses, ends {span} mm apart, by"
             yield Row(f"W-{k}{part}", "measured", source, what, wires.outside(t, wire.name, gaps), "deg", bound, ALONE)
-
-
-def _bending(t: Table) -> Iterator[Row]:
-    source = "power cable of 164.5 mm, bent to and fro without tension, three stages of one series"
-    for part, parts, least, most in zip("ab", *t.values(), strict=True):
-        what = f"stiffness where its parts {parts}, off the best constant by"
-        yield Row(f"M-1{part}", "measured", source, what, bending.from_constant(least, most), "1", math.nan, ALONE)
 
 
 def _pulls(t: Table) -> Iterator[Row]:
@@ -37,7 +30,7 @@ def _pulls(t: Table) -> Iterator[Row]:
     for k, (x, ours, chain) in enumerate(zip(t["depth"], t["ours"], t["chain"], strict=True), 1):
         # the theory's fold has no size; ours takes FOLD of the 1 - x that still falls, which is no longer little at 0.9
         bound = chains.FOLD / (1 - x) if x < 0.8 else math.nan
-        what = f"pull when the tip has fallen by {x:g} of the length, off by"
+        what = f"pull at a fall of {x:g} of the length, off by"
         yield Row(f"C-{k}", "theory", source, what, abs(ours / chain - 1), "1", bound, ALONE)
     source = "folded chain that keeps its energy falls in 0.847 sqrt(2 L/g)"
     yield Row("C-6", "theory", source, "fall time, off by", abs(chains.fall_time()), "1", chains.FOLD, ALONE)
@@ -87,7 +80,6 @@ def _buckles(t: Table) -> Iterator[Row]:
 #: by table: what measures it, and what its rows are
 PARTS: dict[str, tuple[Callable[[], Table], Callable[[Table], Iterator[Row]]]] = {
     "wires": (wires.measure, _wires),
-    "bending": (bending.measure, _bending),
     "pulls": (chains.pulls, _pulls),
     "swings": (chains.swings, swing_rows),
     "onsets": (onset.measure, onset_rows),

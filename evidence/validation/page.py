@@ -13,36 +13,33 @@ from evidence.tables import Table, Tables, rows
 
 from .chains import FOLD
 from .row import Row, from_table
-from .wires import GAPS, STEP
+from .wires import STEP
 
 
 def page(tables: Tables) -> str:
     """Return the whole page."""
     codes = [*_rod(tables["discrete_rod/comparisons"]), *_exudyn(tables["peer/frequencies"], tables["peer/winding"])]
     found = [*from_table(tables["rows"]), *codes, *_contact(tables["contact/checks"])]
-    gaps = [f"ours, ends {1e3 * gap:.0f} mm apart" for gap in GAPS]
     data: dict[str, Any] = {
         "step": STEP,
         "fold": FOLD,
-        "rows": [_cells(row) for row in found],
+        "rows": [_cells(row, above) for row, above in zip(found, [None, *found], strict=False)],
         "held": sum(not row.shown and not row.misses for row in found),
         "stated": sum(not row.shown for row in found),
         "missed": [row.id for row in found if row.misses],
-        "wires": _wires(tables["wires"]),
-        "wire_head": ("wire", "EI, 1e-3 N m²", "GJ, 1e-3 N m²", "measured, deg", *gaps),
-        "pulls": [tuple(number(x) for x in cells) for cells in zip(*tables["pulls"].values(), strict=True)],
     }
     return render("validation/validation.md.j2", data)
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(row: Row, above: Row | None) -> tuple[str, ...]:
+    """Return the row; a reference that is that of the row above is not repeated."""
     unit = "" if row.unit == "1" else f" {row.unit}"
     bound = "none" if row.shown else f"< {number(row.bound)}{unit}"
     verdict = "" if row.shown else ", **missed**" if row.misses else ""
     return (
         row.id,
         row.kind,
-        row.reference,
+        "" if above and above.reference == row.reference else row.reference,
         f"{row.what} {number(row.value)}{unit}",
         f"{bound}{verdict}",
         f"`{row.test}`",
@@ -53,7 +50,7 @@ def _rod(t: Table) -> Iterator[Row]:
     """The discrete rod: differences over what the convergence of the two codes accepts."""
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
-        what = f"{len(r['case'])} quantities, largest difference over what the convergence of both codes allows"
+        what = f"{len(r['case'])} quantities, largest part of what both codes' convergence allows"
         value = float(np.max(r["difference, fine"] / r["accepted"]))
         yield Row(f"R-{k}", "code", f"discrete rod: {case}", what, value, "1", 1.0, "make validate")
 
@@ -81,7 +78,7 @@ def _contact(t: Table) -> Iterator[Row]:
         r = rows(t, case=case)
         over = [_part(*x) for x in zip(r["value"], r["relation"], r["bound"], strict=True)]
         n = len(r["case"])
-        what = f"{n} check{'s' * (n > 1)}, the largest part of an acceptance"
+        what = f"{n} check{'s' * (n > 1)}, largest part of the acceptance"
         kind: Literal["code", "theory"] = "code" if any("the chain's" in x for x in r["what"]) else "theory"
         yield Row(f"K-{k}", kind, f"contact: {case}", what, max(over), "1", 1.0, "make contact")
 
@@ -91,14 +88,3 @@ def _part(value: float, relation: str, bound: float) -> float:
     if relation == "<":
         return value / bound
     return bound / value if value > 0 else math.inf
-
-
-def _wires(t: Table) -> list[tuple[str, ...]]:
-    """Return per wire and pair of stiffnesses what was measured, and what is found with each gap."""
-    pairs = dict.fromkeys(zip(*(t[name] for name in ("wire", "EI", "GJ", "least", "most")), strict=True))
-    cells = []
-    for wire, EI, GJ, least, most in pairs:
-        found = rows(t, wire=str(wire), EI=float(EI), GJ=float(GJ))["found"]
-        measured = f"{number(least)} to {number(most)}"
-        cells.append((str(wire), number(1e3 * EI), number(1e3 * GJ), measured, *(number(x, ".0f") for x in found)))
-    return cells

@@ -214,7 +214,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "StepLimits step_limits(const Scene *scene, const ErrorSums *sums, double bottom, double apart, "
     "double error_constant)": (accuracy.step_limits),
     "ErrorSums add_errors(const Scene *scene, const ErrorSums *sums, double bottom, double apart, double h, "
-    "const double c[3], const double strains[2], double place, double force)": accuracy.add_errors,
+    "double constant, const double paces[2], double place, double force)": accuracy.add_errors,
     "double step_error(const StepLimits *limits, double h, double place, double strain)": accuracy.step_error,
     "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
     "double calm_since)": accuracy.next_step,

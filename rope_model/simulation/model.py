@@ -93,14 +93,9 @@ class RopeModel:
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
         constant = local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
-        strain = max(map(abs, self.strain_errors(h, result)))
-        return float(step_error(limits, h, result.error, strain))
-
-    def strain_errors(self, h: float, result: StepResult[Evaluation]) -> list[float]:
-        """Local errors of the strains at both ends in a step ``h``."""
         assert result.a_rate is not None
-        per_change = local_error(self.method, h, 1.0)
-        return [float(per_change * (h * result.a_rate[node, SLOPE.start + 1])) for node in (0, -1)]
+        strain = local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
+        return float(step_error(limits, h, result.error, strain))
 
     def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
@@ -125,8 +120,10 @@ class RopeModel:
         assert evaluation is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        strains, c = self.strain_errors(motion.h, result), self.method.newton(motion.h).tolist()
-        errors = add_errors(self.scene, old.errors, bottom, apart(old.motion), h, c, strains, result.error, force)
+        paces, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, local_error(self.method, 1.0, 1.0)
+        errors = add_errors(
+            self.scene, old.errors, bottom, apart(old.motion), h, constant, paces.tolist(), result.error, force
+        )
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
@@ -180,6 +177,10 @@ class RopeModel:
             float(np.square(m.q[1:, SLOPE] - m.q[:-1, SLOPE]).sum(axis=1).max()),
         )
         return state._replace(audit=audit)
+
+
+#: where the strains along the rope at its ends are
+_END_STRAINS = ([0, -1], SLOPE.start + 1)
 
 
 def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:

@@ -11,9 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from evidence.chart import depth
 from evidence.chart.figures import FIGURES
 from evidence.chart.front import cheapest, cost_at, pareto
-from evidence.chart.measure import measure
 from evidence.chart.page import equal_errors
-from evidence.chart.points import SAMPLE, complete, quick
 from evidence.chart.reading import FORCE, finest_error, limit
 from evidence.pages import PAGES
 from evidence.rendering import DOCS
@@ -59,21 +57,6 @@ def test_the_cheapest_point_within_a_bound_is_on_the_front() -> None:
 def test_the_references_own_error_follows_from_its_convergence(order: int, left: float) -> None:
     solutions = np.array([4.0, 2.0, 1.0]) ** order  # errors; a third order is taken as a second one, with caution
     assert_allclose(finest_error(solutions[:2] - solutions[2]), left, rtol=2e-3)
-
-
-def test_every_communication_step_meets_every_sample() -> None:
-    for p in complete().points:
-        assert_allclose(SAMPLE / p.communication, round(SAMPLE / p.communication), rtol=1e-12)
-
-
-def test_levels_are_measured_against_the_reference_and_draft_errs_more() -> None:
-    points = measure(quick())["points"]
-    assert not any(points["failure"])
-    for coupling in ("coupled", "uncoupled"):
-        draft, standard = (
-            rows(points, family="levels", name=level, coupling=coupling)[FORCE] for level in ("draft", "standard")
-        )
-        assert 0 < standard[0] < draft[0]
 
 
 # the committed data

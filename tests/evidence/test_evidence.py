@@ -9,7 +9,7 @@ import jinja2
 import pytest
 
 from evidence.pages import BLOCKS, PAGES, fill, page_text
-from evidence.rendering import DOCS, fill_block, listed, markdown, number, quantity, render
+from evidence.rendering import DOCS, fill_block, number, quantity, render
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -47,14 +47,6 @@ def test_a_quantity_is_printed_in_its_unit() -> None:
     assert quantity(0.00024, "%", ".2g") == "0.024 %"
     with pytest.raises(KeyError):
         quantity(1.0, "furlong")
-
-
-def test_a_table_has_a_head_and_a_line_per_row() -> None:
-    assert markdown([("1", "2")], "a", "b") == "| a | b |\n|---|---|\n| 1 | 2 |"
-
-
-def test_a_list_has_commas_up_to_its_last_word() -> None:
-    assert [listed("abc"[:number]) for number in range(4)] == ["", "a", "a and b", "a, b and c"]
 
 
 def test_a_number_that_the_data_do_not_have_is_an_error() -> None:

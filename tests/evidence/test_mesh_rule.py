@@ -12,15 +12,14 @@ from numpy.testing import assert_allclose
 
 from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.rule import judges, off, shares, slip
-from evidence.mesh_rule.scenes import FIT, JUDGE, KINDS, draw
-from evidence.promise.scenes import draw as promise_scenes
+from evidence.mesh_rule.scenes import JUDGE, KINDS, draw
+from evidence.promise.scenes import Sample
 from evidence.promise.wind import errors, wind
 from evidence.rendering import DOCS
-from evidence.sampling import BENDING, LENGTH, MASS
 from evidence.tables import read, table
-from hoist_demo.control.trajectory import s_curve
+from hoist_demo.parameters import Winding
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Rope, Scene
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.mesh.mesh_fit import (
     LEG_GRADING,
@@ -58,7 +57,6 @@ def test_what_fades_out_above_takes_a_tenth_of_what_is_asked_give_or_take(asked:
 
 def test_end_elements_keep_the_clamp_moment_to_a_percent_at_5_mm() -> None:
     assert 0.005 < shares(FOUND, judges(), 5e-3).moment.max() < 0.015
-    assert np.median(off(TABLES["parts"], "ends", "smooth")) < 0.1 * 5e-3
 
 
 def test_legs_take_a_quarter_of_what_is_asked_and_after_a_stop_some_times_what_steps_do() -> None:
@@ -88,7 +86,15 @@ def test_on_ropes_whose_longitudinal_waves_fade_before_that_they_need_none(lengt
 
 @pytest.mark.slow
 def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rope_right() -> None:
-    sample = next(s for s in promise_scenes(40, 168) if s.number == 167)
+    rope = Rope(
+        length=596.488, mass_per_length=11.8576, EI=600.7, Qa=2.250751e8, Qb=147094.7, Qc=147094.7, Qd=5180.572,
+        rhoJ=4.253205e-3, diameter=0.053568,
+    )  # fmt: skip
+    trip = Winding(
+        travel=351.404, speed=17.54, acceleration=1.044, jerk=2.5643, start_delay=0.0, emergency_at=20.5691,
+        emergency_deceleration=4.9024,
+    )  # fmt: skip
+    sample = Sample(0, Scene(rope, Layout(2.6084)), trip, 0.01)
     mesh = fit_mesh(sample.scene)
     rule, finer, coarser = (
         wind(sample, sample.interval, mesh=replace(mesh, grading_length=share * mesh.grading_length))
@@ -139,13 +145,3 @@ def test_fits_find_the_coefficients_of_made_up_data() -> None:
     )
     ends = table(("end element [m]", "layer [m]", "moment error"), [(a, 0.5, 1e-3 * (2 * a) ** 4) for a in x])
     assert_allclose(laws._ends(ends).values, (1e-3, 4.0))
-
-
-def test_scenes_lie_within_their_bounds_and_seeds_differ() -> None:
-    fit, judge = list(draw(FIT, 30)), list(draw(JUDGE, 30))
-    assert fit[0].rope != judge[0].rope
-    assert list(draw(FIT, 30)) == fit
-    for d in fit + judge:
-        for value, (low, high) in ((d.rope.length, LENGTH), (d.rope.mass_per_length, MASS), (d.rope.EI, BENDING)):
-            assert low <= value <= high
-        assert s_curve(d.stopped).duration < s_curve(d.smooth).duration

@@ -252,12 +252,9 @@ def _followed(
     """The quintic of one coordinate from x, v, a on, over the step ``h``."""
     given_place, given_speed, acceleration = motion
     place, speed = quintic.extrapolate(given_place, given_speed, acceleration, ahead)
-    # what the sample has beyond a motion of linear acceleration
-    faster = speed - v - 0.5 * h * (asked + acceleration)
-    farther = place - x - h * v - h * h / 6.0 * (2.0 * asked + acceleration)
-    change = abs(acceleration - asked)
-    rest_speed = _unexplained(faster, h * (change + 0.5 * lively + jerk * h))
-    rest_place = _unexplained(farther, h * h * (change + 0.125 * lively + jerk * h))
+    beyond = beyond_linear(h, (x, v), (asked, acceleration), (place, speed), lively, jerk)
+    rest_speed = beyond.faster - beyond.faster * beyond.speed_fits
+    rest_place = beyond.farther - beyond.farther * beyond.place_fits
     # the rest fades out as the observer has it, from the step's start on
     at_start = rest_place - h * rest_speed
     leaning = rest_speed + w * at_start
@@ -270,12 +267,40 @@ def _followed(
     )
 
 
-def _unexplained(misfit: Any, explained: Any) -> Any:
-    """The part of a misfit that a motion which fits cannot have: none up to ``explained``, all from twice that on.
+class Sampled(NamedTuple):
+    """Place and speed that a sample has beyond a motion of linear acceleration, and the parts of them that fit."""
+
+    farther: Any
+    faster: Any
+    place_fits: Any
+    speed_fits: Any
+
+
+def beyond_linear(
+    h: Any, start: tuple[Any, Any], accelerations: tuple[Any, Any], sample: tuple[Any, Any], lively: Any, jerk: float
+) -> Sampled:
+    """The place and speed of a ``sample`` after a step ``h`` from ``start`` on.
+
+    What changes of the acceleration within the step explain fits.
+    """
+    (x, v), (before, after), (place, speed) = start, accelerations, sample
+    change = abs(after - before)
+    faster = speed - v - 0.5 * h * (before + after)
+    farther = place - x - h * v - h * h / 6.0 * (2.0 * before + after)
+    return Sampled(
+        farther,
+        faster,
+        _explained(farther, h * h * (change + 0.125 * lively + jerk * h)),
+        _explained(faster, h * (change + 0.5 * lively + jerk * h)),
+    )
+
+
+def _explained(misfit: Any, most: Any) -> Any:
+    """The part of a misfit that a motion which fits may have: all up to ``most``, none from twice that on.
 
     Continuous: masters that look for events vary the step.
     """
-    return misfit - misfit * smaller(larger(2.0 - abs(misfit) / explained, 0.0), 1.0)
+    return smaller(larger(2.0 - abs(misfit) / most, 0.0), 1.0)
 
 
 class Limits(NamedTuple):

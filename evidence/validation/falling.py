@@ -7,17 +7,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 
-from evidence.claims import above, below
+from evidence.stability.chain import StaticBoundary, potential
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
-from .chain import StaticBoundary, potential
-from .entry import Array, Entry, Finding
+from .statics import Array
 
 GRAVITY = Layout().gravity
 CHAIN = 20.0  # m
@@ -93,47 +92,3 @@ def exact_fall() -> tuple[Array, Array]:
     u = np.linspace(0.0, 0.5 * math.pi, 101)
     pieces = [quad(rate, a, b)[0] for a, b in itertools.pairwise(u)]
     return np.concatenate(([0.0], np.cumsum(pieces))), np.sin(u) ** 2
-
-
-def inelastic_fall() -> tuple[Array, Array]:
-    """Times over sqrt(2L/g) and depths over L when the fold catches each link without giving its energy on.
-
-    The momentum of the part that falls changes by its weight and by what the caught links take with them.
-    """
-
-    def rates(t: float, y: Array) -> list[float]:
-        x, p = y  # over L and over rho sqrt(g L) L, time over sqrt(L/g)
-        mass = max(0.5 * (1 - x), 1e-12)
-        return [p / mass, mass - 0.5 * (p / mass) ** 2]
-
-    def lowest(t: float, y: Array) -> float:
-        return float(y[0]) - 0.999
-
-    lowest.terminal = True  # type: ignore[attr-defined]
-    solution = solve_ivp(rates, (0.0, 3.0), [0.0, 0.0], rtol=1e-9, atol=1e-12, events=lowest)
-    return solution.t / math.sqrt(2.0), solution.y[0]
-
-
-def measure_fall() -> Finding:
-    unit = math.sqrt(2 * CHAIN / GRAVITY)
-    exact_t = exact_fall()[0]
-    falls = {1.0: fall(1.0, 100, 5e-3, 1e-3), 0.1: fall(0.1, 160, 2e-3, 2e-4)}
-    errors = {EI: abs(float(x.t[-1]) / unit / float(exact_t[-1]) - 1) for EI, x in falls.items()}
-    free_t = inelastic_fall()[0]
-    unexplained = max(abs(x.unexplained) for x in falls.values())
-    return Finding(
-        counterexample=(
-            # it falls with g: 1 instead of 0.847
-            above("inelastic fold: fall time over the exact one", free_t[-1] / exact_t[-1], 1.1),
-        ),
-        ours=(
-            below("exact fall time less the printed one", abs(float(exact_t[-1]) - 0.847213), 1e-6),
-            # with EI = 1 the fold's size (EI/rho g)^(1/3)/L is 1.2 % of the rope; with 0.1 it is half of that, and what
-            # the material takes when the tip cracks counts as much
-            *(below(f"error of the fall time, EI = {EI:g} N m^2", error, 0.012) for EI, error in errors.items()),
-            below("energy unexplained over rho g L^2, larger of both", unexplained, 0.01),
-        ),
-    )
-
-
-ENTRIES = (Entry("dropped-end", "A dropped end falls faster than g", measure_fall, slow=True),)

@@ -1,0 +1,48 @@
+"""What the source states in words, and the number of ours that decides whether we see it too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from evidence.claims import Measurement
+from evidence.rendering import number
+from evidence.tables import Tables
+
+
+@dataclass(frozen=True)
+class Claim:
+    """``because`` says why ours differs; it is printed where the claim does not hold."""
+
+    source: str
+    measured: Measurement
+    because: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether ours shows what the source states."""
+        return self.measured.holds
+
+    @property
+    def number(self) -> str:
+        """Value with unit."""
+        return _with_unit(self.measured.value, self.measured.unit)
+
+    @property
+    def bound(self) -> str:
+        """Relation and bound with unit."""
+        words = {"<": "below", ">": "above"}[self.measured.relation]
+        return f"{words} {_with_unit(self.measured.bound, self.measured.unit)}"
+
+
+@dataclass(frozen=True)
+class Section:
+    """A title of the page, its claims and the tables that they are made from."""
+
+    title: str
+    claims: Callable[[Tables], Sequence[Claim]]
+    data: Sequence[str]
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return number(value) if unit == "1" else f"{number(value)} {unit}"
