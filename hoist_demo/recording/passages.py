@@ -20,10 +20,10 @@ PASSAGE_SIGNALS = frozenset(
     | {f"contact.{name}" for name in (*BODIES, "rope")}
     | {_DISSIPATED}
 )
-"""Outputs of the rope that tell it."""
+"""Outputs of the rope that show passages."""
 
 PASSED = "passed"
-"""In what ``passages`` tells of what holds no rope: nothing after that is what a real rope does."""
+"""Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope."""
 
 
 def passages(recording: Recording, rope: str = "the rope") -> str:

@@ -76,7 +76,7 @@ class RopeModel:
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
     def ends(self, state: RopeState) -> HangingEnds:
-        """How the ends of ``state`` are held."""
+        """Boundary at the ends of ``state``."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
@@ -87,7 +87,7 @@ class RopeModel:
         return Coefficients(self.scene.solver.rho_inf)
 
     def relative_error(self, old: RopeState, result: StepResult[Evaluation]) -> float:
-        """Local error of a trial step over what the accuracy allows; infinite when Newton failed."""
+        """Local error of a trial step over the error allowed; infinite when Newton failed."""
         if result.motion is None:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
@@ -124,7 +124,7 @@ class RopeModel:
         errors = add_errors(
             self.scene, old.errors, bottom, apart(old.motion), h, constant, paces.tolist(), result.error, force
         )
-        # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
+        # the material's dissipation follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
@@ -162,7 +162,7 @@ class RopeModel:
         return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
 
     def audit_interval(self, before: RopeState, state: RopeState) -> RopeState:
-        """``state``, the communication step that leads to it from ``before`` compared with what acted in it."""
+        """``state`` with the audit of the communication step from ``before``: its change against all that acted."""
         if state.fidelity == "rigid":
             return state
         m, scene = state.motion, self.scene
@@ -186,7 +186,7 @@ _END_STRAINS = ([0, -1], SLOPE.start + 1)
 def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
     """``state``, whose angles count from the reference of ``system``, as one that is its own reference.
 
-    The rate of theta is then the spin.  b differs from a by what happens within a step: both change alike.
+    The rate of theta is then the spin.  b differs from a by events within a step: both change alike.
     """
     m = state.motion
     gained = system.transport(m.q, m.v, m.a)
@@ -204,14 +204,14 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 
 def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
-    """What the conveyances put on the rope, its ends held so, and the bodies that it touches, and the air."""
+    """Loads on the rope by the conveyances, its ends held so, by touched bodies, and by the air."""
     outside = system.outside(motion.q, motion.v)
     loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side in (0, 1):
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
     total = tuple(sum(parts) for parts in zip(*loads, strict=True))
-    if system.kernels.fidelity == "planar":  # what goes across the plane is not felt
+    if system.kernels.fidelity == "planar":  # forces across the plane are not felt
         return total[0], total[1], 0.0, 0.0, 0.0, total[5]
     return total
 
@@ -233,7 +233,7 @@ def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> Energy
 
 
 def powers(system: RopeSystem, motion: Motion) -> Powers:
-    """What flows in and out at this instant, W."""
+    """Powers that flow in and out at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side in (0, 1):
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]

@@ -1,4 +1,4 @@
-"""What motions that do not fit do to the results: kept for each end while it follows, and part of the error estimates.
+"""Effect of motions that do not fit on the results: kept for each end, and part of the error estimates.
 
 The misfit's effect on the end force is that of the acceleration c which the followed motion has beyond the given one.
 It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response;

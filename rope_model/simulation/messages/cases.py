@@ -1,4 +1,4 @@
-"""Tables of what is said in which case; codegen.cases makes the C of them.
+"""Tables of messages and their cases; codegen.cases makes the C of them.
 
 A case is a message of the rope and the formula that goes with it.  From the facts that a table is about the
 formula computes whether the message applies, and then the numbers in it.  A choice is compared with its word.
