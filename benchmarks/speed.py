@@ -26,7 +26,6 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion as HostMotion
 from rope_model import SIGNALS, EndMotion, Solver, balance_rope
 
 from .kinematic import ends_at
@@ -72,8 +71,8 @@ def through_fmu(form: str, name: str, path: Path) -> Stepper:
     ends, unread = motions(name), [signal for signal in SIGNALS if signal not in READ]
     fmu = FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]}, unread)
 
-    def moved(t: float) -> list[HostMotion]:
-        return [HostMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends(t)]
+    def moved(t: float) -> list[EndMotion]:
+        return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends(t)]
 
     def step(t: float) -> bool:
         valid = fmu.step(round(t / H - 1) * H, H, *moved(t)).valid

@@ -20,18 +20,18 @@ from hoist_demo.cases.table import NAMED
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
 from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
 from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
-from hoist_demo.cosimulation.schemes.interface import Sample, Scheme
+from hoist_demo.cosimulation.schemes.interface import Reader, Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
 from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.parameters import Coupling, Hoist, Winding
+from rope_model import EndMotion, Status
 from rope_model.parameters import ROPE_CASES, Solver
 
 EVEN = Solver(tolerance=1e6)  # steps that no error shortens
@@ -217,9 +217,9 @@ class Faulty:
     way: str
     at: float
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         if self.way == "rejects" and t >= self.at:
-            return RopeStatus(False, "this step is refused")
+            return Status(False, "this step is refused")
         status = self.inner.step(t, h, left, right)
         if self.way == "raises" and t >= self.at:
             raise RuntimeError("the rope is gone")
@@ -283,7 +283,7 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion
+from rope_model import EndMotion
 
 path, folder = Path(sys.argv[1]), Path(sys.argv[2])
 trip = Winding(travel=0.002, settle=0.0, start_delay=0.0)
@@ -298,7 +298,6 @@ assert rope.step(0.0, 0.01, *moved).valid
 assert rope.signals() == first
 mass, nothing = rope.reader(["left.added_mass", "nothing"])()
 assert mass > 0.0 and nothing != nothing
-rope.free(snapshot)
 unpacked = list(Path(tempfile.gettempdir()).iterdir())
 assert len(unpacked) == 1, unpacked
 try:

@@ -10,8 +10,8 @@ from hoist_at_rest import wind
 
 from hoist_demo.cases.installed import INSTALLED, TAIL_SPARE, Case, round_rope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion
 from hoist_demo.parameters import require_trip_fits
+from rope_model import EndMotion
 from rope_model.parameters import Layout, Rope
 
 

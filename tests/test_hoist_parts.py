@@ -11,11 +11,13 @@ from scipy.optimize import brentq
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion
-from hoist_demo.drive.plant import LOSS_NAMES, HoistPlant, PlantInput, energy_residual
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
+from hoist_demo.cosimulation.schemes.interface import Load, Stopwatch
+from hoist_demo.drive.plant import LOSS_NAMES, HoistPlant, PlantInput, PlantState, energy_residual
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, require_jams_on_the_way, require_trip_fits
 from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft
+from rope_model import EndMotion
 
 FULL = Hoist(
     head_rope_modes=2,
@@ -226,18 +228,22 @@ def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
     assert powers[-1] > 0.999 * 3.0e5
 
 
+def ends(plant: HoistPlant, state: PlantState, u: PlantInput) -> tuple[EndMotion, EndMotion]:
+    drive = HoistPartner(plant, state, np.array([*vars(u).values()]), Stopwatch())
+    return drive.ends(drive.motion(Load.constant(np.array([u.force_left, u.force_right])), 0.0))
+
+
 def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
     plant = HoistPlant(FULL)
     state, u = rest_at(plant, (30.0, 60.0))
     state = state_with(
         plant, state, x_left=1e-3, z_right=-2e-3, yaw_right=1e-3, yaw_right_rate=0.1, v_left=2.0, x_left_rate=0.3
     )
-    left, right = plant.outputs(state, u).ends
+    left, right = ends(plant, state, u)
     assert (left.x, left.y, left.vx, left.vy) == (1e-3, 30.0, 0.3, 2.0)
     assert (right.z, right.y, right.yaw, right.yaw_rate) == (-2e-3, 60.0, 1e-3, 0.1)
-    assert HoistPlant(Hoist()).outputs(*rest_at(HoistPlant(Hoist()), (0.0, 90.0))).ends[0] == EndMotion(
-        y=0.0, ay=pytest.approx(0.0, abs=1e-10)
-    )
+    plain = HoistPlant(Hoist())
+    assert ends(plain, *rest_at(plain, (0.0, 90.0)))[0] == EndMotion(y=0.0, ay=pytest.approx(0.0, abs=1e-10))
 
 
 def on_its_way(travel: float, height: float) -> None:

@@ -40,21 +40,24 @@ fmu_src.native: rope_model.parameters rope_model.shaft_parameters rope_model.sim
 fmu_src.export: rope_model.parameters rope_model.simulation rope_model.version fmu_src .native
 fmu_src: rope_model.parameter_table rope_model.parameters rope_model.shaft_parameters rope_model.simulation
     rope_model.texts rope_model.version
-hoist_demo.parameters:
+hoist_demo.parameters: rope_model.physics
 hoist_demo.drive: .parameters rope_model.numerics
-hoist_demo.control: .parameters
+hoist_demo.control: .parameters rope_model.physics
 hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control
 hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.texts
 hoist_demo.cases: .parameters .control rope_model.parameters
-hoist_demo.cosimulation.schemes:
+hoist_demo.cosimulation.schemes: rope_model
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
 hoist_demo.cosimulation: .parameters .drive .control .recording .cosimulation.schemes .cosimulation.participants
 hoist_demo.report: .parameters .recording .cosimulation .cosimulation.participants .study rope_model.texts
 hoist_demo.study: .parameters .control .design .cases .recording .cosimulation .cosimulation.participants
+    .cosimulation.schemes
     rope_model rope_model.texts
-hoist_demo.duty: .design .recording .cosimulation .cosimulation.participants .study rope_model
-hoist_demo.ropes: .cases .parameters .recording .cosimulation .cosimulation.participants .study rope_model
+hoist_demo.duty: .design .recording .cosimulation .cosimulation.participants .cosimulation.schemes .study
+    rope_model
+hoist_demo.ropes: .cases .parameters .recording .cosimulation .cosimulation.participants .cosimulation.schemes
+    .study rope_model
 hoist_demo.calibration: .parameters .control .cases .cosimulation.participants .report .study rope_model
     rope_model.catalogue rope_model.physics rope_model.simulation rope_model.texts
 hoist_demo.uncertainty: .calibration .cases .recording .cosimulation .cosimulation.participants .report .study

@@ -16,8 +16,8 @@ from test_study import Read
 from test_study import read as read
 
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.partners import Stopwatch
 from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.schemes.interface import Stopwatch
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.cluster import cluster, run_samples

@@ -14,6 +14,7 @@ When the reference says that the safety brake stops the hoist, the motor is off 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -22,6 +23,7 @@ from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.components import require
 from hoist_demo.parameters.quantity import quantity
+from rope_model.physics.elementary import both, larger, smaller, tanh, where
 
 
 @dataclass(frozen=True)
@@ -78,10 +80,10 @@ class Controller(Protocol):
 
 
 class SpeedController:
-    """The control law; its state is explicit."""
+    """The control law; its state is explicit. The host evaluates its text, and exported drives have C made of it."""
 
-    def __init__(self, hoist: Hoist, holding_torque: float, gains: Gains | None = None) -> None:
-        """`holding_torque` [N m] is the motor's torque at rest at the start."""
+    def __init__(self, hoist: Hoist, holding_torque: Any, gains: Any = None) -> None:
+        """`holding_torque` [N m] is the motor's torque at rest at the start; it and the `Gains` may be symbols."""
         self._gains = Gains() if gains is None else gains
         self._radius = hoist.sheave_radius
         self._mass, self._imbalance_rate = hoist.moving_mass, hoist.imbalance_rate
@@ -95,22 +97,35 @@ class SpeedController:
     ) -> Command:
         """Torque command for the step of length h [s] that begins now."""
         state = ControllerState() if state is None else state
-        position, speed, acceleration, _, braking = reference
+        *motion, _, braking = reference
         if braking is not None:
             return self._brake(braking, measured, state, h)
-        gains, (travel, moved) = self._gains, measured
-        error = speed + gains.position * (position - travel) - moved
-        ahead = self._mass * acceleration + self._imbalance_rate * position
-        ahead += self._loss(speed)
-        force = gains.feed_forward * ahead + gains.speed * error + state.integral
+        torque, limited, integral = self.law(motion, *measured, state.integral, h)
+        return Command(torque, limited, ControllerState(integral))
+
+    def law(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any) -> tuple[Any, Any, Any]:
+        """Return the torque [N m], whether it is limited, and the integral part after h; of numbers or symbols.
+
+        `motion` is the reference's position, speed and acceleration.
+        """
+        force, error = self.force(motion, travel, speed, integral)
         wanted = self._holding_torque + self._radius * force
-        limit = self._hoist.torque_available(moved / self._radius)
-        torque = min(max(wanted, -limit), limit)
-        limited = torque != wanted
+        limit = self._hoist.torque_available(speed / self._radius)
+        torque = smaller(larger(wanted, -limit), limit)
         # anti-windup: integrate unless that would push further into the limit
-        if limited and error * wanted > 0.0:
-            return Command(torque, limited, state)
-        return Command(torque, limited, ControllerState(state.integral + h * gains.speed * error / gains.integral_time))
+        stands = both(torque != wanted, error * wanted > 0.0)
+        grown = integral + h * self._gains.speed * error / self._gains.integral_time
+        return torque, torque != wanted, where(stands, integral, grown)
+
+    def force(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any) -> tuple[Any, Any]:
+        """Return the force at the rim beyond the one that holds [N], and the error of the speed [m/s]."""
+        error = motion[1] + self._gains.position * (motion[0] - travel) - speed
+        return self._gains.feed_forward * self.ahead(motion) + self._gains.speed * error + integral, error
+
+    def ahead(self, motion: Sequence[Any]) -> Any:
+        """Return the force at the rim that a full feed-forward asks for, beyond the one that holds [N]."""
+        position, speed, acceleration = motion
+        return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)
 
     def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
         """Motor off, brake after its law."""
@@ -119,6 +134,6 @@ class SpeedController:
         asked = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
         return Command(0.0, False, ControllerState(0.0, asked.state), asked.fraction)
 
-    def _loss(self, speed: float) -> float:
+    def _loss(self, speed: Any) -> Any:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
-        return self._coulomb * math.tanh(speed / self._hoist.loss_speed) + self._viscous * speed
+        return self._coulomb * tanh(speed / self._hoist.loss_speed) + self._viscous * speed

@@ -9,7 +9,7 @@ import numpy as np
 
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
-from hoist_demo.cosimulation.participants.partners import HoistParticipant
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Memory, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
 from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
@@ -90,7 +90,7 @@ ROW = (
 
 
 def drive_row(
-    t: float, reference: TrajectoryPoint, command: Command, drive: HoistParticipant, memory: Memory
+    t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, memory: Memory
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
     state, (position, speed, acceleration, jerk, _) = drive.state, reference

@@ -26,20 +26,19 @@ from hoist_demo.control.safety import Course
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, ROW, drive_row, with_drive_signals
-from hoist_demo.cosimulation.participants.partners import HoistParticipant, NextCommand, RopeParticipant, Stopwatch
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner, NextCommand
 from hoist_demo.cosimulation.plain_data import encode, private_copy
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.run_state import RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.interface import Pair, Scheme, Vector
-from hoist_demo.cosimulation.schemes.stability import StabilityEstimate
-from hoist_demo.cosimulation.stability import estimate_stability_at_rest
+from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
+from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN
-from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantState
+from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
 from hoist_demo.recording.time_series import Array, Recorder, Recording
+from rope_model import EndMotion
 
 _log = logging.getLogger(__name__)
 
@@ -142,7 +141,6 @@ class Host:
         cause = self._wind(run, progress, save_to)
         start, T = self.coupling.start, self.coupling.period
         checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
-        run.forget()
         saved = None
         if checkpoint is not None and save_to is not None:
             try:
@@ -169,35 +167,32 @@ class Host:
     def _hang(self) -> RunState | str:
         """A run at rest; the cause when the rope does not hang."""
         start, (y_left, y_right) = self.coupling.start, self.start_heights
-        rope = RopeParticipant(self.rope, self.rope_clock)
-        if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
-            return cause
-        forces, _ = rope.forces()
-        state = self.plant.equilibrium(y_left, y_right, *forces.tolist())
+        with self.start_clock:
+            status = self.rope.initialize(start, EndMotion(y=y_left), EndMotion(y=y_right))
+            forces = answer(status, self.rope.reader(ROPE_FORCES))
+        if isinstance(forces, str):
+            return f"rope, at the start: {forces}"
+        state = self.plant.equilibrium(y_left, y_right, *forces[:2].tolist())
         held = np.zeros(len(INPUT_NAMES))
-        held[0], held[list(FORCES)] = state.x[0], forces
-        drive = self._drive(state, held, rope)
-        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), self._recorder(), self._course)
-        self.stability = estimate_stability_at_rest(self.scheme, self.coupling, run.pair, run.memory)
+        held[0], held[list(FORCES)] = state.x[0], forces[:2]
+        drive = HoistPartner(self.plant, state, held, self.drive_clock)
+        pair = Pair(drive, self.rope, self.rope_clock)
+        run = RunState(drive, pair, pair.start(start), drive.output(), self._recorder(), self._course)
+        coupling = self.coupling
+        self.stability = predict_stability(self.scheme, coupling.scheme, pair, run.memory, start, coupling.step)
         return run
 
     def _go_on(self, after: TripEnd) -> RunState:
         """A run whose drive and rope are where the trip before has left them."""
-        rope = RopeParticipant(self.rope, self.rope_clock)
-        drive = self._drive(after.plant, after.input, rope)
-        return RunState(drive, rope, after.memory, drive.output(), self._recorder(), self._course)
-
-    def _drive(self, state: PlantState, held: Vector, rope: RopeParticipant) -> HoistParticipant:
-        drive = HoistParticipant(self.plant, state, held, self.drive_clock)
-        if self.hoist.play is not None:
-            rope.beside = drive.ends
-        return drive
+        drive = HoistPartner(self.plant, after.plant, after.input, self.drive_clock)
+        pair = Pair(drive, self.rope, self.rope_clock)
+        return RunState(drive, pair, after.memory, drive.output(), self._recorder(), self._course)
 
     def _holding_torque(self, run: RunState) -> float:
         """Return the motor torque that holds the hoist at rest where the trip starts [N m]."""
         if self._after is None:
             return run.at_rest.torque
-        forces, _ = run.rope.forces()
+        forces, _ = run.pair.forces()
         return self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
 
     def _recorder(self) -> Recorder:

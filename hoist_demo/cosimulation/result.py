@@ -7,8 +7,8 @@ from pathlib import Path
 
 from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.participants.partners import Stopwatch
 from hoist_demo.cosimulation.run_state import TripEnd
+from hoist_demo.cosimulation.schemes.interface import Stopwatch
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recording
 

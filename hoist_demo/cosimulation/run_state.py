@@ -11,7 +11,7 @@ import numpy as np
 from hoist_demo.control.controller import Command
 from hoist_demo.control.safety import Course
 from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.plain_data import private_copy
 from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Vector
 from hoist_demo.drive.plant import PlantOutput, PlantState
@@ -26,9 +26,9 @@ class _Kept:
 
     k: int
     drive: tuple[PlantState, Vector]
+    rope: Any
     controller: Any
     memory: Memory
-    rope: Any
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class TripEnd:
 class RunState:
     """Everything at the latest communication point, and at the latest sample that is kept."""
 
-    drive: HoistParticipant
-    rope: RopeParticipant
+    drive: HoistPartner
+    pair: Pair  # drive and rope, for the scheme
     memory: Memory
     at_rest: PlantOutput  # of the drive, at the start
     recorder: Recorder
@@ -62,23 +62,13 @@ class RunState:
     commands: list[Command] = field(default_factory=list)  # since the latest communication point that is recorded
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
-    pair: Pair = field(init=False)  # drive and rope, for the scheme
     _kept: _Kept | None = None
-
-    def __post_init__(self) -> None:
-        self.pair = Pair(self.drive, self.rope)
 
     def keep(self, k: int) -> None:
         """Keep the state at sample k, and none before."""
-        self.forget()
-        # the controller may change what it is handed
-        self._kept = _Kept(k, self.drive.save(), private_copy(self.controller), self.memory, self.rope.save())
-
-    def forget(self) -> None:
-        """Free what is kept."""
-        if self._kept is not None:
-            self.rope.free(self._kept.rope)
         self._kept = None
+        # the controller may change what it is handed
+        self._kept = _Kept(k, *self.pair.save(), private_copy(self.controller), self.memory)
 
     def end(self, t: float, landing: float) -> TripEnd:
         """The state at t, where a trip to the landing has ended."""
@@ -86,8 +76,7 @@ class RunState:
 
     def go_on_from(self, checkpoint: Checkpoint, steps: int) -> None:
         """Take over a checkpoint, made after so many communication steps."""
-        self.drive.restore((checkpoint.plant, checkpoint.input))
-        self.rope.restore_bytes(checkpoint.rope)
+        self.pair.restore(((checkpoint.plant, checkpoint.input), self.pair.rope.from_bytes(checkpoint.rope)))
         self.recorder.resume(checkpoint.recording, checkpoint.sample)
         self.controller = private_copy(checkpoint.controller)
         self.memory, self.at_rest = checkpoint.memory, checkpoint.at_rest
@@ -101,7 +90,7 @@ class RunState:
         rope = b""
         if kept.rope is not None:
             try:
-                rope = self.rope.to_bytes(kept.rope)
+                rope = self.pair.rope.to_bytes(kept.rope)
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
         return Checkpoint(

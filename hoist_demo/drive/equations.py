@@ -179,7 +179,7 @@ def equations(parts: Hoist) -> Equations:
     along_slip = ca.DM(np.array([name == "slip" for name in at.names], dtype=float))
 
     # motor: the torque follows its command with a lag, both within the limits
-    available = _available(hoist, rate + twist_rate)
+    available = hoist.torque_available(rate + twist_rate)
     motor = torque if hoist.power_limit is None else ca.fmin(ca.fmax(torque, -available), available)
     command = ca.fmin(ca.fmax(given["torque_command"], -hoist.torque_limit), hoist.torque_limit)
 
@@ -270,13 +270,6 @@ def _lateral_motion(at: _Coordinates, a: Any) -> list[Any]:
         k = at.names.index(name) if name in at.names else None
         shown += [0.0, 0.0, 0.0] if k is None else [at.q[k], at.v[k], a[k]]
     return shown
-
-
-def _available(hoist: Hoist, rate: Any) -> Any:
-    """Torque that the power limit leaves at a speed of rotation [N m]; see Hoist.torque_available."""
-    if hoist.power_limit is None:
-        return hoist.torque_limit
-    return hoist.power_limit / ca.fmax(ca.fabs(rate), hoist.power_limit / hoist.torque_limit)
 
 
 def _rotation(hoist: Hoist, at: _Coordinates) -> tuple[Any, Any, Any]:

@@ -5,14 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-import numpy as np
-from numpy.typing import NDArray
-
-from hoist_demo.drive.end_motion import EndMotion
-from hoist_demo.drive.equations import SIDES
-
-Vector = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class PlantOutput:
@@ -75,17 +67,6 @@ class PlantOutput:
         """Mechanical power of the motor [W]."""
         return self.torque * self.motor_rate
 
-    @property
-    def ends(self) -> tuple[EndMotion, EndMotion]:
-        """Motion of the balance rope's left and right end."""
-        return rope_ends(np.array([*vars(self).values()]))
-
-
-def rope_ends(shown: Vector) -> tuple[EndMotion, EndMotion]:
-    """Motion of the balance rope's left and right end in the numbers of PlantOutput."""
-    left, right = shown[_ENDS].tolist()
-    return EndMotion(*left), EndMotion(*right)
-
 
 def tension_ratio(one: float, other: float) -> float:
     """Larger tension over smaller one (Euler-Eytelwein), infinite when a side is slack [-]."""
@@ -95,5 +76,3 @@ def tension_ratio(one: float, other: float) -> float:
 
 SHOWN = {field.name: k for k, field in enumerate(fields(PlantOutput))}
 """Places of PlantOutput's numbers."""
-_SPELT = {"y": "y", "vy": "v", "ay": "a"}
-_ENDS = np.array([[SHOWN[f"{_SPELT.get(name, name)}_{side}"] for name in EndMotion._fields] for side in SIDES])

@@ -15,6 +15,7 @@ import json
 import math
 from dataclasses import dataclass, fields
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -22,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cases.case import Case
-from hoist_demo.control.controller import Gains
+from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.drive.equations import INPUT_NAMES, equations, numbers_of, parts_of
 from hoist_demo.drive.plant import HoistPlant, PlantOutput
 from hoist_demo.drive.runge_kutta import runge_kutta_step
@@ -146,23 +147,12 @@ def _outputs(plant: HoistPlant) -> Any:
 
 
 def _control(hoist: Hoist) -> Any:
-    """SpeedController.command: (reference s v a, travel, speed, M_hold, I, h, gains) -> (M_c, I)."""
-    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(ca.SX.sym("sample", 8))
-    sample = ca.vertcat(s, v, a, travel, speed, hold, integral, h)
-    gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
-    k_v = gains["speed"]
-    error = v + gains["position"] * (s - travel) - speed
-    ahead = hoist.moving_mass * a + hoist.imbalance_rate * s
-    coulomb, viscous = hoist.travel_loss
-    ahead += coulomb * ca.tanh(v / hoist.loss_speed) + viscous * v
-    wanted = hold + hoist.sheave_radius * (gains["feed_forward"] * ahead + k_v * error + integral)
-    limit: Any = hoist.torque_limit
-    if hoist.power_limit is not None:
-        limit = hoist.power_limit / ca.fmax(ca.fabs(speed / hoist.sheave_radius), hoist.power_limit / limit)
-    torque = ca.fmin(ca.fmax(wanted, -limit), limit)
-    stands = ca.logic_and(torque != wanted, error * wanted > 0)
-    grown = ca.if_else(stands, integral, integral + h * k_v * error / gains["integral_time"])
-    return ca.Function("drive_control", [sample, ca.vertcat(*gains.values())], [torque, grown])
+    """SpeedController.law: (reference s v a, travel, speed, M_hold, I, h, gains) -> (M_c, I)."""
+    sample = ca.SX.sym("sample", 8)
+    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(sample)
+    gains = SimpleNamespace(**{field.name: ca.SX.sym(field.name) for field in fields(Gains)})
+    torque, _, grown = SpeedController(hoist, hold, gains).law((s, v, a), travel, speed, integral, h)
+    return ca.Function("drive_control", [sample, ca.vertcat(*vars(gains).values())], [torque, grown])
 
 
 def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:

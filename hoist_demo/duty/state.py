@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
-from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.cosimulation.run_state import TripEnd
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.recording.time_series import Recording
 
@@ -25,7 +25,6 @@ class Standing:
 
 def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule) -> None:
     """Write the state after the last row of `trips`, whole or not at all."""
-    snapshot = rope.save()
     checkpoint = Checkpoint(
         sample=trips["trip"].size,
         t=end.t,
@@ -34,12 +33,11 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         input=end.input,
         at_rest=end.shown,
         memory=end.memory,
-        rope=rope.to_bytes(snapshot),
+        rope=rope.to_bytes(rope.save()),
         recording=trips,
         data=schedule.data,
         cause="",
     )
-    rope.free(snapshot)
     part = path.with_suffix(".part")
     checkpoint.write(part)
     part.replace(path)
@@ -51,9 +49,7 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
     if checkpoint.data != schedule.data:
         found = differences(checkpoint.data, schedule.data)
         raise ValueError(f"'{path}' must be of this schedule, but {found}: give another --out")
-    snapshot = rope.from_bytes(checkpoint.rope)
-    rope.restore(snapshot)
-    rope.free(snapshot)
+    rope.restore(rope.from_bytes(checkpoint.rope))
     end = TripEnd(
         checkpoint.t,
         schedule.landing(checkpoint.sample),

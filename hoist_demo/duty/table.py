@@ -12,11 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.duty.wind import Trip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.study.metrics import METRICS, ROPE_SIGNALS, measure
+from rope_model import EndMotion
 
 READ = ROPE_SIGNALS | {"loop.turns"}
 """Outputs of the rope that the table is made of."""

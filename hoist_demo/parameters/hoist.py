@@ -11,9 +11,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft, require, require_magnitudes
 from hoist_demo.parameters.quantity import quantity
+from rope_model.physics.elementary import larger
 
 GRAVITY = 9.81
 """Acceleration of free fall [m/s^2]."""
@@ -181,8 +183,8 @@ class Hoist:
         """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
         return (self.tension_ratio_limit - 1.0) / (ratio - 1.0) if ratio > 1.0 else math.inf
 
-    def torque_available(self, rate: float) -> float:
-        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power."""
+    def torque_available(self, rate: Any) -> Any:
+        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power; also of symbols."""
         if self.power_limit is None:
             return self.torque_limit
-        return self.power_limit / max(abs(rate), self.power_limit / self.torque_limit)
+        return self.power_limit / larger(abs(rate), self.power_limit / self.torque_limit)

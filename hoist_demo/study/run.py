@@ -22,9 +22,9 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host, Progress
 from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper

@@ -20,11 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.partners import ENDS
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.cosimulation.participants.touching_ropes import WholeRope
+from hoist_demo.cosimulation.schemes.interface import ENDS, Reader
 from hoist_demo.parameters import GRAVITY
-from rope_model import BalanceRope
+from rope_model import BalanceRope, EndMotion, Status
 
 _NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", "my", "mz"))
 
@@ -84,12 +83,12 @@ class BreakingRope:
         """The rope until it breaks."""
         return self._rope.whole if self._pieces is None else None
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """Hang the whole rope."""
         self._pieces, self._ends = None, (left, right)
         return self._rope.initialize(t0, left, right)
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """Advance to t + h; the rope breaks before the first step that begins at its time or later."""
         if self._pieces is None and t >= self._at.t:
             self._pieces = self._break(t)
@@ -100,7 +99,7 @@ class BreakingRope:
         before, now = self._shown, self._forces(t + h, (left, right))
         means = {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
         self._shown = now | means
-        return RopeStatus(True)
+        return Status(True)
 
     def _break(self, t: float) -> tuple[Piece, Piece]:
         left, right = self._ends
@@ -142,11 +141,6 @@ class BreakingRope:
         """Go back to a snapshot, to before the break, too."""
         kept, self._ends, self._pieces, self._shown = snapshot
         self._rope.restore(kept)
-
-    def free(self, snapshot: Any) -> None:
-        """Forget a snapshot."""
-        if snapshot is not None:
-            self._rope.free(snapshot[0])
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """A broken rope's state is not written to files."""

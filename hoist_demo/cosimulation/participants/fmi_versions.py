@@ -17,7 +17,7 @@ from functools import lru_cache, partial
 from itertools import product
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, NoReturn
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, finalize
 
 import fmpy
 import fmpy.fmi2
@@ -145,6 +145,13 @@ class _Closed:
         _refuse()
 
 
+@dataclass(frozen=True, eq=False)
+class FmuState:
+    """A state in the FMU's memory, for as long as somebody has it."""
+
+    handle: Any
+
+
 class Instance(ABC):
     """One instance for co-simulation. After `close` each call but that one raises RuntimeError."""
 
@@ -155,6 +162,7 @@ class Instance(ABC):
         self._spare: Any = None
         self._t, self._h = c_double(), c_double()  # of the next step
         # of each call that is still held, what makes it refuse: asked once, on close, and not in every call
+        self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # those that somebody has, and their ends
         self._ends = WeakKeyDictionary[Callable[[], None], Callable[[], None]]()
         try:
             self._fmu = self._fmpy_class(
@@ -260,37 +268,44 @@ class Instance(ABC):
         """End the run."""
         self._fmu.terminate()
 
-    def save(self) -> Any:
-        """A handle of the state, in the memory of the last one that was given back."""
+    def save(self) -> FmuState:
+        """The state, in the memory of the last one that was given back."""
         if self._spare is None:
-            return self._fmu.getFMUState()
-        state, self._spare = self._spare, None
-        getattr(self._fmu, f"{self._prefix}GetFMU{self._state}")(self._fmu.component, byref(state))
+            return self._held(self._fmu.getFMUState())
+        handle, self._spare = self._spare, None
+        getattr(self._fmu, f"{self._prefix}GetFMU{self._state}")(self._fmu.component, byref(handle))
+        return self._held(handle)
+
+    def restore(self, state: FmuState) -> None:
+        """Go back to a state."""
+        self._fmu.setFMUState(state.handle)
+
+    def to_bytes(self, state: FmuState) -> bytes:
+        """A state as bytes."""
+        return bytes(self._fmu.serializeFMUState(state.handle))
+
+    def from_bytes(self, data: bytes) -> FmuState:
+        """The state in bytes."""
+        return self._held(self._fmu.deserializeFMUState(data))
+
+    def _held(self, handle: Any) -> FmuState:
+        state = FmuState(handle)
+        self._states[state] = finalize(state, self._give_back, handle)
         return state
 
-    def restore(self, snapshot: Any) -> None:
-        """Go back to a handle."""
-        self._fmu.setFMUState(snapshot)
-
-    def free(self, snapshot: Any) -> None:
-        """Give a handle back; the last one is kept for the next state."""
-        give_back = self._fmu.freeFMUState
-        if self._spare is not None:
-            give_back(self._spare)
-        self._spare = snapshot
-
-    def to_bytes(self, snapshot: Any) -> bytes:
-        """A handle's state as bytes."""
-        return bytes(self._fmu.serializeFMUState(snapshot))
-
-    def from_bytes(self, data: bytes) -> Any:
-        """The handle of a state in bytes."""
-        return self._fmu.deserializeFMUState(data)
+    def _give_back(self, handle: Any) -> None:
+        """Give a state back that nobody has any more; the last one is kept for the next state."""
+        spare, self._spare = self._spare, handle
+        if spare is not None:
+            with suppress(CallError):
+                self._fmu.freeFMUState(spare)
 
     def close(self) -> None:
         """Free the instance; may be called more than once."""
         if isinstance(self._fmu, _Closed):
             return
+        for give_back in [*self._states.values()]:
+            give_back()
         fmu, self._fmu = self._fmu, _Closed()
         for end in self._ends.values():
             end()

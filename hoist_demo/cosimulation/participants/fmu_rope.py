@@ -11,6 +11,7 @@ import hashlib
 import logging
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,21 +30,22 @@ from hoist_demo.cosimulation.participants.fmi_versions import (
 )
 from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_fmu, version_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
-from hoist_demo.cosimulation.participants.rope_plant import REQUIRED_SIGNALS, EndMotion, Reader, RopeStatus
+from hoist_demo.cosimulation.schemes.interface import ENDS, ROPE_FORCES, Reader
 from hoist_demo.recording.fidelity import FIDELITY, code_of
+from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
 
 ParameterValue = Value
 
-INPUTS = EndMotion._fields
+INPUTS = tuple(field.name for field in fields(EndMotion))
 """Names of an end's inputs."""
 
 NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
 """Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
 
 _NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
-_VALID = RopeStatus(True)
+_VALID = Status(True)
 
 
 class _Part(NamedTuple):
@@ -94,12 +96,12 @@ class FmuRope:
         self._description, variables = read_fmu(self._path)
         self._described = parameters_of(variables)
         self._variables = {name: v for v in variables for name in v.elements}
-        inputs = [self._variable(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
+        inputs = [self._variable(f"{end}.{name}") for end in ENDS for name in INPUTS]
         self._not_read = frozenset(not_read)
         self._outputs = _numeric_outputs(variables, self._not_read)
         self._tells_fidelity = FIDELITY in self._variables and FIDELITY not in not_read
         self._chosen: dict[str, ParameterValue] = {"inputs_at_step_end": True, **(parameters or {})}
-        missing = [name for name in REQUIRED_SIGNALS if name not in self._units_of_outputs()]
+        missing = [name for name in ROPE_FORCES if name not in self._units_of_outputs()]
         if missing:
             raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
         try:
@@ -118,7 +120,7 @@ class FmuRope:
             self.close()
             raise
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """Set-up, initialization mode with the ends' start motion, and the first status."""
         try:
             self._fmu.enter_initialization(t0)
@@ -129,7 +131,7 @@ class FmuRope:
         except CallError as error:
             return self._failure_status(error)
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """One doStep(t, h) with the motions of its end."""
         try:
             self._set_motions(left, right)
@@ -206,14 +208,6 @@ class FmuRope:
         with self._translate_failures():
             self._fmu.restore(snapshot)
 
-    def free(self, snapshot: Any) -> None:
-        """Give a handle back to the FMU."""
-        if snapshot is not None:
-            try:
-                self._fmu.free(snapshot)
-            except CallError as error:
-                _log.debug("a state is not given back: %s", error)
-
     def to_bytes(self, snapshot: Any) -> bytes:
         """The FMU's serialized state."""
         with self._translate_failures():
@@ -265,15 +259,15 @@ class FmuRope:
             raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._motions.values[...] = left + right
+        self._motions.values[...] = *vars(left).values(), *vars(right).values()
         self._motions.call()
 
-    def _status(self) -> RopeStatus:
+    def _status(self) -> Status:
         """Return the status by `status.valid` and `status.message`; an FMU without them is valid."""
         if self._valid is None:
             return _VALID
         self._valid.call()
-        return _VALID if self._valid.values[0] else RopeStatus(False, self._message())
+        return _VALID if self._valid.values[0] else Status(False, self._message())
 
     def _message(self) -> str:
         return self._text("status.message")
@@ -293,12 +287,12 @@ class FmuRope:
         """Return the head of a serialized state, which keeps states of two flavours apart."""
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
-    def _failure_status(self, error: CallError) -> RopeStatus:
+    def _failure_status(self, error: CallError) -> Status:
         """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
         self._started, message = False, ""
         with suppress(CallError):
             message = self._message()
-        return RopeStatus(False, message or self._explanation(error))
+        return Status(False, message or self._explanation(error))
 
     @contextmanager
     def _translate_failures(self) -> Iterator[None]:

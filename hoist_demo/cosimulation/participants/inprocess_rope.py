@@ -19,11 +19,22 @@ from numpy.typing import NDArray
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
+from hoist_demo.cosimulation.schemes.interface import Reader
 from hoist_demo.parameters.quantity import units_of
 from hoist_demo.recording.fidelity import FIDELITY, code_of
-from rope_model import SIGNALS, BalanceRope, Level, RopeState, Scene, Shaft, Snapshot, Status, at_level, balance_rope
-from rope_model import EndMotion as RopeEndMotion
+from rope_model import (
+    SIGNALS,
+    BalanceRope,
+    EndMotion,
+    Level,
+    RopeState,
+    Scene,
+    Shaft,
+    Snapshot,
+    Status,
+    at_level,
+    balance_rope,
+)
 
 _log = logging.getLogger(__name__)
 
@@ -51,22 +62,22 @@ class InProcessRope:
         """The rope itself."""
         return self._rope
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """Find the hanging shape at t0 [s]."""
         self._warned.clear()
-        return self._log_warnings(self._rope.initialize(t0, _motion(left), _motion(right)))
+        return self._log_warnings(self._rope.initialize(t0, left, right))
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """Advance to t + h [s]; the motions hold there."""
-        return self._log_warnings(self._rope.advance_to(t + h, _motion(left), _motion(right)))
+        return self._log_warnings(self._rope.advance_to(t + h, left, right))
 
-    def _log_warnings(self, status: Status) -> RopeStatus:
+    def _log_warnings(self, status: Status) -> Status:
         """The status; warnings about a valid state are logged, each of them once, as the FMU does it."""
         for subject, text in self._rope.warnings().items() if status.valid else ():
             if subject not in self._warned:
                 self._warned.add(subject)
                 _log.warning("%s", text)
-        return RopeStatus(bool(status.valid), str(status.message))
+        return status
 
     def signals(self) -> dict[str, float]:
         """All outputs by FMI name, and the fidelity by its code."""
@@ -102,9 +113,6 @@ class InProcessRope:
     def restore(self, snapshot: Snapshot | RopeState) -> None:
         """Go on from a state."""
         self._rope.restore(snapshot)
-
-    def free(self, snapshot: Snapshot | RopeState) -> None:
-        """Nothing is held."""
 
     def to_bytes(self, snapshot: Snapshot) -> bytes:
         """The state as bytes."""
@@ -207,11 +215,6 @@ def _with_values(data: Any, path: Sequence[str], values: Mapping[str, Any]) -> A
     if not path:
         return replace(data, **values)
     return replace(data, **{path[0]: _with_values(getattr(data, path[0]), path[1:], values)})
-
-
-def _motion(end: EndMotion) -> RopeEndMotion:
-    """Convert to rope_model's own type."""
-    return RopeEndMotion(*end)
 
 
 def _decode(part: Any, name: str, value: Value) -> Any:

@@ -21,11 +21,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.partners import ENDS
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
 from hoist_demo.cosimulation.participants.touching_ropes import MEANS, TouchingRopes
+from hoist_demo.cosimulation.schemes.interface import ENDS, Reader, RopePlant
 from hoist_demo.parameters import Hoist
-from rope_model import Account
+from rope_model import Account, EndMotion, Status
 
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
 _PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))
@@ -75,7 +74,7 @@ class RopeGroup:
         self._yaws = (0.0, 0.0)
         self.touching, self._placed = touching, list[tuple[EndMotion, EndMotion]]()  # where the ropes' ends are
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """All ropes hang at t0 [s]."""
         self._keep(left, right)
         self._placed = [self._ends(m.place, 0.0, left, right) for m in self.members]
@@ -83,7 +82,7 @@ class RopeGroup:
             return self._all(self.touching.initialize(t0, self._placed))
         return self._all([m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)])
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """Advance all to t + h [s]."""
         ends = [self._ends(m.place, h, left, right) for m in self.members]
         self._keep(left, right)
@@ -145,11 +144,6 @@ class RopeGroup:
         for member, one in zip(self.members, kept, strict=True):
             member.rope.restore(one)
 
-    def free(self, snapshot: Any) -> None:
-        """Forget a snapshot."""
-        for member, one in zip(self.members, snapshot[0] if snapshot else (), strict=False):
-            member.rope.free(one)
-
     def to_bytes(self, snapshot: Any) -> bytes:
         """A group's state is not written to files."""
         raise RuntimeError("the state of several ropes cannot be written: wind them in one run")
@@ -196,10 +190,10 @@ class RopeGroup:
         was_left, was_right = self._rates
         return _end(left, place.at("left"), was_left, h), _end(right, place.at("right"), was_right, h)
 
-    def _all(self, statuses: Sequence[RopeStatus]) -> RopeStatus:
+    def _all(self, statuses: Sequence[Status]) -> Status:
         """Valid when all are."""
         failed = [(m.name, s) for m, s in zip(self.members, statuses, strict=True) if not s.valid]
-        return RopeStatus(not failed, "; ".join(f"{name}: {status.message}" for name, status in failed))
+        return Status(not failed, "; ".join(f"{name}: {status.message}" for name, status in failed))
 
 
 def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, h: float) -> EndMotion:
@@ -209,7 +203,8 @@ def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, 
     (x, z), rate = _turned(place, conveyance.yaw), conveyance.yaw_rate
     growth = (rate - rate_before) / h if h > 0.0 else 0.0
     c = conveyance
-    return c._replace(
+    return replace(
+        c,
         x=c.x + x - place[0],
         z=c.z + z - place[1],
         vx=c.vx + rate * z,

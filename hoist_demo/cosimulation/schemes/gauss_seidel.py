@@ -40,7 +40,7 @@ class ImpulsePreserving:
 def exchange(pair: Pair, memory: Memory, t: float, h: float, load: Load) -> Advance:
     """The step done under a load, drive first."""
     balance = ExchangeBalance(pair, load)
-    if cause := pair.drive_then_rope(t, h, load):
+    if cause := pair.step(t, h, load):
         return Advance(memory, cause)
     sample = pair.sample_at(t + h, load)
     return Advance(memory.with_sample(sample, balance.residual(sample.mean)))
