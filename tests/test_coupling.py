@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drives import Plant, PlantInput, PlantInputPath
 from numpy.testing import assert_allclose, assert_array_equal
 from two_masses import Data, error, start
 
@@ -29,7 +30,6 @@ from hoist_demo.cosimulation.schemes.interface import Reader, Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
-from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantInputPath
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from rope_model import EndMotion, Status
 from rope_model.parameters import ROPE_CASES, Solver
@@ -138,7 +138,7 @@ def test_the_growth_on_an_impedance_with_losses_is_one_at_the_limit_of_theory() 
 
 
 def test_the_drive_integrates_a_changing_load_as_many_short_held_ones() -> None:
-    plant = HoistPlant(Hoist())
+    plant = Plant(Hoist())
     state = plant.equilibrium(0.0, 90.0, -1200.0, -8200.0)
     path = PlantInputPath(
         PlantInput(float(state.x[0]) + 1e4, -1200.0, -8200.0),

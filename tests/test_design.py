@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from drives import Plant, PlantInput
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, s_curve
@@ -12,7 +13,6 @@ from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.swing import fit_swing
 from hoist_demo.design.tuning import Judged, Plan, search
-from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft
 
@@ -59,7 +59,7 @@ def test_fitted_swing_is_the_given_one(frequency: float, damping: float) -> None
 def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
     hoist = Hoist(tail_rope_mass=0.0)
     gains = Gains(feed_forward=0.0)
-    model, plant = low_fidelity(hoist, gains, 0.0, 90.0), HoistPlant(hoist)
+    model, plant = low_fidelity(hoist, gains, 0.0, 90.0), Plant(hoist)
     state = plant.equilibrium(0.0, 90.0, 0.0, 0.0)
     R = hoist.sheave_radius
     moved = np.array([1.0e4, 3.0 / R, 3.01, 87.005, 1.5 / R, 1.51, -1.49])

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from drives import Plant, PlantInput, PlantOutput, energy_residual
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantOutput, PlantState, energy_residual
+from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist
 from hoist_demo.parameters.components import Brake, Jam
 from hoist_demo.recording.jams import Jam as Jammed
@@ -25,7 +26,7 @@ H = 1e-3
 
 def thrown(hoist: Hoist, speed: float, seconds: float) -> tuple[list[PlantOutput], list[PlantState]]:
     """The left conveyance thrown up from rest in the middle of the shaft, without balance ropes."""
-    plant = HoistPlant(hoist)
+    plant = Plant(hoist)
     state = plant.equilibrium(45.0, 45.0, 0.0, 0.0)
     u = PlantInput(float(state.x[0]), 0.0, 0.0)
     x = state.x.copy()
@@ -80,7 +81,7 @@ def test_a_narrow_place_takes_the_work_of_its_force_from_what_passes() -> None:
 def test_a_jam_holds_a_conveyance_against_the_motor(sign: float) -> None:
     moved = {}
     for jam in (None, Jam()):
-        plant = HoistPlant(Hoist(jam_left=jam))
+        plant = Plant(Hoist(jam_left=jam))
         state = plant.equilibrium(45.0, 45.0, -4e3, -4e3)
         for _ in range(100):
             step = plant.step(state, 0.01, PlantInput(sign * plant.hoist.torque_limit, -4e3, -4e3))

@@ -19,7 +19,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.schemes.interface import Memory, Sample, Vector
-from hoist_demo.drive.plant import PlantOutput, PlantState
+from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive.sliding import Slide
 from hoist_demo.recording.time_series import Recording
 
@@ -41,7 +41,6 @@ class Checkpoint:
     plant: PlantState
     controller: Any  # plain data
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
-    at_rest: PlantOutput  # of the drive, at the start
     memory: Memory
     rope: bytes  # b"" when the rope cannot save its state
     recording: Recording  # of the run until it stopped, as its recorder keeps it; it goes on behind this sample's row
@@ -63,7 +62,6 @@ class Checkpoint:
             "t": self.t,
             "controller": encode(self.controller, CONTROLLER),
             "input": self.input.tolist(),
-            "at_rest": vars(self.at_rest),
             "free_lengths": plant.free_lengths,
             "step_next": plant.step_next,
             "slide": plant.slide,
@@ -133,7 +131,6 @@ def _checkpoint(arrays: Mapping[str, Any], x: Mapping[str, Any]) -> Checkpoint:
         ),
         controller=x["controller"],
         input=np.array(x["input"]),
-        at_rest=PlantOutput(**x["at_rest"]),
         memory=Memory(samples, *x["memory"]),
         rope=arrays["rope"].tobytes(),
         recording=Recording(dict(zip(x["names"], table, strict=True)), x["units"]),

@@ -12,8 +12,7 @@ from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Memory, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
-from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
-from hoist_demo.drive.plant import energy_left_over
+from hoist_demo.drive.outputs import SHOWN, tension_ratio
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import TIME, Array, Recording
 
@@ -70,7 +69,7 @@ _SHOWN_AS = {
         for name in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
     },
 }
-"""Signals that are numbers of PlantOutput."""
+"""Signals that are numbers of OUTPUTS."""
 _BESIDE = "beside."
 """Before the names of what a row has beside them."""
 ROW = (
@@ -99,14 +98,14 @@ def drive_row(
     return (*numbers, memory.residual, memory.exchanges), drive.outputs, state.works
 
 
-def with_drive_signals(rows: Recording, at_rest: PlantOutput, hoist: Hoist) -> Recording:
-    """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's; `at_rest` is the start's."""
+def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:
+    """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's."""
     kept = rows.signals
-    work = [kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES]
-    motor, losses, ropes, left, right = work
+    motor, losses, ropes, left, right = (kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
     tensions = kept["drive.tension_left"], kept["drive.tension_right"]
     ratio = np.array([tension_ratio(*pair) for pair in zip(*(side.tolist() for side in tensions), strict=True)])
     kinetic, potential = kept["drive.energy_kinetic"], kept["drive.energy_potential"]
+    gained = kinetic + potential - kinetic[:1] - potential[:1]
     computed = {
         "drive.motor_power": kept["drive.torque"] * kept[f"{_BESIDE}motor_rate"],
         "drive.tension_ratio": ratio,
@@ -116,7 +115,7 @@ def with_drive_signals(rows: Recording, at_rest: PlantOutput, hoist: Hoist) -> R
         "drive.work_slip": kept[f"{_BESIDE}losses_lining"],
         "drive.work_rope_damping": ropes,
         "drive.work_from_balance_rope": left + right,
-        "drive.energy_residual": energy_left_over(at_rest, kinetic, potential, work),
+        "drive.energy_residual": motor + left + right - losses - ropes - gained,
     }
     drive = {name: computed[name] if name in computed else kept[name] for name in DRIVE_UNITS}
     rope = {name: values for name, values in kept.items() if name not in ROW}

@@ -54,7 +54,7 @@ LOADED_EVERY = 0.1
 """Time between two changes of a payload that is being loaded [s]."""
 
 _GUARD = ("guard.tripped", "guard.time")
-_Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
+_Y_LEFT, _RATE, _TORQUE = SHOWN["y_left"], SHOWN["rate"], SHOWN["torque"]
 _PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
@@ -148,7 +148,7 @@ class Host:
                 saved = save_to
             except ValueError as error:  # the record of the run is worth more
                 cause += f"; {save_to} is not written: {error}"
-        recording = with_drive_signals(run.recorder.recording(), run.at_rest, self.hoist)
+        recording = with_drive_signals(run.recorder.recording(), self.hoist)
         result = replace(self._result(recording, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
         landing = self._start_height + self.trajectory.points[-1].position
         if cause or run.course != self._course:
@@ -173,11 +173,12 @@ class Host:
         if isinstance(forces, str):
             return f"rope, at the start: {forces}"
         state = self.plant.equilibrium(y_left, y_right, *forces[:2].tolist())
-        held = np.zeros(len(INPUT_NAMES))
-        held[0], held[list(FORCES)] = state.x[0], forces[:2]
-        drive = HoistPartner(self.plant, state, held, self.drive_clock)
+        u = np.zeros(len(INPUT_NAMES))
+        u[0], u[list(FORCES)] = state.x[0], forces[:2]
+        drive = HoistPartner(self.plant, state, u, self.drive_clock)
         pair = Pair(drive, self.rope, self.rope_clock)
-        run = RunState(drive, pair, pair.start(start), drive.output(), self._recorder(), self._course)
+        memory, held = pair.start(start), drive.outputs.item(_TORQUE)
+        run = RunState(drive, pair, memory, held, self._recorder(), self._course)
         coupling = self.coupling
         self.stability = predict_stability(self.scheme, coupling.scheme, pair, run.memory, start, coupling.step)
         return run
@@ -186,14 +187,9 @@ class Host:
         """A run whose drive and rope are where the trip before has left them."""
         drive = HoistPartner(self.plant, after.plant, after.input, self.drive_clock)
         pair = Pair(drive, self.rope, self.rope_clock)
-        return RunState(drive, pair, after.memory, drive.output(), self._recorder(), self._course)
-
-    def _holding_torque(self, run: RunState) -> float:
-        """Return the motor torque that holds the hoist at rest where the trip starts [N m]."""
-        if self._after is None:
-            return run.at_rest.torque
-        forces, _ = run.pair.forces()
-        return self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
+        forces, _ = pair.forces()
+        held = self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
+        return RunState(drive, pair, after.memory, held, self._recorder(), self._course)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
@@ -205,7 +201,7 @@ class Host:
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
-        controller = _made(self._controller, self.hoist, self._holding_torque(run))
+        controller = _made(self._controller, self.hoist, run.holding_torque)
         start, T, last = self.coupling.start, self.coupling.period, self.samples
         if self.coupling.per_step > 1:
             run.drive.per_step, run.drive.next_command = self.coupling.per_step, self._sampler(run, controller)
@@ -256,7 +252,7 @@ class Host:
         return command
 
     def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
-        """The controller's answer to what the hoist shows, the numbers of PlantOutput."""
+        """The controller's answer to what the hoist shows, OUTPUTS of the drive."""
         travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
         if not isinstance(command, Command):

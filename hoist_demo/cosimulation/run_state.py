@@ -14,7 +14,7 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.plain_data import private_copy
 from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Vector
-from hoist_demo.drive.plant import PlantOutput, PlantState
+from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Recorder
 
 _log = logging.getLogger(__name__)
@@ -39,7 +39,6 @@ class TripEnd:
     landing: float  # m, at which the left conveyance was to arrive
     plant: PlantState
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
-    shown: PlantOutput  # by the drive
     memory: Memory
 
     def books_closed(self) -> TripEnd:
@@ -55,7 +54,7 @@ class RunState:
     drive: HoistPartner
     pair: Pair  # drive and rope, for the scheme
     memory: Memory
-    at_rest: PlantOutput  # of the drive, at the start
+    holding_torque: float  # N m, of the motor at rest where the trip starts
     recorder: Recorder
     course: Course
     controller: Any = None  # the controller's state
@@ -72,14 +71,14 @@ class RunState:
 
     def end(self, t: float, landing: float) -> TripEnd:
         """The state at t, where a trip to the landing has ended."""
-        return TripEnd(t, landing, self.drive.state, self.drive.input, self.drive.output(), self.memory)
+        return TripEnd(t, landing, self.drive.state, self.drive.input, self.memory)
 
     def go_on_from(self, checkpoint: Checkpoint, steps: int) -> None:
         """Take over a checkpoint, made after so many communication steps."""
         self.pair.restore(((checkpoint.plant, checkpoint.input), self.pair.rope.from_bytes(checkpoint.rope)))
         self.recorder.resume(checkpoint.recording, checkpoint.sample)
         self.controller = private_copy(checkpoint.controller)
-        self.memory, self.at_rest = checkpoint.memory, checkpoint.at_rest
+        self.memory = checkpoint.memory
         self.first, self.steps = checkpoint.sample, steps
 
     def checkpoint(self, start: float, sample_time: float, data: str, cause: str) -> Checkpoint | None:
@@ -99,7 +98,6 @@ class RunState:
             plant=kept.drive[0],
             controller=kept.controller,
             input=kept.drive[1],
-            at_rest=self.at_rest,
             memory=kept.memory,
             rope=rope,
             recording=self.recorder.recording(),

@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.drive.equations import INPUT_NAMES, equations, numbers_of, parts_of
-from hoist_demo.drive.plant import HoistPlant, PlantOutput
+from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.drive.runge_kutta import runge_kutta_step
 from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
 from hoist_demo.parameters import GRAVITY, Hoist
@@ -139,10 +140,9 @@ def _step(plant: HoistPlant) -> Any:
 def _outputs(plant: HoistPlant) -> Any:
     """(x, u, l0) -> the fields that the interface shows."""
     x, u, l0 = _arguments(plant)
-    names = [field.name for field in fields(PlantOutput)]
     shown = equations(parts_of(plant.hoist)).outputs(x, u, l0, numbers_of(plant.hoist))
     return ca.Function(
-        "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[names.index(n)] for n in plant_outputs(plant.hoist)))]
+        "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[SHOWN[n]] for n in plant_outputs(plant.hoist)))]
     )
 
 

@@ -31,7 +31,6 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         plant=end.plant,
         controller=None,
         input=end.input,
-        at_rest=end.shown,
         memory=end.memory,
         rope=rope.to_bytes(rope.save()),
         recording=trips,
@@ -55,7 +54,6 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
         schedule.landing(checkpoint.sample),
         checkpoint.plant,
         checkpoint.input,
-        checkpoint.at_rest,
         checkpoint.memory,
     )
     return Standing(rows_of(checkpoint.recording), end)

@@ -12,7 +12,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.schemes.interface import ENDS, InterfaceMotion, Load, Stopwatch, Vector
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
-from hoist_demo.drive.outputs import SHOWN, PlantOutput
+from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from rope_model import EndMotion
 
@@ -74,15 +74,11 @@ class HoistPartner:
 
     @property
     def outputs(self) -> Vector:
-        """Return the present values of PlantOutput."""
+        """Return the present OUTPUTS."""
         if self._shown is None:
             path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
             _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
         return self._shown
-
-    def output(self) -> PlantOutput:
-        """Return the present output of the hoist."""
-        return PlantOutput(*self.outputs.tolist())
 
     def place(self) -> Vector:
         """Heights of the ends now."""
