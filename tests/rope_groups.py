@@ -40,14 +40,11 @@ class Weight:
         self.ends.append((left, right))
         return Status(True)
 
-    def signals(self) -> dict[str, float]:
-        return dict(self.forces)
-
     def reader(self, names: Sequence[str]) -> Reader:
         return lambda: np.array([self.forces.get(name, math.nan) for name in names])
 
     def units(self) -> dict[str, str]:
-        return {}
+        return dict.fromkeys(self.forces, "")
 
     def save(self) -> Any:
         return None

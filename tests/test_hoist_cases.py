@@ -100,6 +100,6 @@ def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_woul
 def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
     rope = rope_in_process(name)
     assert rope.initialize(0.0, EndMotion(), EndMotion(y=INSTALLED[name].hoist.shaft_travel)).valid
-    found = rope.signals()["loop.yaw"]
+    found = rope.reader(["loop.yaw"])().item()
     # the torque turns it one way, and by an angle at which the legs stay well apart
     assert 0.0 < found < math.radians(15.0)

@@ -45,9 +45,6 @@ class FakeRope:
             self.forces["left.fy_mean"] = math.nan
         return Status(t < self.fails_at, "the loop has turned over")
 
-    def signals(self) -> dict[str, float]:
-        return dict(self.forces)
-
     def reader(self, names: Sequence[str]) -> Reader:
         return lambda: np.array([self.forces.get(name, math.nan) for name in names])
 
@@ -58,7 +55,7 @@ class FakeRope:
         raise AssertionError("a rope that cannot save is not restored")
 
     def units(self) -> dict[str, str]:
-        return dict.fromkeys(("left.fy", "right.fy", "left.fy_mean", "right.fy_mean"), "N") | {"loop.y": "m"}
+        return {name: "m" if name.startswith(("loop.", "shape.")) else "N" for name in self.forces}
 
     def close(self) -> None:
         self.closed = True

@@ -35,9 +35,6 @@ class Spring:
         self.forces = {name: f - self.stiffness * places[name.partition(".")[0]] for name, f in FORCES.items()}
         return Status(True)
 
-    def signals(self) -> dict[str, float]:
-        return dict(self.forces)
-
     def reader(self, names: Sequence[str]) -> Reader:
         return lambda: np.array([self.forces.get(name, np.nan) for name in names])
 

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any, TypeGuard, get_args
 
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.parameters.parameter import Parameter
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.reading import StudyError, flat, read_statuses, read_tables, read_text, read_values
 from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope
@@ -60,7 +60,7 @@ class Measured:
     given: Mapping[str, str]  # where each value of [fixed] comes from
 
 
-def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measured:
+def read_measured(path: Path, parameters: Mapping[str, Parameter]) -> Measured:
     """Return the contents of a file for a rope with these parameters; raise StudyError with all problems."""
     problems = list[str]()
     raw = read_tables(path, "measurements", _TABLES, problems)

@@ -20,19 +20,21 @@ from hoist_demo.command_line.settings import rope_values, settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter, read_outputs, read_parameters
-from hoist_demo.cosimulation.participants.fmu_rope import NOT_READ, FmuRope
+from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import listen, progress_bar
 from hoist_demo.cosimulation.result import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
+from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling
+from hoist_demo.parameters.parameter import Parameter, Value
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import CAUSE, WARNING, render
 from hoist_demo.report.slip import slip_warning
-from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.provenance import of_host, of_rope
@@ -212,7 +214,7 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
     return values | {"coupling.step": options.step, "coupling.scheme": options.scheme}
 
 
-def _parameters(options: argparse.Namespace) -> dict[str, FmuParameter]:
+def _parameters(options: argparse.Namespace) -> dict[str, Parameter]:
     """Return the parameters of the rope that can be set."""
     if options.in_process:
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
@@ -240,11 +242,13 @@ def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRo
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
             f"`balance-rope export --level {options.level}`"
         )
-    signals = match_signals(options.signals, [*DRIVE_UNITS, *read_outputs(options.fmu)])
+    outputs = read_outputs(options.fmu)
+    signals = match_signals(options.signals, [*DRIVE_UNITS, *outputs])
     if asked and (problems := Probe(options.fmu).rejection(run)):
         raise ValueError("; ".join(problems))
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
-    return FmuRope(options.fmu, {**kernels, **run.fmu}, NOT_READ.difference(signals)), signals
+    recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # of which those are dear
+    return FmuRope(options.fmu, {**kernels, **run.fmu}, recorded), signals
 
 
 def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:

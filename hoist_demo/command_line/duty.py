@@ -148,7 +148,8 @@ def _wind(
 
 def _as_it_is(rope: InProcessRope) -> Recording:
     """The rope's signals as they are, one row, without what its fidelity leaves out."""
-    signals = {TIME: np.zeros(1)} | {name: np.array([value]) for name, value in rope.signals().items()}
+    names = [*rope.units()]
+    signals = {TIME: np.zeros(1), **dict(zip(names, rope.reader(names)()[:, None], strict=True))}
     return mask_neglected(Recording(signals, {}), rope.data().torque_free)
 
 

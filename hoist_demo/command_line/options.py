@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.cosimulation.participants.rope_data import words_of
 from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.study.reading import LEVELS
+from rope_model.scene_names import choices_of
 
-KERNELS = words_of("solver.kernels")
+KERNELS = choices_of("solver.kernels")
 """Choices of the FMU's integer parameter, in the order of its codes."""
 
 

@@ -58,7 +58,7 @@ def _study(options: argparse.Namespace) -> int:
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
-    from hoist_demo.cosimulation.participants.fmu_parameters import fmi_version
+    from hoist_demo.cosimulation.participants.fmu_description import fmi_version
     from hoist_demo.report.html.page import unit_text
     from hoist_demo.report.provenance import table as data_table
     from hoist_demo.report.provenance import told

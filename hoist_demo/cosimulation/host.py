@@ -194,7 +194,7 @@ class Host:
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
         units = self.rope.units()
-        names = [name for name in self.rope.signals() if name not in DRIVE_UNITS]
+        names = [name for name in units if name not in DRIVE_UNITS]
         self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
         self._guard = tuple(names.index(name) for name in _GUARD if name in names)
         return Recorder([*ROW, *names], units | DRIVE_UNITS)

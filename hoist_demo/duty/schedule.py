@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
-from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.reading import StudyError, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
@@ -60,7 +60,7 @@ class Schedule:
         return repr((self.case, self.level, self.pattern))
 
 
-def read_schedule(path: Path, rope: Mapping[str, FmuParameter], repeat: int | None = None) -> Schedule:
+def read_schedule(path: Path, rope: Mapping[str, Parameter], repeat: int | None = None) -> Schedule:
     """The schedule of a file for a rope with these parameters; `repeat` replaces the file's.
 
     Raises StudyError with all problems.

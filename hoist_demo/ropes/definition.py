@@ -20,14 +20,14 @@ from typing import Any
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.parameter import Parameter, Value
 from hoist_demo.ropes.table import READ
-from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
+from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import (
     LONGEST_TEXT,
@@ -117,7 +117,7 @@ class Ropes:
         return [*of_host(replace(self.run, hoist=self.hoist), {**self.given, **shared}), *ropes]
 
 
-def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
+def read_ropes(path: Path, rope: Mapping[str, Parameter]) -> Ropes:
     """The ropes of a file, which may have these parameters; raises StudyError with all problems."""
     catalogue, problems = Catalogue(rope), list[str]()
     raw = read_tables(path, "ropes", _TABLES, problems)

@@ -24,9 +24,10 @@ from typing import Any
 
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
-from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
+from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
+from hoist_demo.parameters.parameter import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
+from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.reading import (
@@ -284,7 +285,7 @@ class _Reader:
         return found
 
     def _range(self, parameter: Parameter, content: dict[str, Any]) -> Range:
-        key = parameter.key
+        key = parameter.name
         if not {"low", "high"} <= content.keys() <= {"low", "high", "scale"}:
             raise ValueError(f"{key} = {content!r} must have low and high (and may have scale): give both")
         if parameter.kind not in ("Real", "Integer"):

@@ -3,35 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+from hoist_demo.parameters.parameter import Parameter
 from hoist_demo.parameters.quantity import units_of
 from hoist_demo.parameters.units import fmi_unit
 
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
 
-@dataclass(frozen=True)
-class Leaf:
-    """A single value of a data class or of one inside it."""
-
-    name: str  # with dots, e.g. `brake.delay`
-    kind: str  # as FMI names types: Real, Integer, Boolean or String
-    unit: str
-    choices: tuple[str, ...] = ()  # of a text that is one of some words
-
-
-def leaves(data: type[Any]) -> Iterator[Leaf]:
-    """All single values of a data class; `brake: Brake | None` stands for the brake's own."""
+def leaves(data: type[Any], prefix: str = "") -> Iterator[Parameter]:
+    """All single values of a data class, by dotted names; `brake: Brake | None` stands for the brake's own."""
     hints, units = get_type_hints(data), units_of(data)
     for field in fields(data):
         inner = _inner(hints[field.name])
         if inner is not None:
-            yield from (replace(leaf, name=f"{field.name}.{leaf.name}") for leaf in leaves(inner))
+            yield from leaves(inner, f"{prefix}{field.name}.")
             continue
         if get_origin(hints[field.name]) is Literal:
-            yield Leaf(field.name, "String", "1", get_args(hints[field.name]))
+            yield Parameter(f"{prefix}{field.name}", "1", "String", choices=get_args(hints[field.name]))
             continue
         kinds = [_KINDS[t] for t in (hints[field.name], *get_args(hints[field.name])) if t in _KINDS]
         if kinds:
@@ -40,7 +31,8 @@ def leaves(data: type[Any]) -> Iterator[Leaf]:
                 raise ValueError(
                     f"{data.__name__}.{field.name} must state its unit: make it with `quantity(default, unit)`"
                 )
-            yield Leaf(field.name, kinds[0], fmi_unit(units[field.name]) if numeric else "1")
+            unit = fmi_unit(units[field.name]) if numeric else "1"
+            yield Parameter(f"{prefix}{field.name}", unit, kinds[0])
 
 
 def with_values(data: Any, values: Mapping[str, object]) -> Any:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
+from hoist_demo.parameters.parameter import Parameter, Value
 from hoist_demo.parameters.units import fmi_unit
-from hoist_demo.study.catalogue import Catalogue, Parameter, Value
+from hoist_demo.study.catalogue import Catalogue
 from rope_model import DatumStatus, Level
 from rope_model.texts import printable
 
@@ -177,15 +178,15 @@ def strip_unit(parameter: Parameter, content: Any) -> Any:
     if not isinstance(content, dict):
         return content
     for name in content.keys() - _SPECIFICATION:
-        raise ValueError(f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}")
+        raise ValueError(f"{parameter.name}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}")
     unit = content.get("unit")
     if unit is not None and fmi_unit(str(unit)) != parameter.unit:
         raise ValueError(
-            f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
+            f"{parameter.name} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
         )
     if (status := content.get("status")) is not None and status not in get_args(DatumStatus):
         known = ", ".join(get_args(DatumStatus))
-        raise ValueError(f"{parameter.key} has status = {status!r}, which must be one of {known}: choose one")
+        raise ValueError(f"{parameter.name} has status = {status!r}, which must be one of {known}: choose one")
     rest = {name: value for name, value in content.items() if name not in ("unit", "status")}
     if len(rest) == 1 and next(iter(rest)) in ("value", "values"):
         return next(iter(rest.values()))

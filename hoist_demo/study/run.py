@@ -20,7 +20,6 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host, Progress
-from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.result import Result
@@ -29,11 +28,12 @@ from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits
+from hoist_demo.parameters.parameter import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.slip import held_in_spite
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.catalogue import SECTIONS, Value
+from hoist_demo.study.catalogue import SECTIONS
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 from hoist_demo.study.nested import with_values
 from hoist_demo.study.shared import contradictions
@@ -139,8 +139,7 @@ def execute(run: RunData, fmu: Path) -> Outcome:
 def _outcome(run: RunData, fmu: Path) -> Outcome:
     begin, worked = time.perf_counter(), time.process_time()
     try:
-        wanted = ROPE_SIGNALS | set(run.signals)
-        rope = FmuRope(fmu, run.fmu, not_read=[name for name in read_outputs(fmu) if name not in wanted])
+        rope = FmuRope(fmu, run.fmu, ROPE_SIGNALS.union(run.signals))
         try:
             result, design_time = wind(run, rope)
             data = rope.data()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from hoist_demo.cosimulation.participants.rope_data import Value
 from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.parameter import Value
 
 SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
 """Parameters of the rope of which the hoist has a copy for its controller, and their unit."""

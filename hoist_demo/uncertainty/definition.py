@@ -19,9 +19,9 @@ from typing import Any
 from hoist_demo.calibration.definition import read_known
 from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import (
@@ -93,7 +93,7 @@ class Uncertain:
         return build_trip(self.case, chosen)
 
 
-def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncertain:
+def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain:
     """Return the questions of a file about a rope with these parameters; raise StudyError with all problems."""
     problems = list[str]()
     raw = read_tables(path, "an uncertain winding", _TABLES, problems)

@@ -116,13 +116,8 @@ class BreakingRope:
             found |= {f"{name}.fy": force, f"{name}.fy_mean": force, f"{name}.added_mass": self._mass * hanging}
         return found
 
-    def signals(self) -> dict[str, float]:
-        """Return the rope's signals; after the break NaN for all but the forces."""
-        whole = self._rope.signals()
-        return whole if self._pieces is None else {name: self._shown.get(name, math.nan) for name in whole}
-
     def reader(self, names: Sequence[str]) -> Reader:
-        """Return a reader of some outputs."""
+        """Return a reader of some outputs; after the break NaN for all but the forces."""
         read = self._rope.reader(names)
 
         def values() -> NDArray[np.float64]:

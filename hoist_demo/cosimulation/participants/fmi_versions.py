@@ -1,20 +1,16 @@
 """FMI 2.0 and FMI 3.0 under one set of words, through FMPy: all that this package knows of how they differ.
 
-FMI 3.0 has arrays, a type for each width of a number, and other calls to instantiate, to set up and to step. Here a
-variable has the type that FMI 2.0 would give it, and an array's elements have their names of FMI 2.0: shape.x[1] ...
+FMI 3.0 has other types, and other calls to instantiate, to set up and to step; fmu_description has the variables.
 """
 
 from __future__ import annotations
 
-import atexit
-import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_void_p
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from itertools import product
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, NoReturn
 from weakref import WeakKeyDictionary, finalize
@@ -36,7 +32,8 @@ from fmpy.fmi2 import (
 from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.rope_data import Value
+from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
+from hoist_demo.parameters.parameter import Value
 
 CallError = FMICallException
 """A call that the FMU answers with discard, error or fatal."""
@@ -52,78 +49,6 @@ several steps, and callers may by any number, so the FMU must be able to."""
 
 Hear = Callable[[int, str], None]
 """Takes the status and the text of a message of the FMU."""
-
-
-@dataclass(frozen=True, eq=False)
-class Variable:
-    """A variable as the model description states it; an array is one variable."""
-
-    name: str
-    reference: int
-    causality: str
-    type: str  # as its version of FMI calls it
-    kind: str  # Real, Integer, Enumeration, Boolean, String, or another that no rope has
-    unit: str  # as FMI spells it, "" where there is none
-    elements: tuple[str, ...]  # names of an array's elements; else its own name
-    starts: tuple[Value, ...]  # of the elements, or none
-    minimum: float | None
-    maximum: float | None
-    items: Mapping[str, int]  # of an enumeration
-
-
-def variables_of(description: Any) -> tuple[Variable, ...]:
-    """The variables of FMPy's model description."""
-    return tuple(_variable(v) for v in description.modelVariables)
-
-
-def _variable(stated: Any) -> Variable:
-    kind, declared = _kind(stated.type), stated.declaredType
-    ranges = [range(1, length + 1) for length in stated.shape]
-    places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
-    texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)
-    items = {item.name: int(item.value) for item in declared.items} if kind == "Enumeration" else {}
-    low, high = (min(items.values()), max(items.values())) if items else (stated.min, stated.max)
-    return Variable(
-        name=stated.name,
-        reference=int(stated.valueReference),
-        causality=stated.causality,
-        type=stated.type,
-        kind=kind,
-        unit=str(stated.unit or (declared.unit if declared is not None else None) or ""),
-        elements=tuple(stated.name + place for place in places),
-        starts=tuple(_value(kind, text) for text in texts),
-        minimum=None if low is None else float(low),
-        maximum=None if high is None else float(high),
-        items=items,
-    )
-
-
-def _kind(declared: str) -> str:
-    """FMI 2.0's word for a type of either version."""
-    if declared.startswith("Float"):
-        return "Real"
-    return "Integer" if declared.startswith(("Int", "UInt")) else declared
-
-
-def _value(kind: str, text: str) -> Value:
-    if kind == "Real":
-        return float(text)
-    if kind in ("Integer", "Enumeration"):
-        return int(text)
-    return text in ("true", "1") if kind == "Boolean" else text
-
-
-@lru_cache(maxsize=8)
-def unpacked(path: Path, changed: int, size: int) -> Path:
-    """Folder with the files of an FMU that was changed last at that time [ns], for this process and until it ends."""
-    directory = Path(fmpy.extract(str(path), include=_serves_to_run))
-    atexit.register(shutil.rmtree, directory, ignore_errors=True)
-    return directory
-
-
-def _serves_to_run(file: str) -> bool:
-    """Return True if an instance may read this file of the archive."""
-    return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
 
 
 class Buffer(NamedTuple):
@@ -368,5 +293,4 @@ class _Instance3(Instance):
             raise CallError("fmi3DoStep", _DISCARD)
 
 
-VERSIONS: Mapping[str, type[Instance]] = {"2.0": _Instance2, "3.0": _Instance3}
-"""Versions of FMI that the host drives, as model descriptions state them."""
+VERSIONS: Mapping[str, type[Instance]] = dict(zip(FMI_VERSIONS, (_Instance2, _Instance3), strict=True))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import fields
 from functools import lru_cache
@@ -19,30 +19,24 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.fmi_versions import (
-    VERSIONS,
-    WARNING,
-    Buffer,
-    CallError,
-    Instance,
+from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
+from hoist_demo.cosimulation.participants.fmu_description import (
     Variable,
+    parameters_of,
+    read_fmu,
     unpacked,
+    version_of,
 )
-from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_fmu, version_of
-from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
-from hoist_demo.cosimulation.schemes.interface import ENDS, ROPE_FORCES, Reader
+from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
+from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
+from hoist_demo.parameters.parameter import Value
 from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
 
-ParameterValue = Value
-
 INPUTS = tuple(field.name for field in fields(EndMotion))
 """Names of an end's inputs."""
-
-NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
-"""Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
 
 _NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _VALID = Status(True)
@@ -82,12 +76,12 @@ class FmuRope:
     def __init__(
         self,
         path: Path,
-        parameters: Mapping[str, ParameterValue] | None = None,
-        not_read: Collection[str] = NOT_READ,
+        parameters: Mapping[str, Value] | None = None,
+        recorded: Collection[str] | None = None,
     ) -> None:
         """Load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
 
-        Outputs named in `not_read` are not among the signals.
+        `recorded` are the outputs of which a run makes a record; None: all but the added masses, which are dear.
         """
         self._started = False
         self._warned: set[str] = set()  # what has been in the log
@@ -97,13 +91,16 @@ class FmuRope:
         self._described = parameters_of(variables)
         self._variables = {name: v for v in variables for name in v.elements}
         inputs = [self._variable(f"{end}.{name}") for end in ENDS for name in INPUTS]
-        self._not_read = frozenset(not_read)
-        self._outputs = _numeric_outputs(variables, self._not_read)
-        self._tells_fidelity = FIDELITY in self._variables and FIDELITY not in not_read
-        self._chosen: dict[str, ParameterValue] = {"inputs_at_step_end": True, **(parameters or {})}
-        missing = [name for name in ROPE_FORCES if name not in self._units_of_outputs()]
+        outputs = {name: v for v in variables if v.causality == "output" for name in v.elements}
+        shown = {name: v.unit for kind in _NUMBERS for name, v in outputs.items() if v.kind == kind}
+        missing = [name for name in ROPE_FORCES if name not in shown]
         if missing:
             raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
+        wanted = (shown.keys() | {FIDELITY}) - {*ADDED_MASSES} if recorded is None else recorded
+        self._units = {name: unit for name, unit in shown.items() if name in wanted}
+        if FIDELITY in outputs and FIDELITY in wanted:
+            self._units[FIDELITY] = "1"
+        self._chosen: dict[str, Value] = {"inputs_at_step_end": True, **(parameters or {})}
         try:
             self._fmu: Instance = VERSIONS[self._description.fmiVersion](
                 unpacked(*version_of(self._path)), self._description, self._hear
@@ -139,11 +136,6 @@ class FmuRope:
             return self._status()
         except CallError as error:
             return self._failure_status(error)
-
-    def signals(self) -> dict[str, float]:
-        """Real, Integer and Boolean outputs by name, but those that are not read, and the fidelity by its code."""
-        names = tuple(self.units())
-        return dict(zip(names, self.reader(names)().tolist(), strict=True))
 
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads some outputs, and the fidelity by its code; arrays are read whole."""
@@ -229,8 +221,8 @@ class FmuRope:
             ) from error
 
     def units(self) -> dict[str, str]:
-        """Unit of each signal as the model description states it."""
-        return self._units_of_outputs() | ({FIDELITY: "1"} if self._tells_fidelity else {})
+        """Unit of each signal of the record, as the model description states it."""
+        return dict(self._units)
 
     def close(self) -> None:
         """Terminate and free the instance; the extracted files serve the next one of this process."""
@@ -267,10 +259,7 @@ class FmuRope:
         if self._valid is None:
             return _VALID
         self._valid.call()
-        return _VALID if self._valid.values[0] else Status(False, self._message())
-
-    def _message(self) -> str:
-        return self._text("status.message")
+        return _VALID if self._valid.values[0] else Status(False, self._text("status.message"))
 
     def _text(self, name: str) -> str:
         """A String output; "" where there is none."""
@@ -291,7 +280,7 @@ class FmuRope:
         """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
         self._started, message = False, ""
         with suppress(CallError):
-            message = self._message()
+            message = self._text("status.message")
         return Status(False, message or self._explanation(error))
 
     @contextmanager
@@ -317,10 +306,6 @@ class FmuRope:
             self._warned.add(text)
             _log.warning("%s", text)
 
-    def _units_of_outputs(self) -> dict[str, str]:
-        named = {name: v.unit for v in self._outputs for name in v.elements}
-        return {name: unit for name, unit in named.items() if name not in self._not_read}
-
 
 @lru_cache(maxsize=8)  # a study winds with the same file in every run
 def _digest(path: Path, changed: int, size: int) -> str:
@@ -329,13 +314,7 @@ def _digest(path: Path, changed: int, size: int) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _numeric_outputs(variables: Iterable[Variable], not_read: Collection[str]) -> list[Variable]:
-    """Outputs that are numbers, by their kind."""
-    read = [v for v in variables if v.causality == "output" and not set(v.elements).issubset(not_read)]
-    return [v for kind in _NUMBERS for v in read if v.kind == kind]
-
-
-def _typed(variable: Variable, value: ParameterValue) -> ParameterValue:
+def _typed(variable: Variable, value: Value) -> Value:
     """The value as its FMI type has it, an enumeration's item by its number."""
     if variable.kind == "Enumeration" and isinstance(value, str):
         if value not in variable.items:
@@ -343,5 +322,5 @@ def _typed(variable: Variable, value: ParameterValue) -> ParameterValue:
                 f"parameter {variable.name} = '{value}' must be one of {', '.join(variable.items)}: choose one"
             )
         return variable.items[value]
-    types: Mapping[str, type[ParameterValue]] = {"Real": float, "Boolean": bool, "String": str}
+    types: Mapping[str, type[Value]] = {"Real": float, "Boolean": bool, "String": str}
     return types.get(variable.kind, int)(value)

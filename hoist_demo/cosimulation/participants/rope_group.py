@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.touching_ropes import MEANS, TouchingRopes
-from hoist_demo.cosimulation.schemes.interface import ENDS, Reader, RopePlant
+from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
 from hoist_demo.parameters import Hoist
 from rope_model import Account, EndMotion, Status
 
@@ -91,13 +91,6 @@ class RopeGroup:
             return self._all(self.touching.step(t, h, before, ends))
         return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
 
-    def signals(self) -> dict[str, float]:
-        """SUMS, and each member's signals under its name; the added masses are dear, and read on demand."""
-        names = [name for name in SUMS if not name.endswith("added_mass")]
-        names += [*self._contact()]
-        names += [f"{m.name}.{name}" for m in self.members for name in m.rope.signals()]
-        return dict(zip(names, self.reader(names)().tolist(), strict=True))
-
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads sums and members."""
         asked = set(names)
@@ -123,9 +116,9 @@ class RopeGroup:
         return read
 
     def units(self) -> dict[str, str]:
-        """Unit of each signal."""
+        """Unit of SUMS but the added masses, and of each member's signals under its name."""
         first = self.members[0].rope.units()
-        units = {name: first.get(name, "") for name in SUMS}
+        units = {name: first.get(name, "") for name in SUMS if name not in ADDED_MASSES}
         units |= {name: "N" if name.endswith(".force") else "J" for name in self._contact()}
         return units | {f"{m.name}.{name}": unit for m in self.members for name, unit in m.rope.units().items()}
 

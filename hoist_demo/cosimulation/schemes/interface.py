@@ -147,21 +147,21 @@ class RopePlant(Protocol):
     """
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
-        """Find the hanging shape at time t0 [s]; signals() then gives the forces at rest."""
+        """Find the hanging shape at time t0 [s]; readers then give the forces at rest."""
         ...
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """Advance from t to t + h [s]; `left` and `right` hold at t + h."""
         ...
 
-    def signals(self) -> dict[str, float]:
-        """All numeric outputs by FMI name, booleans as 0 and 1."""
+    def units(self) -> dict[str, str]:
+        """FMI unit of each signal of which a run makes a record, "1" or "" where it has none."""
         ...
 
     def reader(self, names: Sequence[str]) -> Reader:
-        """A function that reads these outputs now, costly ones too, NaN for what the rope has not got.
+        """A function that reads these outputs now, also those without a record, NaN for what the rope has not got.
 
-        It may be made before the rope hangs; its array is the caller's.
+        Booleans are 0 and 1. It may be made before the rope hangs; its array is the caller's.
         """
         ...
 
@@ -179,10 +179,6 @@ class RopePlant(Protocol):
 
     def from_bytes(self, data: bytes) -> Any:
         """The snapshot that `to_bytes` wrote, also that of another instance; ValueError when it does not fit."""
-        ...
-
-    def units(self) -> dict[str, str]:
-        """FMI unit of each signal, "1" or "" where it has none."""
         ...
 
     def close(self) -> None:
