@@ -76,7 +76,6 @@ class Controller(Protocol):
 
     def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
         """Command for the step of length h [s] that begins now; `state` is the last command's, None at first."""
-        ...
 
 
 class SpeedController:

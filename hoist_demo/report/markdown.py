@@ -14,8 +14,8 @@ SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",
-    "forces": "Pull of the balance rope, head rope tensions, motor torque and safety against slip on the sheave.",
-    "loop": "Lowest point of the balance rope's loop, its yaw and the clearance of the legs.",
+    "forces": "Motor torque and power, brake torque, head rope tensions and their ratio on the sheave.",
+    "loop": "Pull of the balance rope, its loop, clearances and largest stresses.",
     "shapes": "Balance rope in three projections at several instants; the axes are scaled differently.",
     "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
     "energies": "Energies, work and losses, and what each balance leaves over.",

@@ -25,7 +25,6 @@ class WholeRope(RopePlant, Protocol):
     @property
     def whole(self) -> BalanceRope | None:
         """The rope; None once it is broken."""
-        ...
 
 
 class Turn:

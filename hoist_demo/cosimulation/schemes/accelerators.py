@@ -17,7 +17,6 @@ class Accelerator(Protocol):
 
     def next(self, x: Vector, answer: Vector) -> Vector:
         """Return the forces to try after x, whose answer is known."""
-        ...
 
 
 class InterfaceJacobian:

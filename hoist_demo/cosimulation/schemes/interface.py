@@ -106,35 +106,27 @@ class DrivePartner(Protocol):
 
     def step(self, t: float, h: float, load: Load) -> str:
         """Advance from t to t + h [s]; "" or the cause why not."""
-        ...
 
     def place(self) -> Vector:
         """Places of the ends now, (n,) [m]."""
-        ...
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
         """Motion now, with the accelerations under the load as it is at s."""
-        ...
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
         """Motion of the rope's ends: that of the interface, and of everything else now."""
-        ...
 
     def mobility(self) -> Vector:
         """Change of the accelerations per force, (n, n) [1/kg]."""
-        ...
 
     def work(self) -> float:
         """Work that the loads have done on the drive so far [J]."""
-        ...
 
     def save(self) -> Any:
         """Return the present state."""
-        ...
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a saved state."""
-        ...
 
 
 Reader = Callable[[], Vector]
@@ -148,42 +140,33 @@ class RopePlant(Protocol):
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """Find the hanging shape at time t0 [s]; readers then give the forces at rest."""
-        ...
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """Advance from t to t + h [s]; `left` and `right` hold at t + h."""
-        ...
 
     def units(self) -> dict[str, str]:
         """FMI unit of each signal of which a run makes a record, "1" or "" where it has none."""
-        ...
 
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads these outputs now, also those without a record, NaN for what the rope has not got.
 
         Booleans are 0 and 1. It may be made before the rope hangs; its array is the caller's.
         """
-        ...
 
     def save(self) -> Any:
         """The complete state as a snapshot in memory, None where the rope cannot."""
-        ...
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a snapshot: whatever comes next is the same to the bit."""
-        ...
 
     def to_bytes(self, snapshot: Any) -> bytes:
         """A snapshot for a file."""
-        ...
 
     def from_bytes(self, data: bytes) -> Any:
         """The snapshot that `to_bytes` wrote, also that of another instance; ValueError when it does not fit."""
-        ...
 
     def close(self) -> None:
         """Free what the rope holds; may be called more than once."""
-        ...
 
 
 @dataclass
@@ -293,18 +276,14 @@ class Scheme(Protocol):
     @property
     def weights(self) -> tuple[float, ...]:
         """Weights of past forces, latest first, in the mean load of a step; none when the load is iterated."""
-        ...
 
     @property
     def needs_rollback(self) -> bool:
         """True if steps are taken back, for which the rope must save and restore its state."""
-        ...
 
     @property
     def needs_added_mass(self) -> bool:
         """True if the rope must give its added mass."""
-        ...
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """Both partners from t to t + h [s]; when it fails their states may lie anywhere between."""
-        ...

@@ -14,8 +14,8 @@ from hoist_demo.recording.jams import told_of_jams
 from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.slip import told_of_slip
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
-from hoist_demo.report import events
-from hoist_demo.report.html import packing, page, panels, parameter_tables
+from hoist_demo.report import events, panels
+from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.along import along
 from hoist_demo.report.html.shaft import drawn_shaft
 from hoist_demo.report.rows import WARNING, SummaryRow
