@@ -48,13 +48,7 @@ def write_page(found: Identified, path: Path) -> Path:
     """Write the page."""
     bench = found.measured.bench
     ranges = [
-        Bar(
-            f"{name.replace('_', ' ')}",
-            float(low),
-            float(high),
-            float(share),
-            found.told(name),
-        )
+        Bar(f"{name.replace('_', ' ')}", float(low), float(high), float(share), found.told(name))
         for name, share, (low, high) in zip(found.names, found.fit.shares, found.intervals, strict=True)
     ]
     residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(found)]
@@ -67,11 +61,7 @@ def write_page(found: Identified, path: Path) -> Path:
         "status before",
     )
     known = [
-        (
-            *row,
-            f"{number(factor * datum.low)} to {number(factor * datum.high)}",
-            f"{datum.status}: {datum.source}",
-        )
+        (*row, f"{number(factor * datum.low)} to {number(factor * datum.high)}", f"{datum.status}: {datum.source}")
         for row, name in zip(_properties(found), found.names, strict=True)
         for datum in (bench.data[name],)
         for factor in (_unit(found, name)[0],)

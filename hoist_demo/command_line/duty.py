@@ -91,10 +91,7 @@ def _duty(options: argparse.Namespace) -> int:
         return 130
     exposed = _exposure(trips)
     run = schedule.pattern[0]
-    known = [
-        *of_host(run, schedule.given),
-        *of_rope(find_case(run.case), rope.data(), schedule.given),
-    ]
+    known = [*of_host(run, schedule.given), *of_rope(find_case(run.case), rope.data(), schedule.given)]
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
     print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows(exposed) if exposed else ()

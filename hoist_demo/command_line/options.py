@@ -19,10 +19,7 @@ def add_trip(demo: argparse.ArgumentParser) -> None:
     demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
     demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
     demo.add_argument(
-        "--creep-distance",
-        type=float,
-        metavar="S",
-        help="creep over the last S [m], stop included (that of the case)",
+        "--creep-distance", type=float, metavar="S", help="creep over the last S [m], stop included (that of the case)"
     )
     demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the case)")
     demo.add_argument(

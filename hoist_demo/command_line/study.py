@@ -86,9 +86,7 @@ def _study(options: argparse.Namespace) -> int:
             tqdm(total=total, initial=there, desc="winding", unit="run", file=sys.stderr, disable=None) as bar,
         ):
             performed = perform(
-                study,
-                store,
-                partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
+                study, store, partial(run_samples, client, study, store=store, finished=lambda *_: bar.update())
             )
     except KeyboardInterrupt:
         kept = write_what_is_there(study, store)

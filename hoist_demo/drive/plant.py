@@ -15,11 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive.equations import (
-    INPUT_NAMES,
-    SIDES,
-    WORK_NAMES,
-)
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES, WORK_NAMES
 from hoist_demo.drive.integrator import SHORTEST, Integrator, Watch
 from hoist_demo.drive.kernels import WORKS
 from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of

@@ -11,15 +11,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive_fmu.documentation import attachments
-from hoist_demo.drive_fmu.interface import (
-    Tail,
-    Variable,
-    force_inputs,
-    holding,
-    plant_outputs,
-    side_forces,
-    variables,
-)
+from hoist_demo.drive_fmu.interface import Tail, Variable, force_inputs, holding, plant_outputs, side_forces, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.parameters import Winding, require_trip_fits
 

@@ -50,11 +50,7 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
         raise ValueError(f"'{path}' must be of this schedule, but {found}: give another --out")
     rope.restore(rope.from_bytes(checkpoint.rope))
     end = TripEnd(
-        checkpoint.t,
-        schedule.landing(checkpoint.sample),
-        checkpoint.plant,
-        checkpoint.input,
-        checkpoint.memory,
+        checkpoint.t, schedule.landing(checkpoint.sample), checkpoint.plant, checkpoint.input, checkpoint.memory
     )
     return Standing(rows_of(checkpoint.recording), end)
 

@@ -29,15 +29,7 @@ from hoist_demo.parameters.parameter import Parameter, Value
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.provenance import Known, of_host, of_rope
-from hoist_demo.study.reading import (
-    LONGEST_TEXT,
-    StudyError,
-    flat,
-    read_head,
-    read_statuses,
-    read_tables,
-    read_values,
-)
+from hoist_demo.study.reading import LONGEST_TEXT, StudyError, flat, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import Level, Neighbours, Scene
 
@@ -215,11 +207,7 @@ def _read_rope(
 
 
 def _rope(
-    name: str,
-    numbers: Mapping[str, float],
-    parameters: Mapping[str, Value],
-    level: Level,
-    given: Mapping[str, str],
+    name: str, numbers: Mapping[str, float], parameters: Mapping[str, Value], level: Level, given: Mapping[str, str]
 ) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**{key: float(numbers.get(key, 0.0)) for key in _PLACE})

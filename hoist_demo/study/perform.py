@@ -138,11 +138,7 @@ def _told(tuning: Tuning, best: Judged) -> str:
 
 
 def _write(
-    study: Study,
-    store: Store,
-    samples: Sequence[Sample],
-    keys: Sequence[str],
-    searched: _Searched | None = None,
+    study: Study, store: Store, samples: Sequence[Sample], keys: Sequence[str], searched: _Searched | None = None
 ) -> Performed:
     rows: list[dict[str, object]] = []
     causes: dict[str, str] = {}

@@ -84,7 +84,6 @@ class BreakingRope:
         return self._rope.whole if self._pieces is None else None
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
-        """Hang the whole rope."""
         self._pieces, self._ends = None, (left, right)
         return self._rope.initialize(t0, left, right)
 
@@ -128,7 +127,6 @@ class BreakingRope:
         return values
 
     def save(self) -> Any:
-        """The rope's snapshot, and its pieces."""
         kept = self._rope.save()
         return None if kept is None else (kept, self._ends, self._pieces, self._shown)
 
@@ -138,17 +136,13 @@ class BreakingRope:
         self._rope.restore(kept)
 
     def to_bytes(self, snapshot: Any) -> bytes:
-        """A broken rope's state is not written to files."""
         raise RuntimeError("the state of a rope that breaks cannot be written: wind it in one run")
 
     def from_bytes(self, data: bytes) -> Any:
-        """Neither is it read."""
         raise ValueError("the state of a rope that breaks cannot be read: wind it in one run")
 
     def units(self) -> dict[str, str]:
-        """Unit of each signal."""
         return self._rope.units()
 
     def close(self) -> None:
-        """Free the rope."""
         self._rope.close()

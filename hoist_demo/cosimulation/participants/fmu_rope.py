@@ -20,13 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
-from hoist_demo.cosimulation.participants.fmu_description import (
-    Variable,
-    parameters_of,
-    read_fmu,
-    unpacked,
-    version_of,
-)
+from hoist_demo.cosimulation.participants.fmu_description import Variable, parameters_of, read_fmu, unpacked, version_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
 from hoist_demo.parameters.parameter import Value
@@ -74,10 +68,7 @@ class FmuRope:
     """A RopePlant that lives in an .fmu file."""
 
     def __init__(
-        self,
-        path: Path,
-        parameters: Mapping[str, Value] | None = None,
-        recorded: Collection[str] | None = None,
+        self, path: Path, parameters: Mapping[str, Value] | None = None, recorded: Collection[str] | None = None
     ) -> None:
         """Load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
 
@@ -196,17 +187,14 @@ class FmuRope:
             raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
     def restore(self, snapshot: Any) -> None:
-        """Go back to a handle of this instance."""
         with self._translate_failures():
             self._fmu.restore(snapshot)
 
     def to_bytes(self, snapshot: Any) -> bytes:
-        """The FMU's serialized state."""
         with self._translate_failures():
             return self._tag + stamp(self._fmu.to_bytes(snapshot), self._parameters())
 
     def from_bytes(self, data: bytes) -> Any:
-        """A handle from a serialized state."""
         if not data.startswith(self._tag):
             raise ValueError(
                 f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; it is of another rope: "

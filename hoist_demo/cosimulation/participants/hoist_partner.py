@@ -81,11 +81,9 @@ class HoistPartner:
         return self._shown
 
     def place(self) -> Vector:
-        """Heights of the ends now."""
         return self.outputs[_PLACE]
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
-        """Motion of the ends now."""
         if self._done is not None and self._done[0] is load and s == 1.0:
             return self._done[1]
         with self._clock:
@@ -93,7 +91,6 @@ class HoistPartner:
         return _motion(shown)
 
     def mobility(self) -> Vector:
-        """Return the mobility of the two vertical accelerations."""
         return self.plant.mobility(self.state)
 
     def work(self) -> float:
@@ -109,11 +106,9 @@ class HoistPartner:
         return _end(left, y_left, v_left, a_left), _end(right, y_right, v_right, a_right)
 
     def save(self) -> tuple[PlantState, Vector]:
-        """Return the state and its input."""
         return self.state, self.input
 
     def restore(self, snapshot: tuple[PlantState, Vector]) -> None:
-        """Go back to a saved state."""
         self.state, self.input = snapshot
         self._shown = self._done = None
 

@@ -54,12 +54,10 @@ class InProcessRope:
         return self._rope
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
-        """Find the hanging shape at t0 [s]."""
         self._warned.clear()
         return self._log_warnings(self._rope.initialize(t0, left, right))
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        """Advance to t + h [s]; the motions hold there."""
         return self._log_warnings(self._rope.advance_to(t + h, left, right))
 
     def _log_warnings(self, status: Status) -> Status:
@@ -79,7 +77,6 @@ class InProcessRope:
         return replace(scene_parameters(self._rope.scene), model=model, fidelity_reason=reason)
 
     def reader(self, names: Sequence[str]) -> Reader:
-        """A function that reads some outputs."""
         places = [k for k, name in enumerate(names) if name in SIGNALS]
         fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
         read = self._rope.reader([names[k] for k in places])
@@ -98,15 +95,12 @@ class InProcessRope:
         return self._rope.snapshot()
 
     def restore(self, snapshot: Snapshot | RopeState) -> None:
-        """Go on from a state."""
         self._rope.restore(snapshot)
 
     def to_bytes(self, snapshot: Snapshot) -> bytes:
-        """The state as bytes."""
         return _TAG + stamp(snapshot.state.to_bytes(), self.data().parameters)
 
     def from_bytes(self, data: bytes) -> RopeState:
-        """The state that these bytes hold."""
         if not data.startswith(_TAG):
             raise ValueError("the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE")
         return RopeState.from_bytes(unstamp(data.removeprefix(_TAG), self.data().parameters))

@@ -75,7 +75,6 @@ class RopeGroup:
         self.touching, self._placed = touching, list[tuple[EndMotion, EndMotion]]()  # where the ropes' ends are
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
-        """All ropes hang at t0 [s]."""
         self._keep(left, right)
         self._placed = [self._ends(m.place, 0.0, left, right) for m in self.members]
         if self.touching is not None:
@@ -83,7 +82,6 @@ class RopeGroup:
         return self._all([m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)])
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        """Advance all to t + h [s]."""
         ends = [self._ends(m.place, h, left, right) for m in self.members]
         self._keep(left, right)
         before, self._placed = self._placed, ends
@@ -92,7 +90,6 @@ class RopeGroup:
         return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
 
     def reader(self, names: Sequence[str]) -> Reader:
-        """A function that reads sums and members."""
         asked = set(names)
         plain = [name for name in _PLAIN if name in asked]
         summed = [*_ACTIONS, *plain] if asked.intersection(SUMS) else []
@@ -130,7 +127,6 @@ class RopeGroup:
         return None if any(one is None for one in kept) else (kept, own)
 
     def restore(self, snapshot: Any) -> None:
-        """Go back to a snapshot."""
         kept, (self._rates, self._yaws, self._placed, contact) = snapshot
         if self.touching is not None:
             self.touching.restore(contact)
@@ -138,15 +134,12 @@ class RopeGroup:
             member.rope.restore(one)
 
     def to_bytes(self, snapshot: Any) -> bytes:
-        """A group's state is not written to files."""
         raise RuntimeError("the state of several ropes cannot be written: wind them in one run")
 
     def from_bytes(self, data: bytes) -> Any:
-        """Neither is it read."""
         raise ValueError("the state of several ropes cannot be read: wind them in one run")
 
     def close(self) -> None:
-        """Free all ropes."""
         for member in self.members:
             member.rope.close()
 

@@ -28,12 +28,10 @@ class EnergyControlled:
 
     @property
     def needs_added_mass(self) -> bool:
-        """Requirement of the scheme inside."""
         return self.inner.needs_added_mass
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Weights of the scheme inside."""
         return self.inner.weights
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:

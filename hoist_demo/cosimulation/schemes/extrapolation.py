@@ -28,7 +28,6 @@ class Extrapolated:
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Weights of past forces in the step's mean."""
         return MEAN_WEIGHTS[self.order]
 
 

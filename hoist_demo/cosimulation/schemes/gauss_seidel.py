@@ -15,7 +15,6 @@ class GaussSeidel(Extrapolated):
     """Forces extrapolated to `order` 0, 1 or 2; of the order `order` + 1 in H."""
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """One exchange."""
         start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
         return exchange(pair, memory, t, h, Load(start, rise, bend, np.zeros(start.shape)))
 
@@ -33,7 +32,6 @@ class ImpulsePreserving:
     needs_added_mass: bool = False
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """One exchange."""
         return exchange(pair, memory, t, h, Load.constant(memory.last.mean))
 
 

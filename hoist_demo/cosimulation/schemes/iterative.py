@@ -50,7 +50,6 @@ class Iterative:
         return () if self.held else (1.0,)
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """Repeat the exchange until it converges."""
         before, force = pair.save(), memory.last.force
         _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.held else 2, h)
         x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)

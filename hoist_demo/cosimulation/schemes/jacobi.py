@@ -23,7 +23,6 @@ class Jacobi(Extrapolated):
     """Forces and accelerations extrapolated to `order` 0, 1 or 2; of the order `order` + 1 in H."""
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """One exchange."""
         start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
         c0, c1, c2 = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
         load = Load(start, rise, bend, np.zeros_like(start))
