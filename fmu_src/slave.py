@@ -29,9 +29,9 @@ from rope_model.parameters import Scene
 from rope_model.scene_names import Value, with_values
 from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends.paths import SIDES, EndMotion
-from rope_model.simulation.messages.cases import first_text
 from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.messages.warning_cases import LONG_EXTRAPOLATION
+from rope_model.simulation.messages.rules import first_text
+from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator

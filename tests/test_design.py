@@ -14,7 +14,7 @@ from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.swing import fit_swing
 from hoist_demo.design.tuning import Judged, Plan, search
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
 
 TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
 PLAN = Plan(sample=8, searches=2, steps=20, seed=1)
@@ -70,8 +70,8 @@ def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
 
 
 EVERYTHING = Hoist(
-    head_rope_modes=1, shaft=Shaft(), brake=Brake(), lining=Lining(), guides=Guides(), play=Play(), jam_left=Jam(),
-    jam_right=Jam(), power_limit=1e6,
+    head_rope_modes=1, drive_shaft=DriveShaft(), brake=Brake(), lining=Lining(), guides=Guides(), play=Play(),
+    jam_left=Jam(), jam_right=Jam(), power_limit=1e6,
 )  # fmt: skip
 
 

@@ -14,12 +14,14 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
-from hoist_demo.parameters.components import Brake, Lining, Play, Shaft
+from hoist_demo.parameters.components import Brake, DriveShaft, Lining, Play
 from hoist_demo.recording.slip import slip
 
 HOISTS = {
     "plain": Hoist(lining=Lining(), brake=Brake(torque=8e5)),
-    "everything": Hoist(lining=Lining(), brake=Brake(torque=8e5), head_rope_modes=2, shaft=Shaft(), play=Play()),
+    "everything": Hoist(
+        lining=Lining(), brake=Brake(torque=8e5), head_rope_modes=2, drive_shaft=DriveShaft(), play=Play()
+    ),
 }
 PULL = -4e3
 LINING = LOSS_NAMES.index("lining")

@@ -18,7 +18,7 @@ from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, require_jams_on_the_way, require_trip_fits
-from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
 from rope_model import EndMotion
 
 FULL = Hoist(
@@ -27,7 +27,7 @@ FULL = Hoist(
     tail_rope_mass=4.0,
     conveyance_mass_right=9.0e3,
     power_limit=8.0e5,
-    shaft=Shaft(),
+    drive_shaft=DriveShaft(),
     brake=Brake(torque=1.5e5),
     guides=Guides(),
     play=Play(),
@@ -107,7 +107,13 @@ def test_a_conveyance_that_leans_on_its_guides_is_braked_by_its_shoes() -> None:
 
 def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
     plant = Plant(
-        Hoist(shaft=Shaft(damping=0.03), loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0, head_rope_mass=1e-9)
+        Hoist(
+            drive_shaft=DriveShaft(damping=0.03),
+            loss_coulomb=0.0,
+            loss_viscous=0.0,
+            head_rope_damping=0.0,
+            head_rope_mass=1e-9,
+        )
     )
     state, u = rest_at(plant, (45.0, 45.0))
     twisted = state_with(plant, state, twist=state.x[7] + 1e-3)
@@ -119,8 +125,8 @@ def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
 
 def test_motor_and_sheave_swing_on_their_shaft() -> None:
     hoist = Hoist(
-        shaft=Shaft(damping=0.0), loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0, head_rope_mass=1e-9,
-        head_rope_stiffness=1e6,
+        drive_shaft=DriveShaft(damping=0.0), loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0,
+        head_rope_mass=1e-9, head_rope_stiffness=1e6,
     )  # fmt: skip
     motor, sheave = 3.0e3 * 1.25**2, 5.0e3 * 1.25**2
     exact = math.sqrt(2.0e8 * (1.0 / motor + 1.0 / sheave))
@@ -273,7 +279,7 @@ BAD = {
     "emergency_at": lambda: s_curve(Winding(emergency_at=30.0)),
     "creep_speed": lambda: s_curve(Winding(creep_speed=9.0, creep_distance=3.0)),
     "creep_distance": lambda: s_curve(Winding(creep_distance=0.4)),
-    "shaft.motor_mass": lambda: Hoist(shaft=Shaft(motor_mass=8.0e3)),
+    "drive_shaft.motor_mass": lambda: Hoist(drive_shaft=DriveShaft(motor_mass=8.0e3)),
     "head_rope_modes": lambda: Hoist(head_rope_modes=-1),
     "tail_rope_number": lambda: Hoist(tail_rope_number=1.5),  # type: ignore[arg-type]
     "power_limit": lambda: Hoist(power_limit=0.0),

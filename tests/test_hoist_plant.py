@@ -14,7 +14,7 @@ from hoist_demo.drive.equations import equations, numbers_of, parts_of
 from hoist_demo.drive.kernels import CHUNK
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.parameters.components import Brake, Guides, Play, Shaft
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Play
 
 TAIL = 8.0 * GRAVITY
 RELAXED = (-TAIL * 15.0, -TAIL * 105.0)
@@ -53,9 +53,9 @@ def test_the_tensions_shown_are_those_that_turn_the_sheave(plant: Plant) -> None
 HOISTS = {
     "default": Hoist(),
     "modes": Hoist(head_rope_modes=2),
-    "shaft and brake": Hoist(shaft=Shaft(), brake=Brake(), power_limit=1.2e6),
+    "shaft and brake": Hoist(drive_shaft=DriveShaft(), brake=Brake(), power_limit=1.2e6),
     "everything": Hoist(
-        head_rope_modes=1, shaft=Shaft(), brake=Brake(), guides=Guides(), play=Play(), tail_rope_number=2
+        head_rope_modes=1, drive_shaft=DriveShaft(), brake=Brake(), guides=Guides(), play=Play(), tail_rope_number=2
     ),
 }
 

@@ -64,8 +64,8 @@ hoist_demo.ropes: .cases .parameters .recording .cosimulation .cosimulation.part
     .study rope_model
 hoist_demo.calibration: .parameters .control .cases .cosimulation.participants .report .study rope_model
     rope_model.catalogue rope_model.physics rope_model.scene_names rope_model.simulation rope_model.texts
-hoist_demo.uncertainty: .parameters .calibration .cases .recording .cosimulation .cosimulation.participants .report .study
-    rope_model
+hoist_demo.uncertainty: .parameters .calibration .cases .recording .cosimulation .cosimulation.participants .report
+    .study rope_model
 hoist_demo.command_line: .parameters .cases .recording .cosimulation .cosimulation.participants
     .cosimulation.schemes .report .study .duty .ropes .calibration .uncertainty rope_model.scene_names
 hoist_demo:"""
@@ -75,7 +75,7 @@ HOMES = rules(
     """\
 casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
-    rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.cases
+    rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.rules
     rope_model.codegen.formulas rope_model.codegen.state_values rope_model.codegen.tables
     hoist_demo.design hoist_demo.drive
     hoist_demo.drive_fmu.kernels

@@ -23,7 +23,7 @@ from scenes import Choice
 
 from fmu_src.interface import variables
 from rope_model import scene_names
-from rope_model.codegen.layout import FollowingStructure
+from rope_model.codegen.state_structures import FollowingStructure
 from rope_model.codegen.structures import EndStructure, SceneStructure, end_structure, scene_structure
 from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT

@@ -18,7 +18,7 @@ from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel, balance_rope
 from rope_model.parameters import FidelityChoice, Rope
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
-from rope_model.simulation.messages import fidelity_cases
+from rope_model.simulation.messages import fidelity_rules
 
 from .scenes import CASES, COUPLED, LONG_TRIP, P120, P240, STOP, Case
 
@@ -80,7 +80,7 @@ def estimate(scene: Scene, trip: Trip, until: float | None) -> tuple[object, ...
     travel = Travel(trip.travel, reference.peak_speed, trip.acceleration, trip.jerk)
     swivels = "locked" if scene.left.mode == "locked" else f"released at {scene.left.release_time:g} s"
     head = scene.rope.length, swivels, trip.speed, scene.rope.EI, scene.layout.spacing
-    of_planar = force_error(planar.force, full.force), fidelity_cases.force_error(scene, "planar", travel)
+    of_planar = force_error(planar.force, full.force), fidelity_rules.force_error(scene, "planar", travel)
     of_rigid = force_error(rigid.force, planar.force), longitudinal_error(scene, travel) + lean_error(scene, travel)
     return *head, *of_planar, *of_rigid
 

@@ -18,7 +18,7 @@ import math
 from hoist_demo.cases.case import LOCKED, Case, swivels
 from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
-from hoist_demo.parameters.components import Brake, Guides, Play, Shaft
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Play
 from rope_model.parameters import Rope
 
 _KIRUNA = (
@@ -116,7 +116,7 @@ def _installed_case(
         tail_rope_mass=tail_mass,
         tail_rope_length=travel + TAIL_SPARE,
         tail_rope_number=tail_ropes,
-        shaft=Shaft(motor_mass=motor_mass, stiffness=(2.0 * math.pi * 12.0) ** 2 * reduced),
+        drive_shaft=DriveShaft(motor_mass=motor_mass, stiffness=(2.0 * math.pi * 12.0) ** 2 * reduced),
         brake=Brake(torque=3.0 * (payload * GRAVITY * radius)),
         guides=Guides(coulomb=0.005 * conveyance * GRAVITY, viscous=0.01 * payload),
         play=Play(),

@@ -46,7 +46,7 @@ class LowFidelityModel:
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
     """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
-    hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, lining=None, power_limit=None)
+    hoist = replace(hoist, head_rope_modes=0, drive_shaft=None, brake=None, lining=None, power_limit=None)
     hoist = replace(hoist, guides=None, play=None, jam_left=None, jam_right=None)
     plant, R = HoistPlant(hoist), hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]

@@ -65,7 +65,7 @@ ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
 
 def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
     """Names of the coordinates that the hoist has beyond phi, y_left and y_right."""
-    names = ["twist"] if hoist.shaft is not None else []
+    names = ["twist"] if hoist.drive_shaft is not None else []
     names += [f"eta{j}_{side}" for side in SIDES for j in range(1, hoist.head_rope_modes + 1)]
     if hoist.play is not None:
         names += [f"{name}_{side}" for side in SIDES for name in ("x", "z", "yaw")]
@@ -275,7 +275,7 @@ def _lateral_motion(at: _Coordinates, a: Any) -> list[Any]:
 def _rotation(hoist: Hoist, at: _Coordinates) -> tuple[Any, Any, Any]:
     """Kinetic and potential energy and Rayleigh's function of sheave, shaft and motor."""
     (_, rate), (twist, twist_rate) = at("phi"), at("twist")
-    R, shaft = hoist.sheave_radius, hoist.shaft
+    R, shaft = hoist.sheave_radius, hoist.drive_shaft
     if shaft is None:
         return hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0
     motor, sheave = shaft.motor_mass * R**2, (hoist.sheave_mass - shaft.motor_mass) * R**2

@@ -124,8 +124,8 @@ class HoistPlant:
             for side, length in zip(("left", "right"), lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
         x[0] = self._holding.holding_torque(x, lengths)
-        if hoist.shaft is not None:
-            x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
+        if hoist.drive_shaft is not None:
+            x[self.state_names.index("twist")] = x[0] / hoist.drive_shaft.stiffness
         return PlantState(x, np.zeros(WORKS), lengths)
 
     def advance(

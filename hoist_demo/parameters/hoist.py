@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft, require, require_magnitudes
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require, require_magnitudes
 from hoist_demo.parameters.quantity import quantity
 from rope_model.physics.elementary import larger
 
@@ -70,7 +70,7 @@ class Hoist:
     )
     power_limit: float | None = quantity(None, "W", "of the motor and its converter, in both directions")
     head_rope_modes: int = quantity(0, "-", "longitudinal modes of the head ropes of a side, beyond their mean strain")
-    shaft: Shaft | None = quantity(None, "", "none: rigid")
+    drive_shaft: DriveShaft | None = quantity(None, "", "none: rigid")
     brake: Brake | None = quantity(None, "", "none: no brake but the motor")
     lining: Lining | None = quantity(None, "", "none: the head ropes hold on the sheave whatever they pull")
     guides: Guides | None = quantity(None, "", "none: no friction along the guides")
@@ -95,11 +95,11 @@ class Hoist:
             value = getattr(self, name)
             bound = f"within {low:g} and {high:g} {unit}".rstrip()
             require(value, low <= value <= high, name, bound, hint)
-        if self.shaft is not None:
+        if self.drive_shaft is not None:
             require(
-                self.shaft.motor_mass,
-                self.shaft.motor_mass < self.sheave_mass,
-                "shaft.motor_mass",
+                self.drive_shaft.motor_mass,
+                self.drive_shaft.motor_mass < self.sheave_mass,
+                "drive_shaft.motor_mass",
                 f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
                 "give the motor's share",
             )

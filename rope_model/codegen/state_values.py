@@ -11,7 +11,7 @@ import casadi as ca
 from ..numerics.program import no_simplification
 from ..simulation.outputs.state_signals import STATE_SIGNALS
 from .formulas import texts_of
-from .layout import StateStructure
+from .state_structures import StateStructure
 from .tables import constant
 
 

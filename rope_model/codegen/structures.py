@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 from ..parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
 from ..shaft_parameters import PARTS
 from ..simulation.ends.paths import PATH, EndMotion, EndPath
-from .layout import PathStructure
+from .state_structures import PathStructure
 
 NOT_IN_C = {"kernels"}
 #: types of parameters, of the data classes asked for so far

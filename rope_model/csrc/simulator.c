@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 void state_copy(const Simulator *rope, State *to, const State *from) {

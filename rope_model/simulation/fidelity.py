@@ -10,7 +10,7 @@ freely as well, or its writhe twists it; they hold while the rope is initialised
 What a simplified model leaves out is then zero in the complete model too.  Beyond that 'auto' takes one only when the
 error of the vertical end forces (root mean square over a winding, relative to the largest) is estimated within the
 scene's force tolerance.
-physics.estimates has the estimates, fidelity_cases the formulas of the choice.
+physics.estimates has the estimates, fidelity_rules the formulas of the choice.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from ..parameters import Scene
 from ..physics.element import ElementFidelity
 from .ends.paths import SIDES, EndMotion
 from .messages import fidelity_messages, messages
-from .messages.cases import first_text
-from .messages.fidelity_cases import (
+from .messages.fidelity_rules import (
     COMPLETE,
     INPUTS,
     SUFFICIENT,
@@ -34,6 +33,7 @@ from .messages.fidelity_cases import (
     out_of_plane,
     unsupported_input,
 )
+from .messages.rules import first_text
 
 log = logging.getLogger(__name__)
 

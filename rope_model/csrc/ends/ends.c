@@ -1,7 +1,7 @@
 /* rope_model.simulation.ends.ends: checks of the motions that a host gives, and the swivels' friction. */
 #include <math.h>
 
-#include "cases.h"
+#include "rules.h"
 
 enum { YAW = 3, AXES = 4 };
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* event function of one swivel */

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* a transformed rope with its energy change in the energy_balance */

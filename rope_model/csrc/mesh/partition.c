@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cases.h"
+#include "rules.h"
 
 static const int LONGER[] = LEG_LENGTHS;
 enum { LENGTHS = sizeof LONGER / sizeof *LONGER };

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* of the loop against its ends */

@@ -1,4 +1,4 @@
-"""What a swivel's friction does in each phase, and how long a phase lasts; codegen.cases makes the C of it.
+"""What a swivel's friction does in each phase, and how long a phase lasts; codegen.rules makes the C of it.
 
 ``now`` is the swivel's SwivelState, ``held`` the moment (N m) by which the conveyance would hold the rope's end, and
 ``rate`` that of the swivel's angle (rad/s).
