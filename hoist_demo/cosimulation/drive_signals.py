@@ -16,18 +16,15 @@ from hoist_demo.drive.outputs import SHOWN, tension_ratio
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import TIME, Array, Recording
 
+_REFERENCE = ("position", "speed", "acceleration", "jerk")
 DRIVE_UNITS = {
     TIME: "s",
-    "reference.position": "m",
-    "reference.speed": "m/s",
-    "reference.acceleration": "m/s2",
-    "reference.jerk": "m/s3",
-    "conveyance.left.y": "m",
-    "conveyance.left.vy": "m/s",
-    "conveyance.left.ay": "m/s2",
-    "conveyance.right.y": "m",
-    "conveyance.right.vy": "m/s",
-    "conveyance.right.ay": "m/s2",
+    **dict(zip((f"reference.{name}" for name in _REFERENCE), ("m", "m/s", "m/s2", "m/s3"), strict=True)),
+    **{
+        f"conveyance.{side}.{name}": unit
+        for side in SIDES
+        for name, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))
+    },
     "drive.angle": "rad",
     "drive.rate": "rad/s",
     "drive.torque_command": "N.m",
@@ -35,26 +32,14 @@ DRIVE_UNITS = {
     "drive.torque_limited": "1",
     "drive.motor_power": "W",
     "drive.brake_torque": "N.m",
-    "drive.tension_left": "N",
-    "drive.tension_right": "N",
+    **{f"drive.tension_{side}": "N" for side in SIDES},
     "drive.tension_ratio": "1",
     "drive.slip_safety": "1",
     "drive.slip": "m",
     "drive.slip_speed": "m/s",
-    "drive.pull_left": "N",
-    "drive.pull_right": "N",
-    "drive.slack_left": "m",
-    "drive.slack_right": "m",
-    "drive.jam_left": "N",
-    "drive.jam_right": "N",
-    "drive.work_motor": "J",
-    "drive.work_losses": "J",
-    "drive.work_slip": "J",
-    "drive.work_rope_damping": "J",
-    "drive.work_from_balance_rope": "J",
-    "drive.energy_kinetic": "J",
-    "drive.energy_potential": "J",
-    "drive.energy_residual": "J",
+    **{f"drive.{name}_{side}": unit for name, unit in (("pull", "N"), ("slack", "m"), ("jam", "N")) for side in SIDES},
+    **{f"drive.work_{name}": "J" for name in ("motor", "losses", "slip", "rope_damping", "from_balance_rope")},
+    **{f"drive.energy_{name}": "J" for name in ("kinetic", "potential", "residual")},
     "coupling.energy": "J",
     "coupling.exchanges": "1",
 }
@@ -74,7 +59,7 @@ _BESIDE = "beside."
 """Before the names of what a row has beside them."""
 ROW = (
     TIME,
-    *(f"reference.{name}" for name in ("position", "speed", "acceleration", "jerk")),
+    *(f"reference.{name}" for name in _REFERENCE),
     "drive.torque_command",
     "drive.torque_limited",
     "drive.slip",
