@@ -12,7 +12,7 @@ from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling
 from rope_model import Scene, parameters
 from rope_model.parameters import rope_120

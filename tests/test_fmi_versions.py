@@ -13,9 +13,9 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Winding
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 from rope_model import EndMotion
 
 pytestmark = pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")

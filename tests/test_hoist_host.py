@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import Reader, RopePlant
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake

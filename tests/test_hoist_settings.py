@@ -13,7 +13,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process,
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals, read_csv
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.shared import contradictions
+from hoist_demo.study.run import contradictions
 
 ROOT = Path(__file__).parents[1]
 CATALOGUE = Catalogue(rope_parameters())

@@ -80,7 +80,7 @@ casadi: rope_model.physics.element rope_model.physics.air_element rope_model.phy
     hoist_demo.design hoist_demo.drive
     hoist_demo.drive_fmu.kernels
 scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling
-    hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.spectra
+    hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description
 matplotlib: hoist_demo.report.figures hoist_demo.report.exposure_figures

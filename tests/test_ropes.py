@@ -15,7 +15,7 @@ from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeG
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import GRAVITY, Coupling
-from hoist_demo.recording.neighbours import polygon_distance
+from hoist_demo.ropes.table import polygon_distance
 from rope_model import EndMotion, Neighbours
 
 HEIGHT = 90.0

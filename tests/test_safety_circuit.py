@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, EmergencyLaw, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.guards import guard_trip

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from hoist_demo.control.controller import Command, Measurement, SpeedController
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import Reader, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Hoist, Winding

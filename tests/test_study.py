@@ -11,11 +11,10 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.parameter import Parameter
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import Parameter, quantity
+from hoist_demo.study.catalogue import leaves, with_values
 from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.metrics import Arrival
-from hoist_demo.study.nested import leaves, with_values
 from hoist_demo.study.reading import StudyError
 from hoist_demo.study.run import build
 from hoist_demo.study.sampling import Range, latin_hypercube

@@ -16,7 +16,7 @@ from test_study import Read
 from test_study import read as read
 
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import Stopwatch
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording

@@ -22,7 +22,7 @@ from typing import Any, TypeGuard, get_args
 
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.parameters.parameter import Parameter
+from hoist_demo.parameters.quantity import Parameter
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.reading import StudyError, flat, read_statuses, read_tables, read_text, read_values
 from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope

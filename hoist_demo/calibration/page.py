@@ -8,9 +8,8 @@ from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
 from hoist_demo.calibration.identify import Identified
 from hoist_demo.report.html.page import engineering, number, unit_text
 from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
-from hoist_demo.report.provenance import table as data_table
-from hoist_demo.report.provenance import told
-from hoist_demo.report.rows import SummaryRow
+from hoist_demo.report.rows import SummaryRow, told
+from hoist_demo.report.rows import table as data_table
 from rope_model import SIGNALS
 
 #: standard errors to either side that the picture of the residuals shows

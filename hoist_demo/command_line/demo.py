@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
-from hoist_demo.command_line.interrupts import interruption
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import interruption, named, results_folder
 from hoist_demo.command_line.settings import rope_values, settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
@@ -24,23 +23,21 @@ from hoist_demo.cosimulation.participants.fmu_description import read_outputs, r
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import listen, progress_bar
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling
-from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import CAUSE, WARNING, render
 from hoist_demo.report.slip import slip_warning
-from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.nested import with_values
+from hoist_demo.study.catalogue import Catalogue, with_values
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.reading import GIVEN, file_statuses
-from hoist_demo.study.run import RunData, build_trip, fmu_part
-from hoist_demo.study.shared import contradictions, tail_rope
+from hoist_demo.study.run import RunData, build_trip, contradictions, fmu_part, tail_rope
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope

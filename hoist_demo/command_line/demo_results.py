@@ -8,12 +8,11 @@ from functools import cached_property
 from pathlib import Path
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, without_remarked
 from hoist_demo.recording.time_series import Recording, shape_rows, write_csv, write_shapes
-from hoist_demo.report.provenance import told
-from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow
+from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, told
 from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.study.provenance import Known, statuses, write_data
 from hoist_demo.study.run import RunData

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.interrupts import interruption
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import interruption, named, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
@@ -73,9 +72,9 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
-    from hoist_demo.report.provenance import told
+    from hoist_demo.report.rows import told
     from hoist_demo.study.provenance import of_host, of_rope, write_data
-    from hoist_demo.study.shared import contradictions
+    from hoist_demo.study.run import contradictions
 
     schedule = read_schedule(options.schedule, rope_parameters(), options.repeat)
     if options.check:

@@ -60,9 +60,8 @@ def _study(options: argparse.Namespace) -> int:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
     from hoist_demo.cosimulation.participants.fmu_description import fmi_version
     from hoist_demo.report.html.page import unit_text
-    from hoist_demo.report.provenance import table as data_table
-    from hoist_demo.report.provenance import told
-    from hoist_demo.report.rows import render
+    from hoist_demo.report.rows import render, told
+    from hoist_demo.report.rows import table as data_table
     from hoist_demo.study.definition import read_study
     from hoist_demo.study.provenance import of_study, write_data
 

@@ -5,8 +5,8 @@
 T is H unless the controller samples less often; where it samples more often, T is H and the drive asks it within its
 step. A rope or drive that cannot go on, or a coupling that cannot be solved, ends the loop; what was recorded stays,
 and the result names the cause. A guard of the rope that trips, and head ropes that go slack, stop the hoist
-(`hoist_demo.control.safety`) at the first sample that sees it. The state is kept once per second, and where the user
-stops the run, as a checkpoint, from which `run` goes on.
+(`Course`) at the first sample that sees it. The state is kept once per second, and where the user stops the run, as a
+checkpoint, from which `run` goes on.
 """
 
 from __future__ import annotations
@@ -22,14 +22,12 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
-from hoist_demo.control.safety import Course
-from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
+from hoist_demo.control.trajectory import Course, Trajectory, TrajectoryPoint, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, ROW, drive_row, with_drive_signals
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner, NextCommand
 from hoist_demo.cosimulation.plain_data import encode, private_copy
-from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.run_state import RunState, TripEnd
+from hoist_demo.cosimulation.run_state import Result, RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability

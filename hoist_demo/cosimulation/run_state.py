@@ -1,21 +1,23 @@
-"""State of a run: its parts, its sampling, and its checkpoints."""
+"""State of a run: its parts, its sampling, its checkpoints, and what comes of it."""
 
 from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hoist_demo.control.controller import Command
-from hoist_demo.control.safety import Course
+from hoist_demo.control.trajectory import Course, Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.plain_data import private_copy
-from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Vector
+from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Stopwatch, Vector
 from hoist_demo.drive.plant import PlantState
-from hoist_demo.recording.time_series import Recorder
+from hoist_demo.parameters import Winding
+from hoist_demo.recording.time_series import Recorder, Recording
 
 _log = logging.getLogger(__name__)
 
@@ -104,3 +106,22 @@ class RunState:
             data=data,
             cause=cause,
         )
+
+
+@dataclass(frozen=True)
+class Result:
+    """Record, outcome and clocks of one run."""
+
+    recording: Recording
+    completed: bool
+    cause: str  # "" when completed
+    steps: int  # communication steps done
+    trajectory: Trajectory
+    winding: Winding  # with the emergency stop that a guard of the rope asked for
+    drive_clock: Stopwatch  # of the drive's steps
+    rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
+    start_clock: Stopwatch  # of the rope's initialization
+    warning: str = ""  # of the coupling, before the start
+    checkpoint: Checkpoint | None = None  # the last state that was kept, when the run stopped after its first sample
+    saved: Path | None = None  # where it was written
+    end: TripEnd | None = None  # for the trip after this one, when completed without an emergency stop by a guard

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.drive.equations import numbers_of, parts_of
-from hoist_demo.drive.kernels import CHUNK, drive_kernels
-from hoist_demo.drive.runge_kutta import ORDER
+from hoist_demo.drive.kernels import CHUNK, ORDER, drive_kernels
 from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import Kernel, KernelForm
 

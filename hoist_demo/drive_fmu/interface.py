@@ -16,8 +16,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.parameters.quantity import units_of
-from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.parameters.quantity import fmi_unit, units_of
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)

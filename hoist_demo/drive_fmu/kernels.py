@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.drive.equations import INPUT_NAMES, equations, numbers_of, parts_of
+from hoist_demo.drive.kernels import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.drive.runge_kutta import runge_kutta_step
 from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
 from hoist_demo.parameters import GRAVITY, Hoist
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.reading import StudyError, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build

@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from hoist_demo.cosimulation.host import Host, Progress
-from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.run_state import TripEnd
+from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Drive, drive
 from hoist_demo.duty.schedule import Schedule

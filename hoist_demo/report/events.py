@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.jams import jams, slack_ropes

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of, remark
 from hoist_demo.recording.guards import AFTER, after, guard_trip, told

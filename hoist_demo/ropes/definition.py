@@ -25,7 +25,7 @@ from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SU
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.parameters import Hoist
-from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.provenance import Known, of_host, of_rope

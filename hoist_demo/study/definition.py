@@ -25,7 +25,7 @@ from typing import Any
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
-from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.metrics import UNITS

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.design.tuning import Judged, search
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Sample, Study
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.store import Store

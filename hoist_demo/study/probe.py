@@ -9,7 +9,7 @@ from pathlib import Path
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.run import RunData
 from rope_model import EndMotion
 

@@ -16,10 +16,9 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.parameters.parameter import Value
-from hoist_demo.study.catalogue import SECTIONS
+from hoist_demo.parameters.quantity import Value
+from hoist_demo.study.catalogue import SECTIONS, leaves
 from hoist_demo.study.definition import Study
-from hoist_demo.study.nested import leaves
 from hoist_demo.study.reading import GIVEN, VARIED
 from hoist_demo.study.run import RunData, build
 from rope_model import Scene

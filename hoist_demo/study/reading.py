@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.parameters.parameter import Parameter, Value
-from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
 from hoist_demo.study.catalogue import Catalogue
 from rope_model import DatumStatus, Level
 from rope_model.texts import printable

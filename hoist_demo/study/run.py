@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import time
 import traceback
 from collections.abc import Mapping
@@ -22,21 +23,19 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host, Progress
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.slip import held_in_spite
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.catalogue import SECTIONS
+from hoist_demo.study.catalogue import SECTIONS, with_values
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
-from hoist_demo.study.nested import with_values
-from hoist_demo.study.shared import contradictions
 
 FINISHED = ("completed", "stopped")
 """States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
@@ -170,3 +169,25 @@ def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tup
     design_time = time.perf_counter() - begin
     host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
     return host.run(progress), design_time
+
+
+SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
+"""Parameters of the rope of which the hoist has a copy for its controller, and their unit."""
+
+
+def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:
+    """Fields of the hoist by which its drive takes the balance rope for the one with these parameters."""
+    return {field: values[name] for name, field, _ in SHARED if name in values}
+
+
+def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
+    """Return where the drive's copy of the balance rope's data differs from the rope's; "" if they agree."""
+    told = []
+    for name, copy, unit in SHARED:
+        computed, assumed = rope.get(name), getattr(hoist, copy)
+        if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
+            told.append(
+                f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict each other: "
+                f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
+            )
+    return "; ".join(told)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 
 
 @dataclass(frozen=True)

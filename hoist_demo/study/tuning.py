@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hoist_demo.design.tuning import Plan
-from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.parameters.quantity import fmi_unit
 from hoist_demo.study.metrics import UNITS
 
 _SENSES = {"below": 1.0, "above": -1.0}

@@ -20,7 +20,7 @@ from hoist_demo.calibration.definition import read_known
 from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope

@@ -33,7 +33,7 @@ from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 
 CallError = FMICallException
 """A call that the FMU answers with discard, error or fatal."""

@@ -19,8 +19,7 @@ from zipfile import BadZipFile, ZipFile
 import fmpy
 from fmpy.model_description import ValidationError
 
-from hoist_demo.parameters.parameter import Parameter, Value
-from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 

@@ -23,7 +23,7 @@ from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING,
 from hoist_demo.cosimulation.participants.fmu_description import Variable, parameters_of, read_fmu, unpacked, version_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model import EndMotion, Status
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
-from hoist_demo.parameters.parameter import Parameter, Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model import (
     SIGNALS,

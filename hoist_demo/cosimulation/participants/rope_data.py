@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from hoist_demo.parameters.parameter import Value
+from hoist_demo.parameters.quantity import Value
 from rope_model.scene_names import choices_of
 
 Levels = Mapping[str, Mapping[str, Value]]

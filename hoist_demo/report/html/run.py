@@ -7,17 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.guards import guard_trip
 from hoist_demo.recording.jams import told_of_jams
-from hoist_demo.recording.passages import PASSED, passages
+from hoist_demo.recording.passages import FAR, PASSED, passages
 from hoist_demo.recording.slip import told_of_slip
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import events, panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.along import along
-from hoist_demo.report.html.shaft import drawn_shaft
 from hoist_demo.report.rows import WARNING, SummaryRow
 from rope_model.texts import html_text
 
@@ -147,3 +146,33 @@ def _curve(recording: Recording) -> Mapping[str, object]:
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},
     }
     return {"rope": rope, "along": along(recording)}
+
+
+Drawn = Mapping[str, object]
+
+_GROUPS = {
+    "lining": ("width", "depth", "rounding", "x", "z"),
+    "conveyance": ("width", "depth", "height", "above"),
+    "head_ropes": ("diameter", "row"),
+    "guard": ("rise", "rise_y", "window", "window_y"),
+}
+_DIVIDER = ("size", "y", "offset", "direction", "rounding")
+
+
+def drawn_shaft(parameters: Mapping[str, object], recording: Recording) -> Drawn:
+    """Sizes by part, from the rope's parameters by FMI name; what is not there has none, or the size 0."""
+    values = {name: float(x) for name, x in parameters.items() if isinstance(x, int | float)}
+
+    def part(group: str, names: tuple[str, ...]) -> dict[str, float]:
+        return {name: values.get(f"{group}.{name}", 0.0) for name in names}
+
+    level = values.get("sump.level", -FAR)
+    dividers = [part(f"divider_{k}", _DIVIDER) for k in (1, 2, 3, 4)]
+    trip = guard_trip(recording)
+    return {
+        **{group: part(group, names) for group, names in _GROUPS.items()},
+        "dividers": [divider for divider in dividers if divider["size"] > 0.0],
+        "floor": level if level > -FAR else None,
+        "far": FAR,
+        "trip": None if trip is None else {"t": trip.t, "cause": trip.cause},
+    }
