@@ -36,17 +36,14 @@ _ROBERT = (
     "http://pro-bergbau.de/bilder/hrtour/hrdoppeldaten.html"
 )
 
-TAIL_SPARE = 40.0
-"""Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing."""
+TAIL_SPARE = 40.0  #: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
 
 _OF_MACHINE = ("winding.speed", "hoist.sheave_radius", "hoist.head_rope_number", "hoist.payload_left")
 
+#: Qb and Qc of an installed size's balance rope over those of a rope similar to the known one [-, assumed].  Balance
+#: ropes of deep shafts are made to turn little. With the known rope's coupling, the weight of 1000 m held at both ends
+#: would turn the loop through more than a full turn before it moves: the legs would pass through each other.
 COUPLING = 0.1
-"""Qb and Qc of an installed size's balance rope over those of a rope similar to the known one [-, assumed].
-
-Balance ropes of deep shafts are made to turn little. With the known rope's coupling, the weight of 1000 m held at both
-ends would turn the loop through more than a full turn before it moves: the legs would pass through each other.
-"""
 
 
 def round_rope(length: float, mass_per_length: float, spacing: float, coupling: float) -> dict[str, float]:

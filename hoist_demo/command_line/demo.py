@@ -42,13 +42,12 @@ from hoist_demo.study.run import RunData, build_trip, contradictions, fmu_part, 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 
-LAST_GOOD = "last_good.npz"
-"""File in the output folder with the last good state of a run that stopped."""
+LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
 
 _CASE = "rope-120"
 
+#: Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is.
 _QUICK = {"travel": 10.0, "settle": 2.0}
-"""Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is."""
 
 _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),

@@ -17,6 +17,7 @@ from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.study.provenance import Known, statuses, write_data
 from hoist_demo.study.run import RunData
 
+#: Outputs that an FMU may have been exported without, and what the reports then lack.
 _DRAWN = {
     "shape.": "3-D rope, shapes.png and stress along the rope",
     "station.": "exposure.png",
@@ -25,7 +26,6 @@ _DRAWN = {
     "energy.": "energies of the rope",
     "left.swivel.": "swivels.png",
 }
-"""Outputs that an FMU may have been exported without, and what the reports then lack."""
 
 
 @dataclass(frozen=True)

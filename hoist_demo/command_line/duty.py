@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from hoist_demo.duty.table import Worst
     from hoist_demo.duty.wind import Trip
 
-STATE = "last_trip.npz"
-"""File in the output folder with the state after the last trip that is wound."""
+STATE = "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
 
 _DESCRIPTION = """\
 Wind the trips of a schedule one after the other with the rope in this process: yaw, swing and swivel angles go on from

@@ -10,8 +10,7 @@ from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.study.reading import LEVELS
 from rope_model.scene_names import choices_of
 
-KERNELS = choices_of("solver.kernels")
-"""Choices of the FMU's integer parameter, in the order of its codes."""
+KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
 
 
 def add_trip(demo: argparse.ArgumentParser) -> None:

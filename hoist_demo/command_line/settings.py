@@ -9,8 +9,7 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.reading import flat, strip_unit, with_file
 
-STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")
-"""First parts of the names that only a study takes."""
+STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")  #: First parts of the names that only a study takes.
 
 
 def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:

@@ -22,11 +22,9 @@ from hoist_demo.cosimulation.schemes.interface import Memory, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
 
-_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")
-"""A single value in the text of a dataclass."""
+_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
 
-CONTROLLER = "the controller's state"
-"""What messages call it."""
+CONTROLLER = "the controller's state"  #: What messages call it.
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,7 @@ DRIVE_UNITS = {
 
 
 _MOTION = {"y": "y", "v": "vy", "a": "ay"}
+#: Signals that are numbers of OUTPUTS.
 _SHOWN_AS = {
     **{f"{name}_{side}": f"conveyance.{side}.{spelt}" for side in SIDES for name, spelt in _MOTION.items()},
     **{f"{name}_{side}": f"drive.{name}_{side}" for side in SIDES for name in ("tension", "pull", "slack", "jam")},
@@ -54,9 +55,8 @@ _SHOWN_AS = {
         for name in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
     },
 }
-"""Signals that are numbers of OUTPUTS."""
-_BESIDE = "beside."
-"""Before the names of what a row has beside them."""
+_BESIDE = "beside."  #: Before the names of what a row has beside them.
+#: What `drive_row` gives, by name.
 ROW = (
     TIME,
     *(f"reference.{name}" for name in _REFERENCE),
@@ -70,7 +70,6 @@ ROW = (
     *(f"{_BESIDE}work_{name}" for name in WORK_NAMES),
     *(f"{_BESIDE}losses_{name}" for name in LOSS_NAMES),
 )
-"""What `drive_row` gives, by name."""
 
 
 def drive_row(

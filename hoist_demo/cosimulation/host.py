@@ -40,16 +40,13 @@ from rope_model import EndMotion
 
 _log = logging.getLogger(__name__)
 
+#: Called after every step with the fraction done and the time [s]; False stops the run.
 Progress = Callable[[float, float], bool]
-"""Called after every step with the fraction done and the time [s]; False stops the run."""
 
 
-KEPT_EVERY = 1.0
-"""Simulated time from one state that is kept to the next [s]."""
-LOADING = (0.25, 0.75)
-"""Parts of a dwell between which the payload changes to that of the next trip [assumed]."""
-LOADED_EVERY = 0.1
-"""Time between two changes of a payload that is being loaded [s]."""
+KEPT_EVERY = 1.0  #: Simulated time from one state that is kept to the next [s].
+LOADING = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
+LOADED_EVERY = 0.1  #: Time between two changes of a payload that is being loaded [s].
 
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE, _TORQUE = SHOWN["y_left"], SHOWN["rate"], SHOWN["torque"]

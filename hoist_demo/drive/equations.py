@@ -44,8 +44,7 @@ from hoist_demo.drive.friction import BrakeFriction, JamFriction, SlidingFrictio
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam, Play
 
-STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
-"""First entries of every state."""
+STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")  #: First entries of every state.
 
 SIDES = ("left", "right")
 INPUT_NAMES = (
@@ -53,14 +52,12 @@ INPUT_NAMES = (
     *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
-LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")
-"""The parts of the losses."""
+LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
 
 
-FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)
-"""Places of the two vertical forces in an input."""
+FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)  #: Places of the two vertical forces in an input.
+#: Places of the two vertical accelerations in the rates.
 ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
-"""Places of the two vertical accelerations in the rates."""
 
 
 def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:

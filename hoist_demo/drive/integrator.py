@@ -22,19 +22,15 @@ from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import Kernel, KernelForm
 
 Vector = NDArray[np.float64]
-Watch = Callable[[Vector], float]
-"""Of a state and OUTPUTS there, as one vector; positive once the steps are to end."""
+Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 
-SHORTEST = 1e-7
-"""Step of the integrator [s] below which it gives up."""
-SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5
-"""Of its steps: factor from the error, and its bounds."""
-LOCATED = 1e-9
-"""How long before the end of the steps what is watched may have become positive [s]."""
+SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
+SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
+LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
 
 
+#: Where steps have ended: all that `advance` of kernels.py gives there, size of the next one, s.
 Reached = tuple[Vector, float, float]
-"""Where steps have ended: all that `advance` of kernels.py gives there, size of the next one, s."""
 
 
 class Integrator:

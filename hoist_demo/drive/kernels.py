@@ -77,15 +77,12 @@ def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
     return sum(terms[1:], terms[0])
 
 
-CHUNK = 3
-"""Steps in one call."""
+CHUNK = 3  #: Steps in one call.
 
-TOLERANCE = 1e-9
-"""Of a step's error, relative and in SI units."""
+TOLERANCE = 1e-9  #: Of a step's error, relative and in SI units.
 
 WORKS = len(WORK_NAMES) + len(LOSS_NAMES)
-PATH = 3 * len(INPUT_NAMES)
-"""Numbers of a path: u_0, u_1 and u_2."""
+PATH = 3 * len(INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 
 
 @dataclass(frozen=True)

@@ -24,10 +24,9 @@ from rope_model.numerics.kernels import KernelForm
 
 Vector = NDArray[np.float64]
 
+#: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
-"""The rope's signals that act on conveyances with play."""
-MOST_SWITCHES = 200
-"""Within one step of the drive, between head ropes that hold and head ropes that slide."""
+MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
 
 _HELD = Slide()
 

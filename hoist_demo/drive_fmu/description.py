@@ -16,8 +16,7 @@ from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.parameters import Winding, require_trip_fits
 
 NAME = "HoistDrive"
-MOST_STEPS = 100_000
-"""Internal steps that one communication step may take."""
+MOST_STEPS = 100_000  #: Internal steps that one communication step may take.
 
 
 @dataclass(frozen=True)

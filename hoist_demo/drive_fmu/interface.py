@@ -21,10 +21,9 @@ from hoist_demo.parameters.quantity import fmi_unit, units_of
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
+#: Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side.
 _LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
-"""Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side."""
-_MOST = 1e9
-"""Largest value of a parameter that has no other bound."""
+_MOST = 1e9  #: Largest value of a parameter that has no other bound.
 
 #: one of OUTPUTS -> name, unit and description of an output
 _DRIVE = {

@@ -31,8 +31,8 @@ from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
 from hoist_demo.parameters import GRAVITY, Hoist
 
+#: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.
 LIMIT = 0.25
-"""Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable."""
 
 DEGREE = 4
 

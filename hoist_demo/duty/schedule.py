@@ -24,8 +24,7 @@ from rope_model import Level
 
 _TABLES = {"duty": dict, "fixed": dict, "trip": list}
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
-_ROUNDING = 1e-9
-"""Of heights [m]."""
+_ROUNDING = 1e-9  #: Of heights [m].
 
 
 @dataclass(frozen=True)

@@ -17,22 +17,21 @@ from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lin
 from hoist_demo.parameters.quantity import quantity
 from rope_model.physics.elementary import larger
 
-GRAVITY = 9.81
-"""Acceleration of free fall [m/s^2]."""
+GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
 
+#: Said wherever results are shown.
 ASSUMED_DATA = (
     "Data of hoist, winding and rope that are marked [assumed] have no published source. They are plausible, they "
     "belong to no installation, and no number shown here may be used to judge one."
 )
-"""Said wherever results are shown."""
 
 
+#: Bounds far beyond any hoist: what is out of them has another unit. Field, lowest, highest, unit and cure.
 UNIT_BOUNDS = (
     ("wrap_angle", 0.1, 4.0 * math.pi, "rad", "give it in rad: 180 degrees are 3.1416"),
     ("friction_coefficient", 0.01, 2.0, "", "give it as a pure number: 25 % are 0.25"),
     ("head_rope_stiffness", 1e5, 1e10, "N", "give EA of one rope in N: 26 MN are 2.6e7"),
 )
-"""Bounds far beyond any hoist: what is out of them has another unit. Field, lowest, highest, unit and cure."""
 
 
 @dataclass(frozen=True)

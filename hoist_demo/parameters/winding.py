@@ -10,9 +10,9 @@ from hoist_demo.parameters.components import require
 from hoist_demo.parameters.hoist import Hoist
 from hoist_demo.parameters.quantity import quantity
 
+#: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or a
+#: part of it first and the whole later.
 EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
-"""Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or
-a part of it first and the whole later."""
 
 
 @dataclass(frozen=True)

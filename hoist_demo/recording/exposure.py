@@ -17,14 +17,12 @@ import rainflow
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
-PERIODS = 2.0
-"""Periods in half the record from which on it is a vibration [assumed]."""
+PERIODS = 2.0  #: Periods in half the record from which on it is a vibration [assumed].
 
+#: How many times as high as the valleys about it a peak is at least: that of a trip alone has waves [assumed].
 STANDS_OUT = 2.0
-"""How many times as high as the valleys about it a peak is at least: that of a trip alone has waves [assumed]."""
 
-SHORTEST = 16
-"""Rows of the shortest record that has a spectrum."""
+SHORTEST = 16  #: Rows of the shortest record that has a spectrum.
 
 
 class Spectra(NamedTuple):
@@ -82,37 +80,34 @@ def strongest(found: Spectra) -> Strongest:
 
 QUANTITIES = ("tension", "curvature", "torque")
 
+#: Outputs of the rope that are read for it.
 STATION_SIGNALS = tuple(name for name in SIGNALS if name.startswith("station."))
-"""Outputs of the rope that are read for it."""
 
-COUNTED = 0.25
-"""Part of the largest range from which on a cycle is counted [assumed]."""
+COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].
 
-BENT = 0.5
-"""Part of the sharpest curvature from which on a place is in a bend [assumed]."""
+BENT = 0.5  #: Part of the sharpest curvature from which on a place is in a bend [assumed].
 
-VIBRATING = ("tension", "torque")
-"""Quantities with spectra: what bends as it passes the loop does so once."""
+VIBRATING = ("tension", "torque")  #: Quantities with spectra: what bends as it passes the loop does so once.
 
+#: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
-"""First and last power of ten at which bins of ranges begin, in N, 1/m and N m."""
 
+#: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
+#: ropes, so that what several records have adds up.
 BINS = {
     name: tuple(float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5))
     for name, (first, last) in _DECADES.items()
 }
-"""Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
-ropes, so that what several records have adds up."""
 
+#: How columns of several records come together that do not add up.
 _JOINED = {"least": np.minimum} | dict.fromkeys(("largest", "range", "amplitude"), np.maximum)
-"""How columns of several records come together that do not add up."""
 
+#: Columns that are those of the record in which another one is least or largest.
 _GOES_WITH = {
     "least_at": ("least", np.argmin),
     "largest_at": ("largest", np.argmax),
     "frequency": ("amplitude", np.argmax),
 }
-"""Columns that are those of the record in which another one is least or largest."""
 
 
 def bin_columns(name: str) -> list[str]:
@@ -132,8 +127,7 @@ def _units() -> dict[str, str]:
     return units
 
 
-UNITS = _units()
-"""Unit of each column of the table."""
+UNITS = _units()  #: Unit of each column of the table.
 
 _PLACES = ("station", "s")
 

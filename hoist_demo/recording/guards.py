@@ -10,14 +10,11 @@ from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import GUARD_CAUSES
 
-GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})
-"""Outputs of the rope that tell it."""
+GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope that tell it.
 
-GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))
-"""What `guard.cause` stands for."""
+GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
 
-AFTER = 10.0
-"""Time after a trip, or a jam, over which it is told what happened [s]."""
+AFTER = 10.0  #: Time after a trip, or a jam, over which it is told what happened [s].
 
 
 class GuardTrip(NamedTuple):

@@ -14,16 +14,15 @@ from rope_model import FAR as FAR
 
 _DISSIPATED = "energy.dissipated_contact"
 
+#: Outputs of the rope that tell it.
 PASSAGE_SIGNALS = frozenset(
     {"loop.crossings", "loop.crossed_at", "loop.crossed_y", "loop.overlap", "loop.touched_at", "loop.touched_y"}
     | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
     | {f"contact.{name}" for name in (*BODIES, "rope")}
     | {_DISSIPATED}
 )
-"""Outputs of the rope that tell it."""
 
-PASSED = "passed"
-"""In what ``passages`` tells of what holds no rope: nothing after that is what a real rope does."""
+PASSED = "passed"  #: In what ``passages`` tells of what holds no rope: nothing after that is what a real rope does.
 
 
 def passages(recording: Recording, rope: str = "the rope") -> str:

@@ -8,11 +8,9 @@ import numpy as np
 
 from hoist_demo.recording.time_series import Recording
 
-SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})
-"""Signals that tell it."""
+SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals that tell it.
 
-ALIKE = "make the two sides more alike in weight"
-"""What gives friction more room."""
+ALIKE = "make the two sides more alike in weight"  #: What gives friction more room.
 
 
 class Slip(NamedTuple):

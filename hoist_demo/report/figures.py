@@ -24,8 +24,8 @@ from hoist_demo.report.events import Mark
 from hoist_demo.report.panels import Panel, derived_signals, panels
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
+#: The right end's gaps show the left one where both coincide.
 DASHES: dict[str, Any] = {"left": "-", "right": (0, (4, 2.5))}
-"""The right end's gaps show the left one where both coincide."""
 REFERENCE = "#8a8a8a"
 ACCENTS = ("#2f8f5b", "#8e44ad", "#b03a2e", "#5d6d7e")
 
@@ -48,6 +48,7 @@ STYLE: dict[Any, Any] = {
 }
 
 
+#: Groups of panels by the name of their figure.
 _FIGURES = {
     "tracking": ("Winding",),
     "forces": ("Drive",),
@@ -55,13 +56,12 @@ _FIGURES = {
     "swivels": ("Swivels",),
     "energies": ("Energy",),
 }
-"""Groups of panels by the name of their figure."""
+#: Styles of panels.Line.
 _STYLES: dict[str, dict[str, Any]] = {
     **{end: {"color": COLOURS[end], "ls": DASHES[end]} for end in COLOURS},
     "asked": {"color": "black", "lw": 0.8, "ls": (0, (4, 3))},
     **{letter: {"color": colour} for letter, colour in zip("abcde", (*ACCENTS, "black"), strict=True)},
 }
-"""Styles of panels.Line."""
 
 
 def write_figures(
@@ -255,8 +255,8 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
         top.set_title(top.get_title(loc="left"), pad=6.0 + _LINE * len(lines))
 
 
+#: Width of a letter of a mark's name, as a share of the panel's, and height of a line of names in points.
 _LETTER, _LINE = 0.009, 9.0
-"""Width of a letter of a mark's name, as a share of the panel's, and height of a line of names in points."""
 
 
 def legend(ax: Axes) -> None:

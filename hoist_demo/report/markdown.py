@@ -9,8 +9,7 @@ from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html.parameter_tables import Table
 from hoist_demo.report.rows import CAUSE, WARNING, SummaryRow
 
-SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}
-"""Rows that stand above everything, and the word before them."""
+SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}  #: Rows that stand above everything, and the word before them.
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",

@@ -18,8 +18,8 @@ from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import LOSSES, loses
 
+#: Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
 LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
-"""Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css."""
 
 _DEGREES = 180.0 / math.pi
 

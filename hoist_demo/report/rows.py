@@ -12,17 +12,13 @@ from hoist_demo.report.html.page import Row, number, unit_text
 from hoist_demo.report.html.parameter_tables import Table
 from hoist_demo.study.provenance import SETTING, STATUSES, Known
 
-OUTCOME = "Outcome"
-"""Group of the rows that tell how a run went."""
+OUTCOME = "Outcome"  #: Group of the rows that tell how a run went.
 
-WARNING = "warning"
-"""Quantity of the rows that every report shows first."""
+WARNING = "warning"  #: Quantity of the rows that every report shows first.
 
-CAUSE = "cause"
-"""Quantity of the row that tells why a run stopped."""
+CAUSE = "cause"  #: Quantity of the row that tells why a run stopped.
 
-LONG = 40
-"""Characters from which a text has lines of its own in the table."""
+LONG = 40  #: Characters from which a text has lines of its own in the table.
 
 
 @dataclass(frozen=True)

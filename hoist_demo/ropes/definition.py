@@ -38,8 +38,8 @@ _PLACE = ("x_left", "x_right", "z")
 _BREAK = ("breaks_at", "breaks_s")
 _NAME = "[A-Za-z][A-Za-z0-9_]{0,39}"
 _PRESSED = "contact.rope_stiffness"
+#: With what other signals begin, as a rope's begin with its name.
 _TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS)))
-"""With what other signals begin, as a rope's begin with its name."""
 
 
 @dataclass(frozen=True)

@@ -27,8 +27,7 @@ class Nearest:
     place: tuple[float, float, float]  # m, half-way between both
 
 
-NEVER = Nearest(np.nan, np.nan, (np.nan, np.nan, np.nan))
-"""Of ropes that have no shapes to compare."""
+NEVER = Nearest(np.nan, np.nan, (np.nan, np.nan, np.nan))  #: Of ropes that have no shapes to compare.
 
 
 def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
@@ -66,17 +65,17 @@ def polygon_distance(one: Array, other: Array) -> tuple[float, Array]:
     return float(distance[k]), at
 
 
+#: Outputs of each rope that the tables are made of.
 READ = PASSAGE_SIGNALS.union(
     name
     for name in SIGNALS
     if name.startswith(("shape.x[", "shape.y[", "shape.z[", "loop."))
     or name in (*SUMS, "left.swivel.torque", "right.swivel.torque")
 )
-"""Outputs of each rope that the tables are made of."""
 
 POINTS = sum(name.startswith("shape.x[") for name in SIGNALS)
-LOOKED_AT = 0.1
-"""Time between two shapes that are compared [s]."""
+LOOKED_AT = 0.1  #: Time between two shapes that are compared [s].
+#: Columns of the ropes' table, each with unit and meaning; NaN for what a rope's model does not compute.
 COLUMNS = {
     "share_at_rest": ("1", "of the pull of all ropes on both conveyances, before the trip"),
     "share_least": ("1", "smallest of the trip"),
@@ -86,7 +85,6 @@ COLUMNS = {
     "torque_peak": ("N.m", "largest magnitude of a swivel's torque"),
     "lowest": ("m", "height of the loop's lowest point, the smallest"),
 }
-"""Columns of the ropes' table, each with unit and meaning; NaN for what a rope's model does not compute."""
 
 
 @dataclass(frozen=True)

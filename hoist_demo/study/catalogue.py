@@ -80,12 +80,12 @@ SECTIONS: dict[str, type[Any]] = {
 }
 
 RESERVED = {"inputs_at_step_end": "the host sets it"}
+#: Names of earlier versions and those of today.
 RENAMED = {
     "model.rung": ["model.fidelity"],
     "mesh.leg_growth": ["mesh.grading_length"],
     **{f"hoist.shaft.{name}": [f"hoist.drive_shaft.{name}"] for name in ("motor_mass", "stiffness", "damping")},
 }
-"""Names of earlier versions and those of today."""
 
 
 class Catalogue:

@@ -88,8 +88,8 @@ class Study:
         return Sample(variant, everything, build_trip(self.case, everything, self.signals))
 
 
+#: Passes the drawn values on one by one while they are checked, which takes a while.
 Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
-"""Passes the drawn values on one by one while they are checked, which takes a while."""
 
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:

@@ -26,6 +26,7 @@ from hoist_demo.recording.time_series import Array, Recording
 
 ENDS = ("left", "right")
 
+#: Every metric with its unit and meaning, in the order of the table.
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
@@ -66,10 +67,10 @@ METRICS = {
     "simulated_time": ("s", "of the record"),
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
 }
-"""Every metric with its unit and meaning, in the order of the table."""
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
+#: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
 ROPE_SIGNALS = frozenset(
     {
         f"{end}.{name}"
@@ -80,10 +81,8 @@ ROPE_SIGNALS = frozenset(
     | PASSAGE_SIGNALS
     | GUARD_SIGNALS
 )
-"""Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
 
-RIPPLE_WINDOW = 1.0
-"""Length of the moving mean that is taken off the end force [s]."""
+RIPPLE_WINDOW = 1.0  #: Length of the moving mean that is taken off the end force [s].
 
 
 @dataclass(frozen=True)

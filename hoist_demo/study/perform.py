@@ -20,20 +20,17 @@ from hoist_demo.study.tuning import Tuning
 
 Array = NDArray[np.float64]
 
-_NUMBER = re.compile(r"\d[\d.e+-]*")
-"""Warnings that differ in their numbers only are of one kind."""
+_NUMBER = re.compile(r"\d[\d.e+-]*")  #: Warnings that differ in their numbers only are of one kind.
 
+#: Column of a search: the weighted sum that it minimises, over all variants of the point; none where it exceeds a
+#: bound.
 COST = "cost"
-"""Column of a search: the weighted sum that it minimises, over all variants of the point; none where it exceeds a
-bound."""
-EXCESS = "excess"
-"""Column of a search with bounds: the largest excess, as a part of its bound."""
+EXCESS = "excess"  #: Column of a search with bounds: the largest excess, as a part of its bound.
 
-WARNINGS = "warnings"
-"""Column with what a run has warned of."""
+WARNINGS = "warnings"  #: Column with what a run has warned of.
 
+#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
 Run = Callable[[Sequence[Sample]], list[str]]
-"""Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given."""
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,9 @@ from hoist_demo.study.catalogue import Catalogue
 from rope_model import DatumStatus, Level
 from rope_model.texts import printable
 
-LONGEST_TEXT = 200
-"""Characters of a title, or of a name for people."""
+LONGEST_TEXT = 200  #: Characters of a title, or of a name for people.
 
-LEVELS = get_args(Level)
-"""Levels of accuracy of a rope in this process."""
+LEVELS = get_args(Level)  #: Levels of accuracy of a rope in this process.
 
 _SPECIFICATION = {"value", "values", "low", "high", "unit", "scale", "status"}
 
@@ -104,6 +102,7 @@ def following_statuses(known: Mapping[str, str]) -> dict[str, str]:
 
 #: statuses of what is set without one, and of what differs between runs
 GIVEN, VARIED = "given", "varied"
+#: Parameters by the property that decides them.
 _FOLLOWING = {
     "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
     "axial_stiffness": ("rope.Qa",),
@@ -111,7 +110,6 @@ _FOLLOWING = {
     "torsional_stiffness": ("rope.Qd",),
     "bending_stiffness": ("rope.EI",),
 }
-"""Parameters by the property that decides them."""
 
 
 def read_head(

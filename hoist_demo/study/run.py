@@ -37,20 +37,19 @@ from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, with_values
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 
+#: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped")
-"""States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
-ERROR = "error"
-"""State of a run that could not be carried out (a dead worker, an exception); resuming tries it again."""
+ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
 
 
 _VERSION = version("balance-rope")
 
+#: Data that only one controller uses, and that is not part of the key of the others' runs.
 _TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
-"""Data that only one controller uses, and that is not part of the key of the others' runs."""
 
 
+#: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
-"""Data of the winding that is not part of the key of runs without creep."""
 
 
 @dataclass(frozen=True)
@@ -171,8 +170,8 @@ def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tup
     return host.run(progress), design_time
 
 
+#: Parameters of the rope of which the hoist has a copy for its controller, and their unit.
 SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
-"""Parameters of the rope of which the hoist has a copy for its controller, and their unit."""
 
 
 def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:

@@ -35,20 +35,17 @@ from numpy.typing import NDArray
 from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
 from hoist_demo.parameters.quantity import Value
 
-CallError = FMICallException
-"""A call that the FMU answers with discard, error or fatal."""
+CallError = FMICallException  #: A call that the FMU answers with discard, error or fatal.
 
-WARNING = 1
-"""Status of a message that fails no call; those of errors are larger, in both versions."""
+WARNING = 1  #: Status of a message that fails no call; those of errors are larger, in both versions.
 
 _DISCARD = 2
 
+#: What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
+#: several steps, and callers may by any number, so the FMU must be able to.
 _NO_STATE_PRIOR = False
-"""What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
-several steps, and callers may by any number, so the FMU must be able to."""
 
-Hear = Callable[[int, str], None]
-"""Takes the status and the text of a message of the FMU."""
+Hear = Callable[[int, str], None]  #: Takes the status and the text of a message of the FMU.
 
 
 class Buffer(NamedTuple):
@@ -104,21 +101,16 @@ class Instance(ABC):
 
     _do_step: Callable[[], None]
 
-    _fmpy_class: Callable[..., Any]
-    """FMPy's, of the version."""
+    _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
 
     _fmpy_module: Any
-    _prefix: str
-    """Of the names in C."""
+    _prefix: str  #: Of the names in C.
 
-    _state: str
-    """How they spell a state."""
+    _state: str  #: How they spell a state.
 
-    _enumeration: str
-    """Type whose functions get and set enumerations."""
+    _enumeration: str  #: Type whose functions get and set enumerations.
 
-    _tells_lengths: bool
-    """Whether getters and setters are told the number of the values."""
+    _tells_lengths: bool  #: Whether getters and setters are told the number of the values.
 
     @abstractmethod
     def _instantiate(self) -> None:

@@ -23,8 +23,7 @@ from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
-FMI_VERSIONS = ("2.0", "3.0")
-"""Versions of FMI that the host drives, as model descriptions state them."""
+FMI_VERSIONS = ("2.0", "3.0")  #: Versions of FMI that the host drives, as model descriptions state them.
 _KINDS = {"Enumeration": "Integer"}
 
 

@@ -29,8 +29,7 @@ from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
 
-INPUTS = tuple(field.name for field in fields(EndMotion))
-"""Names of an end's inputs."""
+INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
 
 _NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _VALID = Status(True)

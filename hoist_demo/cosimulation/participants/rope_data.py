@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from hoist_demo.parameters.quantity import Value
 from rope_model.scene_names import choices_of
 
+#: Parameters of the mesh, the solver and the model by FMI name, for each level of accuracy.
 Levels = Mapping[str, Mapping[str, Value]]
-"""Parameters of the mesh, the solver and the model by FMI name, for each level of accuracy."""
 
-_FREE = "solver.kernels"
-"""What may differ when a run goes on."""
+_FREE = "solver.kernels"  #: What may differ when a run goes on.
 
 _TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist", "rope.initial_curvature")
 

@@ -27,12 +27,11 @@ from hoist_demo.parameters import Hoist
 from rope_model import Account, EndMotion, Status
 
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
-_PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))
-"""What is added up as it is."""
+_PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))  #: What is added up as it is.
+#: Signals of the group: those of all its ropes together, moments about the conveyances' centres.
 SUMS = (*_ACTIONS, *_PLAIN)
-"""Signals of the group: those of all its ropes together, moments about the conveyances' centres."""
+#: Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J].
 CONTACT_ENERGIES = tuple(f"neighbours.{name}" for name in ("energy", "work", "dissipated", "made"))
-"""Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J]."""
 
 
 @dataclass(frozen=True)

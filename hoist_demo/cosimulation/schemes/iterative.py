@@ -26,8 +26,7 @@ from .interface import Advance, ExchangeBalance, Load, Memory, Pair, Vector
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
 
-MOST_EXCHANGES = 30
-"""Tries of one step, after which it fails."""
+MOST_EXCHANGES = 30  #: Tries of one step, after which it fails.
 
 
 @dataclass(frozen=True)

@@ -24,12 +24,9 @@ from .semi_implicit import SemiImplicit
 
 _log = logging.getLogger(__name__)
 
-MEMORY = 48
-"""Steps for which the rope's answer is followed."""
-PULSE = 0.05
-"""Acceleration of the trial [m/s^2]."""
-MARGIN = 1.01
-"""Growth per step from which the user is warned: below, the rope's damping beyond its memory decides."""
+MEMORY = 48  #: Steps for which the rope's answer is followed.
+PULSE = 0.05  #: Acceleration of the trial [m/s^2].
+MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope's damping beyond its memory decides.
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,14 @@ import numpy as np
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html import packing
 
+#: Quantity, title, unit shown, and the factor that leads to it.
 MAPS = (
     ("bending", "Bending stress along the rope", "MPa", 1e-6),
     ("torsion", "Torsional stress along the rope", "MPa", 1e-6),
     ("tension", "Tension along the rope", "kN", 1e-3),
 )
-"""Quantity, title, unit shown, and the factor that leads to it."""
 
-MOST_COLUMNS, ROPE_ROWS = 240, 160
-"""Size of each picture."""
+MOST_COLUMNS, ROPE_ROWS = 240, 160  #: Size of each picture.
 
 MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
 

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Packed = dict[str, str | float]
 
-CODES = {"u8": 254, "u16": 65534}
-"""Largest integer that stands for a number, per kind; the next one is NaN."""
+CODES = {"u8": 254, "u16": 65534}  #: Largest integer that stands for a number, per kind; the next one is NaN.
 
 
 def pack(values: Array, kind: str = "u16") -> Packed:

@@ -18,11 +18,9 @@ from pathlib import Path
 from hoist_demo.parameters import ASSUMED_DATA
 from rope_model.texts import html_text
 
-LONG = 24
-"""Characters from which a value may break anywhere, such as a hash."""
+LONG = 24  #: Characters from which a value may break anywhere, such as a hash.
 
-Row = tuple[str, ...]
-"""Quantity, value and unit as texts, and perhaps what more is known of it."""
+Row = tuple[str, ...]  #: Quantity, value and unit as texts, and perhaps what more is known of it.
 
 
 def asset(name: str) -> str:

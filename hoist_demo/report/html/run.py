@@ -20,19 +20,15 @@ from hoist_demo.report.html.along import along
 from hoist_demo.report.rows import WARNING, SummaryRow
 from rope_model.texts import html_text
 
-MOST_TIMES = 2000
-"""Points of a time plot: twice what a laptop's screen resolves; peaks are kept."""
+MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
 
-MOST_FRAMES = 600
-"""Positions of the rope; the browser interpolates between them."""
+MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 
-NONE_KNOWN: Mapping[str, object] = {}
-"""Parameters of a rope of which none are known."""
+NONE_KNOWN: Mapping[str, object] = {}  #: Parameters of a rope of which none are known.
 
 NO_PICTURES: Mapping[str, Path] = {}
 
-SHAPE_RESOLUTION = 1e-4
-"""Error that packing may bring into a point of the rope [m]."""
+SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
 
 
 def run_report(

@@ -9,8 +9,8 @@ from pathlib import Path
 from hoist_demo.report.html import page
 from rope_model.texts import html_text
 
+#: Of a picture: its width, a row's height, where the axis begins, and its length, in pixels.
 WIDTH, ROW, LABEL, AXIS = 760, 26, 290, 440
-"""Of a picture: its width, a row's height, where the axis begins, and its length, in pixels."""
 
 
 @dataclass(frozen=True)
