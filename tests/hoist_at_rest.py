@@ -55,7 +55,7 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
             "power": shown.power,
             "slip_safety": hoist.slip_safety(shown.tension_ratio),
             "static_slip_safety": hoist.slip_safety(shown.static_tension_ratio),
-            "energy_residual": energy_residual(at_rest, shown, state.work),
+            "energy_residual": energy_residual(at_rest, shown, state.works[:5]),
         }
         rows.append(row)
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

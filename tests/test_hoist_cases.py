@@ -36,7 +36,7 @@ def test_the_balance_rope_is_that_of_the_hoist(case: Case) -> None:
     hoist = case.hoist
     assert case.rope["rope.length"] == hoist.tail_rope_length == hoist.shaft_travel + TAIL_SPARE
     assert case.rope["rope.mass_per_length"] == hoist.tail_rope_mass
-    np.testing.assert_allclose(hoist.tail_balance, 1.0, rtol=1e-14)
+    np.testing.assert_allclose(hoist.tail_mass / hoist.rope_mass, 1.0, rtol=1e-14)
     require_trip_fits(hoist, case.winding)
 
 

@@ -47,7 +47,7 @@ hoist_demo.drive: .parameters rope_model.numerics
 hoist_demo.control: .parameters rope_model.physics
 hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control
-hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.texts
+hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table rope_model.texts
 hoist_demo.cases: .parameters .control rope_model.parameters
 hoist_demo.cosimulation.schemes: rope_model
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model

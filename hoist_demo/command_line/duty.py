@@ -120,8 +120,8 @@ def _wind(
     cycle, rest = len(schedule.pattern), place_at_rest(schedule, rope)
     rows, after, last = list[dict[str, float]](), None, None
     if state.is_file():
-        standing = read_state(state, rope, schedule)
-        rows, after = standing.rows[: schedule.count], standing.end
+        kept, after = read_state(state, rope, schedule)
+        rows = kept[: schedule.count]
         if counted != ("station.s[1]" in rows[0]):
             raise ValueError(f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so")
         print(f"{len(rows)} of {schedule.count} trips are there already")

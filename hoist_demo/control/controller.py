@@ -33,14 +33,6 @@ class BrakeState:
     integral: float = 0.0  # N
 
 
-@dataclass(frozen=True)
-class BrakeCommand:
-    """Fraction of the full torque to hold until the next sample, and the state to go on with."""
-
-    fraction: float
-    state: BrakeState | None
-
-
 class EmergencyBrake:
     """Emergency stops of one hoist with the brake; the motor is off, and the state explicit.
 
@@ -61,30 +53,33 @@ class EmergencyBrake:
 
     def command(
         self, braking: Braking, speed: float, resistance: float, state: BrakeState | None, h: float
-    ) -> BrakeCommand:
-        """Command for the step of length h [s] that begins now, at a rim speed [m/s] against the resistance F_r [N]."""
+    ) -> tuple[float, BrakeState | None]:
+        """Return the fraction of the full torque for the step of h [s] that begins now, and the state to go on with.
+
+        `speed` is that of the rim [m/s], `resistance` F_r [N].
+        """
         brake = self._hoist.brake
         if brake is None:
             raise ValueError(f"emergency_law = {braking.law!r} must be 'drive' for a hoist without a brake: fit one")
         if braking.elapsed < brake.delay:
-            return BrakeCommand(0.0, None)
+            return 0.0, None
         if braking.law == "torque":
-            return BrakeCommand(1.0, None)
+            return 1.0, None
         if braking.law == "two-stage":
-            return BrakeCommand(brake.first_stage if braking.elapsed < brake.first_stage_time else 1.0, None)
+            return brake.first_stage if braking.elapsed < brake.first_stage_time else 1.0, None
 
         # regulated: the ramp begins where the brake bites
         state = BrakeState(speed) if state is None else state
         asked = abs(state.bite_speed) - braking.deceleration * (braking.elapsed - brake.delay)
         if asked <= 0.0:
-            return BrakeCommand(1.0, state)
+            return 1.0, state
         error = math.copysign(1.0, state.bite_speed) * speed - asked
         wanted = self._hoist.moving_mass * braking.deceleration - resistance + self._gain * error + state.integral
         fraction = wanted * self._hoist.sheave_radius / brake.torque
         if not 0.0 <= fraction <= 1.0:
-            return BrakeCommand(min(max(fraction, 0.0), 1.0), state)
+            return min(max(fraction, 0.0), 1.0), state
         integral = state.integral + h * self._gain * error / self._integral_time
-        return BrakeCommand(fraction, BrakeState(state.bite_speed, integral))
+        return fraction, BrakeState(state.bite_speed, integral)
 
 
 @dataclass(frozen=True)
@@ -191,8 +186,8 @@ class SpeedController:
         """Motor off, brake after its law."""
         holding_force = self._holding_torque / self._radius + self._imbalance_rate * measured.travel
         resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
-        asked = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
-        return Command(0.0, False, ControllerState(0.0, asked.state), asked.fraction)
+        fraction, brake = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
+        return Command(0.0, False, ControllerState(0.0, brake), fraction)
 
     def _loss(self, speed: Any) -> Any:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""

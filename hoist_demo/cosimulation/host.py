@@ -34,7 +34,7 @@ from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
-from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits, start_heights
 from hoist_demo.recording.time_series import Array, Recorder, Recording
 from rope_model import EndMotion
 
@@ -98,14 +98,10 @@ class Host:
 
     @property
     def start_heights(self) -> tuple[float, float]:
-        """Heights of left and right conveyance before the trip [m].
-
-        Those of the trip before; else the landings, left below when it is to rise.
-        """
-        low, high = 0.0, self.hoist.shaft_travel
-        if self._after is not None:
-            return self._after.landing, high - self._after.landing
-        return (low, high) if self.winding.travel > 0.0 else (high, low)
+        """Heights of left and right conveyance before the trip [m]: where the one before has ended, or the landings."""
+        if self._after is None:
+            return start_heights(self.hoist, self.winding)
+        return self._after.landing, self.hoist.shaft_travel - self._after.landing
 
     @property
     def samples(self) -> int:

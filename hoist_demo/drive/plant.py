@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, WORK_NAMES
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES
 from hoist_demo.drive.integrator import SHORTEST, Integrator, Watch
 from hoist_demo.drive.kernels import WORKS
 from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of
@@ -35,20 +35,10 @@ class PlantState(NamedTuple):
     """State x = (M [N m], phi [rad], y_L, y_R [m], phi' [rad/s], v_L, v_R [m/s], ...), work and free lengths."""
 
     x: Vector  # in the order of HoistPlant.state_names, which begin with STATE_NAMES
-    works: Vector  # J, (10,): `work` and `losses`
+    works: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
     slide: Slide = _HELD  # of the head ropes on the sheave
-
-    @property
-    def work(self) -> Vector:
-        """Work by the motor, into losses, into rope damping, by all balance ropes' left, right ends, (5,) [J]."""
-        return self.works[: len(WORK_NAMES)]
-
-    @property
-    def losses(self) -> Vector:
-        """The parts of work[1], in the order of LOSS_NAMES [J]."""
-        return self.works[len(WORK_NAMES) :]
 
 
 class PlantStep(NamedTuple):

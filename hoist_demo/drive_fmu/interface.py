@@ -15,8 +15,10 @@ from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
-from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.parameters import GRAVITY, Hoist, start_heights
 from hoist_demo.parameters.quantity import fmi_unit, units_of
+from rope_model import EndMotion
+from rope_model.parameter_table import parameters_of
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
@@ -48,23 +50,12 @@ _CONTROL = {
     "reference.acceleration": ("m/s2", "its second derivative"),
     "drive.torque_command": ("N.m", "torque that the controller asked for in the last step"),
 }
-#: units and descriptions of motions and forces, "{}" stands for the side
-_MOTION_WORDS = {
-    "y": ("m", "height of the {} conveyance's rope suspension, up"),
-    "vy": ("m/s", "speed of the {} conveyance's rope suspension, up"),
-    "ay": ("m/s2", "acceleration of the {} conveyance's rope suspension, up"),
-    "yaw": ("rad", "yaw of the {} conveyance about the vertical"),
-    "yaw_rate": ("rad/s", "rate of {}.yaw"),
-    **{
-        f"{rate}{axis}": (unit, f"{what} of the {{}} conveyance between its guides, {where}")
-        for rate, unit, what in (("", "m", "position"), ("v", "m/s", "speed"), ("a", "m/s2", "acceleration"))
-        for axis, where in (("x", "in the plane of the loop"), ("z", "out of plane"))
-    },
-}
+#: units and descriptions of forces, "{side}" stands for the side
+_MOTIONS = {name: (p.unit, p.description) for name, p in parameters_of(EndMotion).items()}
 _FORCE_WORDS = {
-    "fx": ("N", "force of the balance rope on the {} conveyance in the plane of the loop"),
-    "fz": ("N", "force of the balance rope on the {} conveyance out of plane"),
-    "my": ("N.m", "moment of the balance rope on the {} conveyance about the vertical"),
+    "fx": ("N", "force of the balance rope on the {side} conveyance in the plane of the loop"),
+    "fz": ("N", "force of the balance rope on the {side} conveyance out of plane"),
+    "my": ("N.m", "moment of the balance rope on the {side} conveyance about the vertical"),
 }
 
 
@@ -90,12 +81,6 @@ class Variable(NamedTuple):
     maximum: float | None = None
 
 
-def start_heights(case: Case) -> tuple[float, float]:
-    """Return the start heights of left and right conveyance [m]: the landings, left below when it is to rise."""
-    low, high = 0.0, case.hoist.shaft_travel
-    return (low, high) if case.winding.travel > 0.0 else (high, low)
-
-
 def force_inputs(tails: Sequence[Tail]) -> tuple[str, ...]:
     """Names of the vertical forces: left and right, of each rope where there are several."""
     return tuple(f"{tail.name}.{force}" for tail in tails for force in INPUTS) or INPUTS
@@ -112,7 +97,7 @@ def holding(tails: Sequence[Tail]) -> dict[str, tuple[str, ...]]:
 
 def rest_forces(case: Case, tail: Tail | None = None) -> tuple[float, float]:
     """Weight of a balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
-    left, right = start_heights(case)
+    left, right = start_heights(case.hoist, case.winding)
     rope = tail or Tail("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
     weight = GRAVITY * rope.mass_per_length
     middle = 0.5 * rope.length
@@ -139,7 +124,7 @@ def plant_outputs(hoist: Hoist) -> tuple[str, ...]:
 
 def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Variable, ...]:
     """The table; ``step`` is the largest internal step [s], ``tails`` are the balance ropes where there are several."""
-    outputs = [(name, *_words(_MOTION_WORDS, name)) for name in motions(case.hoist)]
+    outputs = [(name, *_words(_MOTIONS, name)) for name in motions(case.hoist)]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
     assert set(plant_outputs(case.hoist)) <= SHOWN.keys()
     return (
@@ -177,4 +162,4 @@ def _words(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
     """Unit and description of an end's variable."""
     side, _, rest = name.partition(".")
     unit, text = table[rest]
-    return unit, text.format(side)
+    return unit, text.format(side=side)

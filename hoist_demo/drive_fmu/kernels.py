@@ -28,8 +28,8 @@ from hoist_demo.drive.equations import INPUT_NAMES, equations, numbers_of, parts
 from hoist_demo.drive.kernels import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
-from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.drive_fmu.interface import plant_outputs
+from hoist_demo.parameters import GRAVITY, Hoist, start_heights
 
 #: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.
 LIMIT = 0.25
@@ -93,7 +93,8 @@ def generate(case: Case) -> Kernels:
 def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
     """(F_left, F_right) -> x, l0 (2), at the start heights."""
     nodes = 0.5 * lowest * (1.0 - np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)))
-    states = [[plant.hanging_state(*start_heights(case), float(f), float(g)) for g in nodes] for f in nodes]
+    heights = start_heights(case.hoist, case.winding)
+    states = [[plant.hanging_state(*heights, float(f), float(g)) for g in nodes] for f in nodes]
     values = np.array([[[*s.x, *s.free_lengths] for s in row] for row in states])
     force = ca.SX.sym("F", 2)
     weights = [_lagrange(nodes, force[i]) for i in range(2)]
@@ -161,7 +162,7 @@ def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:
     jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(_rates(plant, x, u, l0), x)])
     fastest = 0.0
     for force in (0.0, -GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length):
-        for heights in (start_heights(case), start_heights(case)[::-1]):
+        for heights in ((low := start_heights(case.hoist, case.winding)), low[::-1]):
             state = plant.hanging_state(*heights, force, force)
             held = np.zeros(u.size1())
             held[:3] = state.x[0], force, force

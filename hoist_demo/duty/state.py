@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +12,6 @@ from hoist_demo.cosimulation.run_state import TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.recording.time_series import Recording
-
-
-@dataclass(frozen=True)
-class Standing:
-    """Trips that are wound, and the state after the last of them."""
-
-    rows: list[dict[str, float]]
-    end: TripEnd
 
 
 def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule) -> None:
@@ -42,8 +33,8 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
     part.replace(path)
 
 
-def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
-    """Read a file of `write_state` and put the rope into its state; raise ValueError for another duty's."""
+def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:
+    """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
     checkpoint = Checkpoint.read(path)
     if checkpoint.data != schedule.data:
         found = differences(checkpoint.data, schedule.data)
@@ -52,7 +43,7 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> Standing:
     end = TripEnd(
         checkpoint.t, schedule.landing(checkpoint.sample), checkpoint.plant, checkpoint.input, checkpoint.memory
     )
-    return Standing(rows_of(checkpoint.recording), end)
+    return rows_of(checkpoint.recording), end
 
 
 def rows_of(trips: Recording) -> list[dict[str, float]]:

@@ -133,11 +133,6 @@ class Hoist:
         return self.tail_rope_number * self.tail_rope_mass
 
     @property
-    def tail_balance(self) -> float:
-        """Balance ropes' mass per length over that of the head ropes [-]; 1 keeps the motor torque at rest constant."""
-        return self.tail_mass / self.rope_mass
-
-    @property
     def mass_left(self) -> float:
         """Left conveyance with its payload [kg]."""
         return self.conveyance_mass + self.payload_left

@@ -29,7 +29,16 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.provenance import Known, of_host, of_rope
-from hoist_demo.study.reading import LONGEST_TEXT, StudyError, flat, read_head, read_statuses, read_tables, read_values
+from hoist_demo.study.reading import (
+    LONGEST_TEXT,
+    Problems,
+    StudyError,
+    flat,
+    read_head,
+    read_statuses,
+    read_tables,
+    read_values,
+)
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import Level, Neighbours, Scene
 
@@ -111,7 +120,7 @@ class Ropes:
 
 def read_ropes(path: Path, rope: Mapping[str, Parameter]) -> Ropes:
     """The ropes of a file, which may have these parameters; raises StudyError with all problems."""
-    catalogue, problems = Catalogue(rope), list[str]()
+    catalogue, problems = Catalogue(rope), Problems()
     raw = read_tables(path, "ropes", _TABLES, problems)
     head = read_head(path, "ropes", raw.get("ropes", {}), {}, problems)
     fixed = read_values(catalogue, "[fixed]", raw.get("fixed", {}), problems)
@@ -174,7 +183,7 @@ def _read_rope(
     run: RunData,
     level: Level,
     given: Mapping[str, str],
-    problems: list[str],
+    problems: Problems,
 ) -> OneRope | None:
     """A rope; None where something is wrong with it, which is added to the problems."""
     before, name = len(problems), table.get("name", f"rope{number}")
@@ -199,11 +208,9 @@ def _read_rope(
         problems.append(f"{name}: breaks_at and breaks_s must stand together: give both or none")
     if len(problems) > before:
         return None
-    try:
+    with problems.collect(name):
         return _rope(name, numbers, {**run.fmu, **values}, level, {**given, **read_statuses(own)})
-    except ValueError as error:
-        problems.append(f"{name}: {error}")
-        return None
+    return None
 
 
 def _rope(

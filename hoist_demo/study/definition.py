@@ -16,8 +16,7 @@ variant from = "FILE" takes the values of that file's [fixed] before all. All er
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -32,6 +31,7 @@ from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.probe import Probe
 from hoist_demo.study.reading import (
     VARIED,
+    Problems,
     StudyError,
     flat,
     read_statuses,
@@ -102,39 +102,30 @@ class _Reader:
 
     def __init__(self, path: Path, fmu: Path | None) -> None:
         self.path, self.fmu = path, fmu
-        self.problems = list[str]()
+        self.problems = Problems()
         self.raw = read_tables(path, "a study", _TABLES, self.problems)
         self.catalogue, self.fmu_is_there = Catalogue({}), False
-
-    @contextmanager
-    def _collect(self, where: str = "") -> Iterator[None]:
-        try:
-            yield
-        except ValueError as error:
-            problem = f"{where}: {error}" if where else str(error)
-            if problem not in self.problems:
-                self.problems.append(problem)
 
     def study(self, progress: Progress) -> Study:
         self._unknown_keys()
         head = self.raw.get("study", {})
         title = read_text("[study] title", head.get("title", printable(self.path.stem)), self.problems)
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
-        with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
+        with self.problems.collect("[study] fmu" if self.fmu is None else "--fmu"):
             self._open(fmu)
         case, signals = head.get("case", "rope-120"), tuple[str, ...]()
-        with self._collect("[study]"):
+        with self.problems.collect("[study]"):
             find_case(str(case))
-        with self._collect("[study]"):
+        with self.problems.collect("[study]"):
             signals = self._signals(head.get("signals", []), fmu)
         best: dict[str, str] | None = None
-        with self._collect("[study]"):
+        with self.problems.collect("[study]"):
             best = self._best(head)
         variants = self._variants(self._values("fixed", self.raw.get("fixed", {})))
         vary = self._vary()
         tuning: Tuning | None = None
         if "tune" in self.raw:
-            with self._collect("[tune]"):
+            with self.problems.collect("[tune]"):
                 tuning = read_tuning(self.raw.get("tune", {}), len(vary))
         drawn = self._draw(vary, tuning)
         if str(case) not in NAMED:
@@ -255,10 +246,10 @@ class _Reader:
         """Single values of a table."""
         found: dict[str, Value] = {}
         given: Mapping[str, Any] = {}
-        with self._collect(f"[{where}]"):
+        with self.problems.collect(f"[{where}]"):
             given = with_file(table)
         for key, content in flat(given):
-            with self._collect(f"[{where}]"):
+            with self.problems.collect(f"[{where}]"):
                 if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
@@ -271,7 +262,7 @@ class _Reader:
     def _vary(self) -> dict[str, tuple[Value, ...] | Range]:
         found: dict[str, tuple[Value, ...] | Range] = {}
         for key, content in flat(self.raw.get("vary", {})):
-            with self._collect("[vary]"):
+            with self.problems.collect("[vary]"):
                 if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
@@ -306,7 +297,7 @@ class _Reader:
         method = "tune" if tuning or "tune" in self.raw else sample.get("method", "grid")
         lists = {key: v for key, v in vary.items() if isinstance(v, tuple)}
         ranges = {key: v for key, v in vary.items() if isinstance(v, Range)}
-        with self._collect("[sample]" if method != "tune" else "[tune]"):
+        with self.problems.collect("[sample]" if method != "tune" else "[tune]"):
             if method not in (*METHODS, "tune"):
                 raise ValueError(f"method = {method!r} must be one of {', '.join(METHODS)}: choose one")
             if method == "grid":

@@ -9,6 +9,7 @@ from pathlib import Path
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
+from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.run import RunData
 from rope_model import EndMotion
@@ -23,22 +24,21 @@ class Probe:
 
     def rejection(self, run: RunData) -> list[str]:
         """Return why the rope does not start with the run's parameters, with the key if one alone is to blame."""
-        high, rises = run.hoist.shaft_travel, run.winding.travel > 0.0
-        together = self._ask(run.fmu, high, rises)
+        heights = start_heights(run.hoist, run.winding)
+        together = self._ask(run.fmu, heights)
         if not together:
             return []
         own = find_case(run.case).rope
         set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
-        alone = {key: self._ask({**own, key: value}, high, rises) for key, value in set_here.items()}
+        alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
         blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
         chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
         return blamed or [f"{chosen}: {together}"]
 
-    def _ask(self, parameters: Mapping[str, Value], high: float, rises: bool) -> str:
-        question = json.dumps([dict(parameters), high, rises], sort_keys=True)
+    def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
+        question = json.dumps([dict(parameters), heights], sort_keys=True)
         if question not in self._answers:
-            ends = EndMotion(y=0.0), EndMotion(y=high)
-            left, right = ends if rises else ends[::-1]
+            left, right = (EndMotion(y=y) for y in heights)
             self._answers[question] = _answer(self._fmu, parameters, left, right)
         return self._answers[question]
 

@@ -139,14 +139,12 @@ class FmuRope:
             return self._whole_reader(parts[0])
 
         def read() -> NDArray[np.float64]:
-            try:
+            with self._translate_failures():
                 for get, values, there, here in parts:
                     get()
                     found[here] = values[there]
                 if read_fidelity is not None:
                     found[fidelity] = code_of(read_fidelity())
-            except CallError as error:
-                raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
             return found.copy()
 
         return read
@@ -180,10 +178,8 @@ class FmuRope:
         """A handle of the FMU's state; None when it cannot save."""
         if not self._description.coSimulation.canGetAndSetFMUstate:
             return None
-        try:
+        with self._translate_failures():
             return self._fmu.save()
-        except CallError as error:
-            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
     def restore(self, snapshot: Any) -> None:
         with self._translate_failures():
