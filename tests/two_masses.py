@@ -80,7 +80,8 @@ class Drive:
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
         d, (y, v) = self.data, self.state
-        a = (d.f - d.k * y + load.at(s)[0]) / (d.m + load.added_mass[0])
+        force = load.start[0] + s * (load.rise[0] + s * load.bend[0])
+        a = (d.f - d.k * y + force) / (d.m + load.added_mass[0])
         return InterfaceMotion(both(y), both(v), both(a))
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:

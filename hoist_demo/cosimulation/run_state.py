@@ -23,17 +23,6 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class _Kept:
-    """A run's state at one sample; that of the rope as a snapshot in memory."""
-
-    k: int
-    drive: tuple[PlantState, Vector]
-    rope: Any
-    controller: Any
-    memory: Memory
-
-
-@dataclass(frozen=True)
 class TripEnd:
     """Drive and coupling where a trip has ended, for the trip after it; the rope keeps its own state."""
 
@@ -63,13 +52,14 @@ class RunState:
     commands: list[Command] = field(default_factory=list)  # since the latest communication point that is recorded
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
-    _kept: _Kept | None = None
+    #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
+    _kept: tuple[int, tuple[Any, Any], Any, Memory] | None = None
 
     def keep(self, k: int) -> None:
         """Keep the state at sample k, and none before."""
         self._kept = None
         # the controller may change what it is handed
-        self._kept = _Kept(k, *self.pair.save(), private_copy(self.controller), self.memory)
+        self._kept = k, self.pair.save(), private_copy(self.controller), self.memory
 
     def end(self, t: float, landing: float) -> TripEnd:
         """The state at t, where a trip to the landing has ended."""
@@ -85,27 +75,17 @@ class RunState:
 
     def checkpoint(self, start: float, sample_time: float, data: str, cause: str) -> Checkpoint | None:
         """The state that is kept, with the run's data and why it stopped; None when nothing is kept."""
-        kept = self._kept
-        if kept is None:
+        if self._kept is None:
             return None
+        k, ((plant, acting), snapshot), controller, memory = self._kept
         rope = b""
-        if kept.rope is not None:
+        if snapshot is not None:
             try:
-                rope = self.pair.rope.to_bytes(kept.rope)
+                rope = self.pair.rope.to_bytes(snapshot)
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
-        return Checkpoint(
-            sample=kept.k,
-            t=start + kept.k * sample_time,
-            plant=kept.drive[0],
-            controller=kept.controller,
-            input=kept.drive[1],
-            memory=kept.memory,
-            rope=rope,
-            recording=self.recorder.recording(),
-            data=data,
-            cause=cause,
-        )
+        record = self.recorder.recording()
+        return Checkpoint(k, start + k * sample_time, plant, controller, acting, memory, rope, record, data, cause)
 
 
 @dataclass(frozen=True)

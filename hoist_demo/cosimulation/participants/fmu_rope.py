@@ -14,12 +14,12 @@ from contextlib import contextmanager, suppress
 from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
+from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, CallError, Instance
 from hoist_demo.cosimulation.participants.fmu_description import Variable, parameters_of, read_fmu, unpacked, version_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
@@ -33,34 +33,6 @@ INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's 
 
 _NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _VALID = Status(True)
-
-
-class _Part(NamedTuple):
-    """Names that one call of the FMU reads."""
-
-    get: Callable[[], Any]
-    values: NDArray[Any]
-    there: NDArray[np.intp] | slice  # places in `values`
-    here: NDArray[np.intp] | slice  # places among the names
-
-    @staticmethod
-    def of(buffer: Buffer, names: Sequence[str]) -> _Part:
-        """Select the requested elements of a buffer."""
-        places = {name: k for k, name in enumerate(buffer.names)}
-        pairs = [(places[name], k) for k, name in enumerate(names) if name in places]
-        return _Part(buffer.call, buffer.values, *(_run_of(column) for column in zip(*pairs, strict=True)))
-
-    def is_all_of(self, names: Sequence[str]) -> bool:
-        """Return True if the call gives real numbers for exactly these names, in their order."""
-        whole = slice(0, len(names))
-        same = all(isinstance(places, slice) and places == whole for places in (self.there, self.here))
-        return same and self.values.shape == (len(names),) and self.values.dtype == np.float64
-
-
-def _run_of(places: Sequence[int]) -> NDArray[np.intp] | slice:
-    """The places as a slice where each follows on the one before."""
-    whole = slice(places[0], places[-1] + 1)
-    return whole if [*range(whole.start, whole.stop)] == [*places] else np.array(places)
 
 
 class FmuRope:
@@ -130,35 +102,26 @@ class FmuRope:
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads some outputs, and the fidelity by its code; arrays are read whole."""
         asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
-        groups = [[v for v in asked if v.type == type_] for type_ in {v.type for v in asked if v.kind in _NUMBERS}]
-        parts = [_Part.of(self._fmu.buffer("Get", variables), names) for variables in groups]
+        parts = list[tuple[Callable[[], Any], NDArray[Any], NDArray[np.intp], NDArray[np.intp]]]()
+        for type_ in {v.type for v in asked if v.kind in _NUMBERS}:
+            buffer = self._fmu.buffer("Get", [v for v in asked if v.type == type_])
+            places = {name: k for k, name in enumerate(buffer.names)}
+            there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
+            parts.append((buffer.call, buffer.values, there, here))
         fidelity = names.index(FIDELITY) if FIDELITY in names and FIDELITY in self._variables else None
         read_fidelity = None if fidelity is None else self._fmu.text(self._variables[FIDELITY])
         found = np.full(len(names), np.nan)
-        if len(parts) == 1 and read_fidelity is None and parts[0].is_all_of(names):
-            return self._whole_reader(parts[0])
 
         def read() -> NDArray[np.float64]:
-            with self._translate_failures():
+            try:
                 for get, values, there, here in parts:
                     get()
                     found[here] = values[there]
                 if read_fidelity is not None:
                     found[fidelity] = code_of(read_fidelity())
-            return found.copy()
-
-        return read
-
-    def _whole_reader(self, part: _Part) -> Reader:
-        """A function that reads outputs in the order of one call."""
-        get, values = part.get, part.values
-
-        def read() -> NDArray[np.float64]:
-            try:
-                get()
             except CallError as error:
                 raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
-            return values.copy()
+            return found.copy()
 
         return read
 

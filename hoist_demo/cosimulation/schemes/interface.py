@@ -54,11 +54,6 @@ class Load(NamedTuple):
         bend = 3.0 * (start + end) - 6.0 * mean
         return Load(start, end - start - bend, bend, np.zeros(start.shape))
 
-    def at(self, s: float) -> Vector:
-        """The part that does not depend on the acceleration."""
-        force: Vector = self.start + s * (self.rise + s * self.bend)
-        return force
-
 
 class Sample(NamedTuple):
     """Data of both partners at one communication point; vectors (n,)."""
