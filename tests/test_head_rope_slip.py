@@ -15,7 +15,7 @@ from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake, DriveShaft, Lining, Play
-from hoist_demo.recording.slip import slip
+from hoist_demo.recording.incidents import slip
 
 HOISTS = {
     "plain": Hoist(lining=Lining(), brake=Brake(torque=8e5)),

@@ -12,8 +12,8 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist
 from hoist_demo.parameters.components import Brake, Jam
-from hoist_demo.recording.jams import Jam as Jammed
-from hoist_demo.recording.jams import jams, told_of_jams
+from hoist_demo.recording.incidents import Jam as Jammed
+from hoist_demo.recording.incidents import jams, told_of_jams
 from hoist_demo.recording.time_series import Recording
 
 FIXED_SHEAVE = Hoist(

@@ -6,7 +6,7 @@ import pytest
 
 from balance_rope import main
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.settings import settings
+from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters

@@ -14,7 +14,7 @@ from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH,
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement, Trial
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.settings import rope_values
+from hoist_demo.command_line.options import rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.reading import StudyError, file_statuses, read_values

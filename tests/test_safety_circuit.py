@@ -13,7 +13,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, EmergencyLaw, Hoist, Winding
 from hoist_demo.parameters.components import Brake
-from hoist_demo.recording.guards import guard_trip
+from hoist_demo.recording.incidents import guard_trip
 
 WINDING = Winding(travel=20.0, settle=1.0)
 BRAKED = Hoist(brake=Brake(torque=3e5))

@@ -1,16 +1,18 @@
-"""Result of a fit, as text for the terminal and as a page."""
+"""Result of a fit: as text for the terminal, as a page, and as the parameter file for other commands."""
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
 from hoist_demo.calibration.identify import Identified
-from hoist_demo.report.html.page import engineering, number, unit_text
-from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
+from hoist_demo.calibration.measurements import FOLLOWING
+from hoist_demo.report.html.page import Bar, bars, engineering, grid, number, paragraphs, unit_text, write_sheet
 from hoist_demo.report.rows import SummaryRow, told
 from hoist_demo.report.rows import table as data_table
 from rope_model import SIGNALS
+from rope_model.texts import printable, toml_string
 
 #: standard errors to either side that the picture of the residuals shows
 SIDE = 4.0
@@ -152,3 +154,35 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
 
 def _residuals(found: Identified) -> list[tuple[str, float]]:
     return [(name, (predicted - value) / sigma) for name, value, predicted, sigma, _ in _values(found)]
+
+
+def write_rope_file(found: Identified, path: Path) -> Path:
+    """Write what was found."""
+    known = found.known
+    rope = found.measured.bench.rope(found.fit.shares)
+    lines = [
+        f"# Found by balance-rope identify from {printable(found.measured.path.name)}. demo and export take it as",
+        '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
+        *_warning(found),
+        "[rope]",
+        f"construction = {toml_string(known.construction)}",
+        f"diameter = {known.diameter!r}",
+        f"length = {known.length!r}",
+        f"lay = {toml_string(known.lay)}",
+        "",
+        "[known]",
+    ]
+    for name, datum in known.data.items():
+        facts = f"status = {toml_string(datum.status)}, source = {toml_string(datum.source)}"
+        lines.append(f"{name} = {{ low = {datum.low:.6g}, high = {datum.high:.6g}, {facts} }}")
+    lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in FOLLOWING)]
+    for name in found.measured.bench.sought:
+        status = toml_string(found.data[name].status)
+        lines.append(f"{name} = {{ value = {found.value(name):.6g}, status = {status} }}")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    return path
+
+
+def _warning(found: Identified) -> list[str]:
+    """Return warnings to readers of the file, as comments."""
+    return [f"# {printable(line)}" for line in textwrap.wrap(misfit(found), 110)]

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
-from hoist_demo.command_line.options import KERNELS, add_data, add_trip
+from hoist_demo.command_line.options import KERNELS, add_data, add_trip, rope_values, settings
 from hoist_demo.command_line.results import interruption, named, results_folder
-from hoist_demo.command_line.settings import rope_values, settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host

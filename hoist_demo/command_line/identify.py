@@ -47,8 +47,7 @@ def _identify(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
     from hoist_demo.calibration.definition import read_measured
     from hoist_demo.calibration.identify import identify
-    from hoist_demo.calibration.page import misfit, summary, write_page
-    from hoist_demo.calibration.rope_file import write_rope_file
+    from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.study.provenance import write_data
 

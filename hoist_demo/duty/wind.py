@@ -15,8 +15,7 @@ from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Drive, drive
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.recording.fidelity import mask_neglected
-from hoist_demo.recording.guards import guard_trip
-from hoist_demo.recording.jams import jams
+from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.study.run import RunData
 
 

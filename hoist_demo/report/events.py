@@ -8,9 +8,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Winding
-from hoist_demo.recording.guards import guard_trip
-from hoist_demo.recording.jams import jams, slack_ropes
-from hoist_demo.recording.slip import slip
+from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
 from hoist_demo.recording.time_series import Recording
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.jams import jams, slack_ropes
-from hoist_demo.recording.slip import ALIKE, held_in_spite
+from hoist_demo.recording.incidents import ALIKE, held_in_spite, jams, slack_ropes
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number
 

@@ -14,10 +14,19 @@ from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of, remark
-from hoist_demo.recording.guards import AFTER, after, guard_trip, told
-from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
+from hoist_demo.recording.incidents import (
+    AFTER,
+    after,
+    guard_trip,
+    jams,
+    largest_ratio,
+    slack_ropes,
+    slip,
+    told,
+    told_of_jams,
+    told_of_slip,
+)
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
-from hoist_demo.recording.slip import largest_ratio, slip, told_of_slip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow

@@ -18,10 +18,8 @@ from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 from hoist_demo.recording.fidelity import FIDELITY
-from hoist_demo.recording.guards import GUARD_CODES, GUARD_SIGNALS, guard_trip
-from hoist_demo.recording.jams import slack_ropes
+from hoist_demo.recording.incidents import GUARD_CODES, GUARD_SIGNALS, guard_trip, largest_ratio, slack_ropes, slip
 from hoist_demo.recording.passages import PASSAGE_SIGNALS
-from hoist_demo.recording.slip import largest_ratio, slip
 from hoist_demo.recording.time_series import Array, Recording
 
 ENDS = ("left", "right")

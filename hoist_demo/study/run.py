@@ -31,8 +31,8 @@ from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
+from hoist_demo.recording.incidents import held_in_spite
 from hoist_demo.recording.passages import passages
-from hoist_demo.recording.slip import held_in_spite
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, with_values
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure

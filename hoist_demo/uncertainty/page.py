@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.html.page import number
-from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
+from hoist_demo.report.html.page import Bar, bars, grid, number, paragraphs, write_sheet
 from hoist_demo.report.rows import SummaryRow, for_people, told
 from hoist_demo.report.rows import table as data_table
 from hoist_demo.study.metrics import METRICS, UNITS

@@ -9,14 +9,12 @@ import numpy as np
 
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.guards import guard_trip
-from hoist_demo.recording.jams import told_of_jams
+from hoist_demo.recording.incidents import guard_trip, told_of_jams, told_of_slip
 from hoist_demo.recording.passages import FAR, PASSED, passages
-from hoist_demo.recording.slip import told_of_slip
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import events, panels
 from hoist_demo.report.html import packing, page, parameter_tables
-from hoist_demo.report.html.along import along
+from hoist_demo.report.html.packing import along
 from hoist_demo.report.rows import WARNING, SummaryRow
 from rope_model.texts import html_text
 
