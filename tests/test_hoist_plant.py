@@ -9,7 +9,7 @@ import pytest
 from drives import Plant, PlantInput, PlantInputPath
 from scipy.integrate import RK45, solve_ivp
 
-from hoist_demo.drive import runge_kutta
+from hoist_demo.drive import kernels
 from hoist_demo.drive.equations import equations, numbers_of, parts_of
 from hoist_demo.drive.kernels import CHUNK
 from hoist_demo.drive.plant import PlantState
@@ -27,10 +27,10 @@ def plant() -> Plant:
 
 def test_the_method_s_coefficients_are_scipy_s() -> None:
     A = [*(tuple(row[:k]) for k, row in enumerate(RK45.A) if k > 0), tuple(RK45.B)]
-    assert list(runge_kutta._A) == A
-    assert list(runge_kutta._C) == [*RK45.C[1:], 1.0]
-    assert list(runge_kutta._ERROR) == [*-RK45.E]
-    assert RK45.order == runge_kutta.ORDER
+    assert list(kernels._A) == A
+    assert list(kernels._C) == [*RK45.C[1:], 1.0]
+    assert list(kernels._ERROR) == [*-RK45.E]
+    assert RK45.order == kernels.ORDER
 
 
 def _move(plant: Plant) -> PlantState:

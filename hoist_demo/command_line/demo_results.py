@@ -74,12 +74,12 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
     `signals` are the columns of signals.csv, none: the usual.
     """
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.events import marks
     from hoist_demo.report.exposure_figures import write_exposure_figure, write_spectra_figure
     from hoist_demo.report.figures import write_figures
     from hoist_demo.report.html.parameter_tables import rope_tables, tables
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import write_report
+    from hoist_demo.report.panels import marks
 
     run, result, rope, status = wound.run, wound.result, wound.rope, statuses(wound.known)
     recording, hoist, winding = result.recording, run.hoist, run.winding

@@ -113,9 +113,8 @@ def _wind(
     schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> tuple[Recording | None, Trip | None]:
     """The table of all trips, None for no trip, and the last trip that was wound here."""
-    from hoist_demo.duty.state import read_state, write_state
     from hoist_demo.duty.table import place_at_rest, row, table
-    from hoist_demo.duty.wind import wind
+    from hoist_demo.duty.wind import read_state, wind, write_state
 
     cycle, rest = len(schedule.pattern), place_at_rest(schedule, rope)
     rows, after, last = list[dict[str, float]](), None, None
@@ -179,7 +178,7 @@ def _worst_text(one: Worst, unit: str) -> str:
 
 def _exposure(trips: Recording) -> Recording | None:
     """Return the load history of places in the rope over all trips; None if it was not counted."""
-    from hoist_demo.duty.state import rows_of
+    from hoist_demo.duty.wind import rows_of
 
     rows = rows_of(trips)
     return together([gather(row) for row in rows]) if "station.s[1]" in trips else None

@@ -20,8 +20,7 @@ from matplotlib.figure import Figure
 
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
-from hoist_demo.report.events import Mark
-from hoist_demo.report.panels import Panel, derived_signals, panels
+from hoist_demo.report.panels import Mark, Panel, derived_signals, panels
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
 #: The right end's gaps show the left one where both coincide.

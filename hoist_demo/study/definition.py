@@ -28,7 +28,6 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.probe import Probe
 from hoist_demo.study.reading import (
     VARIED,
     Problems,
@@ -40,7 +39,7 @@ from hoist_demo.study.reading import (
     strip_unit,
     with_file,
 )
-from hoist_demo.study.run import RunData, build_trip
+from hoist_demo.study.run import Probe, RunData, build_trip
 from hoist_demo.study.sampling import Range, grid, latin_hypercube
 from hoist_demo.study.tuning import Tuning, read_tuning, seed_of, whole_number
 from rope_model.texts import printable

@@ -28,7 +28,7 @@ from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits
+from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits, start_heights
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.incidents import held_in_spite
@@ -36,6 +36,7 @@ from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.catalogue import SECTIONS, with_values
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
+from rope_model import EndMotion
 
 #: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped")
@@ -190,3 +191,45 @@ def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
                 f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
             )
     return "; ".join(told)
+
+
+class Probe:
+    """Asks an FMU, and the same question only once."""
+
+    def __init__(self, fmu: Path) -> None:
+        self._fmu = fmu
+        self._answers: dict[str, str] = {}
+
+    def rejection(self, run: RunData) -> list[str]:
+        """Return why the rope does not start with the run's parameters, with the key if one alone is to blame."""
+        heights = start_heights(run.hoist, run.winding)
+        together = self._ask(run.fmu, heights)
+        if not together:
+            return []
+        own = find_case(run.case).rope
+        set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
+        alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
+        blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
+        chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
+        return blamed or [f"{chosen}: {together}"]
+
+    def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
+        question = json.dumps([dict(parameters), heights], sort_keys=True)
+        if question not in self._answers:
+            left, right = (EndMotion(y=y) for y in heights)
+            self._answers[question] = _answer(self._fmu, parameters, left, right)
+        return self._answers[question]
+
+
+def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion) -> str:
+    """Return why the FMU does not start; "" if it does."""
+    try:
+        rope = FmuRope(fmu, parameters)
+    except ValueError as error:
+        return str(error)
+    try:
+        with warnings_of(FmuRope.__module__):  # the runs tell them again
+            status = rope.initialize(0.0, left, right)
+    finally:
+        rope.close()
+    return "" if status.valid else status.message or "the FMU does not initialize, without a message"

@@ -119,6 +119,11 @@ class Instance(ABC):
         `_do_step` is set to what steps from `_t` by `_h`.
         """
 
+    def _pass_on(self, *message: Any) -> None:
+        """Hear a message, of which status, category and text come last in both versions."""
+        status, _, text = message[-3:]
+        self._hear(status, text.decode("utf-8", errors="replace"))
+
     @abstractmethod
     def enter_initialization(self, t0: float) -> None:
         """Set up for a run from t0 [s] and enter initialization mode."""
@@ -173,9 +178,10 @@ class Instance(ABC):
         self._ends[checked] = end
         return checked
 
-    def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
-        """Set all elements of variables of one type."""
-        self._function("set", variables)([v.reference for v in variables], values)
+    def set(self, variable: Variable, values: Sequence[Value]) -> None:
+        """Set all elements of a variable."""
+        type_ = self._enumeration if variable.kind == "Enumeration" else variable.type
+        getattr(self._fmu, f"set{type_}")([variable.reference], values)
 
     def exit_initialization(self) -> None:
         """Leave initialization mode."""
@@ -231,11 +237,6 @@ class Instance(ABC):
                 fmu.freeFMUState(self._spare)
         fmu.freeInstance()
 
-    def _function(self, what: str, variables: Sequence[Variable]) -> Callable[..., Any]:
-        kind = variables[0].type
-        function: Callable[..., Any] = getattr(self._fmu, what + (self._enumeration if kind == "Enumeration" else kind))
-        return function
-
 
 class _Instance2(Instance):
     _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "state", "Integer"
@@ -255,9 +256,6 @@ class _Instance2(Instance):
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         self._do_step = self._checked("DoStep", self._t, self._h, c_int(_NO_STATE_PRIOR))
 
-    def _pass_on(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        self._hear(status, message.decode("utf-8", errors="replace"))
-
     def enter_initialization(self, t0: float) -> None:
         self._fmu.setupExperiment(startTime=t0)
         self._fmu.enterInitializationMode()
@@ -272,9 +270,6 @@ class _Instance3(Instance):
         self._ended = c_bool()
         told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
         self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *told)
-
-    def _pass_on(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
-        self._hear(status, message.decode("utf-8", errors="replace"))
 
     def enter_initialization(self, t0: float) -> None:
         self._fmu.enterInitializationMode(startTime=t0)

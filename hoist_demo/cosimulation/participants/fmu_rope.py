@@ -192,7 +192,7 @@ class FmuRope:
         chosen = [self._chosen[n] if n in self._chosen else self._described[n].start for n in variable.elements]
         values = [_typed(variable, value) for value in chosen]
         try:
-            self._fmu.set([variable], values)
+            self._fmu.set(variable, values)
         except CallError as error:
             raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 

@@ -12,7 +12,7 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.incidents import guard_trip, told_of_jams, told_of_slip
 from hoist_demo.recording.passages import FAR, PASSED, passages
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
-from hoist_demo.report import events, panels
+from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.packing import along
 from hoist_demo.report.rows import WARNING, SummaryRow
@@ -90,9 +90,9 @@ def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
         "panels": [_panel(panel, recording) for panel in shown],
-        "marks": [{"t": mark.t, "label": mark.label} for mark in events.marks(result, winding)],
-        "transformations": events.transformations(recording),
-        "slips": {end: events.slips(recording, end) for end in ("left", "right")},
+        "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result, winding)],
+        "transformations": panels.transformations(recording),
+        "slips": {end: panels.slips(recording, end) for end in ("left", "right")},
         "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
         "locked": list(locked),
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
