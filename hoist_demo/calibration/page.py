@@ -73,6 +73,7 @@ def write_page(found: Identified, path: Path) -> Path:
     ]
     left = [(c.measurement.name, f"{number(c.error)} {_wanted_unit(found)}") for c in found.candidates]
     title, data = data_table(found.provenance())
+    pairs, alone = _pairs(found), ["None: each is told by itself."]
     notes = [text for text in (misfit(found), *found.warnings) if text]
     parts = [
         ("", paragraphs(notes) + grid(head, known)),
@@ -87,7 +88,7 @@ def write_page(found: Identified, path: Path) -> Path:
         ),
         ("Measured and fitted", grid(("measurement", "measured", "fitted", "sigma", "unit"), fitted)),
         ("What the data do not tell", paragraphs(_open(found) or ["Every property is told."])),
-        ("Told together rather than apart", _pairs_grid(found)),
+        ("Told together rather than apart", grid(("properties", "correlation"), pairs) if pairs else paragraphs(alone)),
         (
             f"What to measure next, for {found.measured.wanted.signal}",
             paragraphs([f"It is {number(found.wanted)} {_wanted_unit(found)}, its standard error {_error(found)}."])
@@ -127,11 +128,6 @@ def _open(found: Identified) -> list[str]:
 
 def _pairs(found: Identified) -> list[tuple[str, str]]:
     return [(f"{one} and {other}", f"{value:+.2f}") for one, other, value in found.strong_correlations()]
-
-
-def _pairs_grid(found: Identified) -> str:
-    pairs = _pairs(found)
-    return grid(("properties", "correlation"), pairs) if pairs else paragraphs(["None: each is told by itself."])
 
 
 def _error(found: Identified) -> str:

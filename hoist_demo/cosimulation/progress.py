@@ -1,8 +1,4 @@
-"""Messages of a running winding: a bar on stderr on request, and its warnings for a collector.
-
-with progress_bar() as progress:
-    result = Host(rope, hoist, winding).run(progress)
-"""
+"""Messages of a running winding: a bar on stderr on request, and its warnings for a collector."""
 
 from __future__ import annotations
 

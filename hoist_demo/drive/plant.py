@@ -13,16 +13,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.drive.equations import INPUT_NAMES, SIDES
-from hoist_demo.drive.integrator import SHORTEST, Integrator, Watch
+from hoist_demo.drive.integrator import SHORTEST, Integrator, Vector, Watch
 from hoist_demo.drive.kernels import WORKS
 from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of
 from hoist_demo.parameters import GRAVITY, Hoist
 from rope_model.numerics.kernels import KernelForm
-
-Vector = NDArray[np.float64]
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))

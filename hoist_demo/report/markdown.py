@@ -38,9 +38,12 @@ def render_markdown(
     parts = [f"# {_inline(title)}"]
     parts += [f"**{SAID_FIRST[row.quantity]}** {_inline(row.text)}" for row in rows if row.quantity in SAID_FIRST]
     parts.append(ASSUMED_DATA)
-    for group, members in _groups([row for row in rows if row.quantity not in SAID_FIRST]):
+    shown = [row for row in rows if row.quantity not in SAID_FIRST]
+    for group in dict.fromkeys(row.group for row in shown):
         table = [f"## {_inline(group)}", "", "| quantity | value | unit |", "|---|---:|---|"]
-        table += [f"| {_cell(row.quantity)} | {_cell(row.text)} | {_cell(row.unit)} |" for row in members]
+        table += [
+            f"| {_cell(row.quantity)} | {_cell(row.text)} | {_cell(row.unit)} |" for row in shown if row.group == group
+        ]
         parts.append("\n".join(table))
     parts.append("## Figures")
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
@@ -49,14 +52,6 @@ def render_markdown(
         table += [f"| {' | '.join(map(_cell, (*line, '')[:4]))} |" for line in lines]
         parts.append("\n".join(table))
     return "\n\n".join(parts) + "\n"
-
-
-def _groups(rows: Sequence[SummaryRow]) -> list[tuple[str, list[SummaryRow]]]:
-    """Rows by group, in order."""
-    groups: dict[str, list[SummaryRow]] = {}
-    for row in rows:
-        groups.setdefault(row.group, []).append(row)
-    return list(groups.items())
 
 
 def _cell(text: str) -> str:
