@@ -17,15 +17,12 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
-from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, low_fidelity
+from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, Vector, low_fidelity
 from hoist_demo.parameters import Hoist, Winding, start_heights
 from hoist_demo.parameters.quantity import quantity
-
-Vector = NDArray[np.float64]
 
 _INSIDE = 0.9  # 1, share of the limits that the first guess uses
 _SUBSTEP = 0.05  # s, at most a sixth of the period of the swings that matter

@@ -8,17 +8,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hoist_demo.design.tuning import Judged, search
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.recording.time_series import Array
 from hoist_demo.study.definition import Sample, Study
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.store import Store
 from hoist_demo.study.tuning import Tuning
-
-Array = NDArray[np.float64]
 
 _NUMBER = re.compile(r"\d[\d.e+-]*")  #: Warnings that differ in their numbers only are of one kind.
 
