@@ -14,7 +14,7 @@ READY := $(VENV)/.ready
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist worksteal
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
-.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals bench fmu wheels wheel-test release clean
+.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals bench csources wheels wheel-test release clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
@@ -74,8 +74,8 @@ bench: $(READY)  ## measure the speed of every form of the rope, and windings pe
 	$(BIN)/balance-rope export --native --platform host --out build/standard.fmu
 	$(BIN)/python -m benchmarks.throughput
 
-fmu: $(READY)  ## export the Python FMU
-	$(BIN)/balance-rope export --outputs all --platform host
+csources: $(READY)  ## put all C, written and generated, with compile_commands.json in build/csrc
+	$(BIN)/python -m rope_model.codegen.build build/csrc
 
 wheels: $(READY)  ## build the wheel in build/wheels
 	$(BIN)/python -m release.wheels build/wheels

@@ -84,7 +84,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
         "rope_destroy": (None, (rope,)),
         "rope_initialize": (c_int, (rope, c_double, c_char_p)),
-        "rope_advance": (c_int, (rope, c_double, c_char_p, c_double)),
+        "rope_advance_to": (c_int, (rope, c_double, c_char_p, c_double)),
         "rope_retune": (c_int, (rope, c_void_p)),
         "rope_apply": (None, (rope, c_void_p)),
         "rope_rows": (None, (rope, c_void_p)),
@@ -97,7 +97,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_fidelity_reason": (c_char_p, (rope,)),
         "rope_warning": (None, (rope, c_int, c_char_p)),
         "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
-        "rope_derivative": (c_int, (rope, c_int, POINTER(c_double))),
+        "rope_load_derivative": (c_int, (rope, c_int, POINTER(c_double))),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_save": (None, (rope, c_void_p)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
@@ -176,7 +176,7 @@ class NativeRope(BalanceRope):
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         self._require_state()
         at = t if given_at is None else given_at
-        return self._done(self._lib.rope_advance(self._rope, t, _ends(left, right), at))
+        return self._done(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
         self._require_state()
@@ -245,7 +245,7 @@ class NativeRope(BalanceRope):
         """Derivatives of left.fx ... left.mz, right.fx ... right.mz to an input of one side, as an FMU gives them."""
         out = (c_double * 12)()
         number = 11 * side + list(EndMotion.__dataclass_fields__).index(name)
-        if not self._lib.rope_derivative(self._rope, number, out):
+        if not self._lib.rope_load_derivative(self._rope, number, out):
             raise RuntimeError(self._message())
         return list(out)
 

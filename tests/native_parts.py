@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes as ct
 import subprocess
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,14 +19,20 @@ from numpy.typing import NDArray
 
 from rope_model.codegen.build import sources
 from rope_model.codegen.structures import GROUPS
-from rope_model.numerics.kernels import LIBRARY_SUFFIX, find_compiler
+from rope_model.numerics.kernels import (
+    FLAGS,
+    LIBRARY_SUFFIX,
+    cache_folder,
+    compile_objects,
+    find_compiler,
+    object_files,
+)
 from rope_model.parameters import Mesh
 from rope_model.simulation.outputs.diagnostics import LoopBottom
 
 Array = NDArray[np.float64]
 
-FLAGS = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
-PARTS = ("partition.c", "transfer.c", "shape.c", "shaft.c", "guards.c", "rigid.c", "ends.c", "parameters.c", "text.c")
+WARNINGS = ("-Wall", "-Wextra", "-Werror")
 MESSAGE, ROUNDING = 512, 1e-12
 
 
@@ -48,7 +54,6 @@ double mesh_distance_to_due(const Pattern *p, double bottom) { return distance_t
 double mesh_transformation_due(const Pattern *p, double bottom, double slack) {
     return transformation_due(p, bottom, slack);
 }
-const double *end_row(const double *x, int nodes, int side) { return x + (side ? (size_t)(nodes - 1) * DOF : 0); }
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
                Arrays *arrays) {
     Arrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
@@ -57,15 +62,17 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
 """
 
 
-def compiled(folder: Path, texts: dict[str, str], parts: Iterable[str] = ()) -> ct.CDLL:
-    """A library of C texts and of the rope's own C files ``parts``; skips the test without a compiler."""
+def compiled(folder: Path, texts: dict[str, str]) -> ct.CDLL:
+    """The rope's library with further C texts; skips the test without a compiler."""
     if (compiler := find_compiler()) is None:
         pytest.skip("no C compiler")
     for name, text in (sources() | texts).items():
         (folder / name).write_text(text, encoding="utf-8")
-    files = [str(folder / name) for name in (*parts, *texts) if name.endswith(".c")]
+    command, objects = [*compiler, *FLAGS], object_files(sources(), compiler, FLAGS, cache_folder())
+    compile_objects(sources(), command, objects)
+    files = [str(path) for path in (*objects.values(), *(folder / name for name in texts))]
     made = folder / f"compiled{LIBRARY_SUFFIX}"
-    command = [*compiler, *FLAGS, f"-I{folder}", *files, "-o", str(made), "-lm"]
+    command += [*WARNINGS, f"-I{folder}", *files, "-o", str(made), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return ct.CDLL(str(made))
@@ -74,26 +81,26 @@ def compiled(folder: Path, texts: dict[str, str], parts: Iterable[str] = ()) -> 
 @pytest.fixture(scope="session")
 def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     """The C functions by their names."""
-    library = compiled(tmp_path_factory.mktemp("native"), {"more.c": MORE}, PARTS)
+    library = compiled(tmp_path_factory.mktemp("native"), {"more.c": MORE})
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
-        "mesh_fit": (GROUPS[Mesh], p),
-        "mesh_elements": (n, p, x, p),
-        "mesh_partition": (None, p, x, x, n, p, p),
-        "mesh_transform": (None, p, n, n, p),
+        "fit_mesh": (GROUPS[Mesh], p),
+        "partition_elements": (n, p, x, p),
+        "partition": (None, p, x, x, n, p, p),
+        "partition_transform": (None, p, n, n, p),
         "mesh_centre": (x, p),
         "mesh_distance_to_due": (x, p, x),
         "mesh_transformation_due": (x, p, x, x),
-        "mesh_arc_lengths": (None, n, p, p),
+        "arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),
         "transfer_fields": (None, n, p, p, n, p, p),
-        "shape_nearest_turn": (x, x, x),
-        "shape_loop_bottom": (CLoopBottom, n, p, p),
-        "shape_leg_clearance": (x, n, p, p, p, x, x, x),
-        "shape_legs_apart": (n, p, p, x, x),
+        "nearest_turn": (x, x, x),
+        "loop_bottom": (CLoopBottom, n, p, p),
+        "leg_clearance": (x, n, p, p, p, x, x, x),
+        "legs_apart": (n, p, p, x, x),
         "shape_places": (None, x, x, x, n, p),
-        "shape_points": (None, n, p, p, n, p, p),
-        "shape_hanging_guess": (None, n, p, p, p, p, p),
+        "diagnostics_shape": (None, n, p, p, n, p, p),
+        "hanging_guess": (None, n, p, p, p, p, p),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():

@@ -76,7 +76,7 @@ HOMES = rules(
 casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
     rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.rules
-    rope_model.codegen.formulas rope_model.codegen.state_values rope_model.codegen.tables
+    rope_model.codegen.formulas rope_model.codegen.tables
     hoist_demo.design hoist_demo.drive
     hoist_demo.drive_fmu.kernels
 scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling

@@ -38,7 +38,6 @@ from rope_model.simulation.stepping.statics import StaticsError
 Array = NDArray[np.float64]
 Ends = tuple[EndMotion, EndMotion]
 
-PARTS = ("text.c", "ends.c", "fidelity.c", "shaft.c", "rigid.c", "parameters.c", "shape.c", "partition.c", "transfer.c")
 MESSAGE, ROUNDING = 512, 1e-12
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)
@@ -48,7 +47,7 @@ FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
 @pytest.fixture(scope="module")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """The library with the parts under test."""
-    library = compiled(tmp_path_factory.mktemp("native"), {}, PARTS)
+    library = compiled(tmp_path_factory.mktemp("native"), {})
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
     return library
@@ -92,7 +91,7 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
 
 def end_message(native: Any, target: EndMotion, limits: Limits, side: int) -> str:
     inputs, sizes = scene_structure(Scene()).inputs, (ct.c_double * 12)(*(x for row in limits for x in row))
-    return text_of(native.end_refusal, ct.byref(inputs), ct.byref(end_structure(target)), sizes, side)
+    return text_of(native.ends_refusal, ct.byref(inputs), ct.byref(end_structure(target)), sizes, side)
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])
@@ -126,7 +125,7 @@ def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
     inputs, following = scene_structure(Scene()).inputs, Following(given_at=1.0, held=7.0)
     structure = FollowingStructure(*following)
     for t in (1.5, 2.0, 2.5):
-        message = text_of(native.end_frozen, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
+        message = text_of(native.ends_frozen, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
         assert message == frozen(Inputs(), t, following, "right")
     assert "inputs.hold_max" in message
 
@@ -213,13 +212,13 @@ def assert_same_fidelities(native: Any, scene: Scene, ends: Ends, forces: int = 
     structure, c_ends = scene_structure(scene), ends_of(ends)
     choice = choose_fidelity(scene, ends, forces)
     reason = ct.create_string_buffer(MESSAGE)
-    assert FIDELITY_NAMES[native.fidelity_choose(ct.byref(structure), c_ends, forces, reason)] == choice.fidelity
+    assert FIDELITY_NAMES[native.choose_fidelity(ct.byref(structure), c_ends, forces, reason)] == choice.fidelity
     assert reason.value.decode() == choice.reason
-    lowest = FIDELITY_NAMES[native.fidelity_lowest_sufficient(ct.byref(structure), c_ends, forces)]
+    lowest = FIDELITY_NAMES[native.lowest_sufficient(ct.byref(structure), c_ends, forces)]
     assert lowest == lowest_sufficient(scene, ends, forces)
     for fidelity in FIDELITIES:
         number = FIDELITY_NAMES.index(fidelity)
-        ours = text_of(native.fidelity_unsupported_motion, ct.byref(structure), number, c_ends, forces)
+        ours = text_of(native.unsupported_motion, ct.byref(structure), number, c_ends, forces)
         assert ours == unsupported_motion(scene, fidelity, ends, forces)
 
 

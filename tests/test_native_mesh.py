@@ -41,12 +41,12 @@ def c_of(group: Any) -> Any:
 def c_partition(parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float) -> tuple[Any, Array]:
     """Pattern and lengths; ValueError with the message where it does not fit."""
     text = message()
-    elements = parts.mesh_elements(c_of(mesh), length, text)
+    elements = parts.partition_elements(c_of(mesh), length, text)
     if elements == 0:
         raise ValueError(text.value.decode())
     assert text.value == b""
     pattern, lengths = CPattern(), np.full(elements + 1, -7.0)
-    parts.mesh_partition(c_of(mesh), length, bottom, elements, pattern, lengths)
+    parts.partition(c_of(mesh), length, bottom, elements, pattern, lengths)
     assert lengths[-1] == -7.0  # not written beyond its end
     return pattern, lengths[:-1].copy()
 
@@ -107,7 +107,7 @@ shafts = st.builds(
 @settings(max_examples=200, deadline=None)
 def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft) -> None:
     scene = Scene(rope, layout, mesh=mesh, shaft=shaft)
-    ours, expected = parts.mesh_fit(scene_structure(scene)), fit_mesh(scene)
+    ours, expected = parts.fit_mesh(scene_structure(scene)), fit_mesh(scene)
     assert (KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels) == (
         expected.kind,
         expected.elements,
@@ -155,7 +155,7 @@ def test_loop_that_travels_to_and_fro_transforms_alike(
             assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
             assert parts.mesh_transformation_due(pattern, place, slack) == direction
             old = transform(old, direction)
-            parts.mesh_transform(pattern, int(direction), len(lengths), lengths)
+            parts.partition_transform(pattern, int(direction), len(lengths), lengths)
             assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
             assert parts.mesh_centre(pattern) == old.centre
         assert parts.mesh_transformation_due(pattern, place, slack) == 0
@@ -179,7 +179,7 @@ def test_interpolated_values_are_the_same(
     lengths = np.array(old)
     expected_s = arc_lengths(lengths)
     s = np.empty(lengths.size + 1)
-    parts.mesh_arc_lengths(lengths.size, lengths, s)
+    parts.arc_lengths(lengths.size, lengths, s)
     assert_array_equal(s, expected_s)
     # anywhere, at the nodes, and a hair beside them
     new_s = np.concatenate((np.array(new) * s[-1], s, s + 1e-10, s - 1e-8, s + 1e-8))
@@ -196,7 +196,7 @@ def test_state_carried_to_a_transformed_mesh_is_the_same(
     mesh = Mesh(grading_length=growth)
     old = partition(mesh, 120.0, 50.0)
     pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)
-    parts.mesh_transform(pattern, direction, len(lengths), lengths)
+    parts.partition_transform(pattern, direction, len(lengths), lengths)
     new_s = arc_lengths(lengths)
     fields = np.array([rough(old.nodes_s, seed + k) for k in range(2)])
     work = np.full((10 + 14 * len(fields)) * new_s.size + 1, -7.0)  # as in core.h

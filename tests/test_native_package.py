@@ -28,7 +28,7 @@ from rope_model.simulation.ends.paths import EndMotion
 
 SCHEMAS = Path(fmpy.__file__).with_name("schema")
 #: the native rope's question for the processor, and what it includes
-QUESTION = ("processor.c", "chain_wide.h")
+QUESTION = ("processor.c", "processor.h")
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ from rope_model.simulation.stepping.statics import hanging_guess
 
 @given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))
 def test_angle_counted_on_is_the_same(parts: SimpleNamespace, angle: float, last: float) -> None:
-    assert parts.shape_nearest_turn(angle, last) == nearest_turn(angle, last)
+    assert parts.nearest_turn(angle, last) == nearest_turn(angle, last)
 
 
 hangings = st.tuples(
@@ -58,7 +58,7 @@ def test_hanging_guess_is_the_same(parts: SimpleNamespace, hanging: tuple[float,
     assume(length - abs(height) > 2 * np.hypot(spacing, 2 * z))  # a shorter rope does not reach around its loop
     s, left, right = hang(*hanging)
     q, text = np.empty((s.size, 7)), message()
-    parts.shape_hanging_guess(s.size, s, left, right, q, text)
+    parts.hanging_guess(s.size, s, left, right, q, text)
     assert text.value == b""
     # sine and cosine of an angle that two large arc lengths leave over
     assert_allclose(q, hanging_guess(s, left, right), rtol=ROUNDING, atol=ROUNDING * s[-1])
@@ -79,7 +79,7 @@ def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
 def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: tuple[float, ...], seed: int) -> None:
     assume(hanging[-1] > 15 * hanging[3])
     q, lengths, s = sway(hanging, seed)
-    bottom, expected = parts.shape_loop_bottom(s.size, q, s), loop_bottom(q, lengths)
+    bottom, expected = parts.loop_bottom(s.size, q, s), loop_bottom(q, lengths)
     # the parabola's minimum comes from second differences: the root of rounding of s, and of what s moves
     root = 1e-7
     assert_allclose(bottom.s, expected.s, atol=root)
@@ -92,11 +92,11 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
         parts.shape_places(s[-1], expected.s, 4.0, points, places)
         assert_allclose(places[:-1], shape_places(lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
         assert places[-1] == -7.0
-        parts.shape_points(s.size, q, s, points, places, xyz)
+        parts.diagnostics_shape(s.size, q, s, points, places, xyz)
         assert_allclose(xyz[:-1], shape(q, lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
         assert np.all(xyz[-1] == -7.0)
     for above in (0.0, 0.3, hanging[0], 1e3):
-        ours = parts.shape_leg_clearance(s.size, q, s, same, 4.0, 0.044, above)
+        ours = parts.leg_clearance(s.size, q, s, same, 4.0, 0.044, above)
         assert_allclose(ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1])
 
 
@@ -129,7 +129,7 @@ def test_the_clearance_of_legs_that_tangle_is_the_same(parts: SimpleNamespace, k
         top = q[:, 1].max() - bottom.position[1]
         # just below the lower leg's top it has two points
         for above in (0.0, 0.3 * top, 0.999 * min(q[0, 1], q[-1, 1]) - 0.999 * bottom.position[1]):
-            ours = parts.shape_leg_clearance(s.size, q, s, CLoopBottom.of(bottom), 4.0, 0.044, above)
+            ours = parts.leg_clearance(s.size, q, s, CLoopBottom.of(bottom), 4.0, 0.044, above)
             expected = leg_clearance(q, lengths, bottom, 4.0, 0.044, above)
             assert_allclose(ours, expected, atol=ROUNDING * s[-1])
             seen += math.isfinite(expected)
@@ -172,7 +172,7 @@ def in_c(parts: SimpleNamespace, q: Array, lengths: Array, s: Array, diameter: f
     """``legs_apart`` of the native form."""
     arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
     parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
-    return bool(parts.shape_legs_apart(arrays, np.array(heading(direction(q))), diameter, above))
+    return bool(parts.legs_apart(arrays, np.array(heading(direction(q))), diameter, above))
 
 
 @pytest.mark.parametrize("lowest", [0, 4])
@@ -182,12 +182,12 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
     q = np.zeros((5, 7))
     q[:, 1], q[:, 4] = np.abs(s - s[lowest]), 1.0 if lowest == 0 else -1.0
     q[:, 3] = 0.1
-    bottom, expected = parts.shape_loop_bottom(5, q, s), loop_bottom(q, lengths)
+    bottom, expected = parts.loop_bottom(5, q, s), loop_bottom(q, lengths)
     assert (bottom.s, tuple(bottom.position), bottom.yaw) == (expected.s, tuple(expected.position), expected.yaw)
     loop = LoopBottom(float(s[lowest]), q[lowest, :3], 0.0)
     same = CLoopBottom.of(loop)
     assert (
-        parts.shape_leg_clearance(5, q, s, same, 4.0, 0.044, 1.0)
+        parts.leg_clearance(5, q, s, same, 4.0, 0.044, 1.0)
         == leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0)
         == math.inf
     )

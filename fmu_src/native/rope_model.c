@@ -82,7 +82,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
     EndMotion ends[2];
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
-    if (!copy_message(model, rope_advance(model->rope, t + h, ends, given_at), message)) return 0;
+    if (!copy_message(model, rope_advance_to(model->rope, t + h, ends, given_at), message)) return 0;
     model->interval = h;
     return 1;
 }
@@ -101,7 +101,7 @@ double model_time(const ModelInstance *model) {
 
 int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     (void)message;
-    *value = rope_signal(model->rope, (int)ROPE_PLACES[scalar].offset);
+    rope_signals(model->rope, 1, &(int){(int)ROPE_PLACES[scalar].offset}, value);
     return 1;
 }
 
@@ -155,7 +155,7 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
         }
     for (part = 0; part < parts; part++) {
         int input = side * INPUTS_OF_END + k - part * stride;
-        if (!copy_message(model, rope_derivative(model->rope, input, force), message)) return 0;
+        if (!copy_message(model, rope_load_derivative(model->rope, input, force), message)) return 0;
         for (size_t i = 0; i < number; i++) sum[i] += change[part] * force[ROPE_PLACES[unknown[i]].derivative];
     }
     return 1;

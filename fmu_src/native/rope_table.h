@@ -20,7 +20,7 @@ enum Where {
 typedef struct {
     enum Where where;
     size_t offset;
-    int derivative; /* place in what rope_derivative gives; -1: none */
+    int derivative; /* place in what rope_load_derivative gives; -1: none */
 } Place;
 
 extern const Place ROPE_PLACES[]; /* MODEL_SCALARS */

@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
+import sys
 import tempfile
 from functools import cache
 from pathlib import Path
 
-from ..numerics.kernels import cache_folder, compile_library, find_compiler
+from ..numerics.kernels import FLAGS, cache_folder, compile_library, find_compiler
 from .elements import element_code
 from .formulas import formulas_code
 from .messages import messages_code
 from .platforms import host_platform, prebuilt_file, text_hash
-from .rules import rules_code
+from .rules import rules_code, state_signals
 from .state_structures import state_structures
-from .state_values import state_signals
 from .tables import parameter_bounds, parameter_structures, signal_numbers
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
@@ -29,9 +29,30 @@ NAME = "rope"
 @cache
 def sources() -> dict[str, str]:
     """Text by file name: what is written by hand, and what is generated."""
+    return {path.name: path.read_text(encoding="utf-8") for path in _written()} | _generated()
+
+
+def _written() -> list[Path]:
     files = (path for path in _FOLDER.rglob("*") if path.suffix in (".c", ".h", ".inc"))
-    written = {p.name: p.read_text(encoding="utf-8") for p in sorted(files, key=lambda path: path.name)}
-    return written | _generated()
+    return sorted(files, key=lambda path: path.name)
+
+
+def lay_out(folder: Path) -> None:
+    """Put all C into ``folder`` for an editor: links to what is written, what is generated, compile_commands.json."""
+    folder = folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in sources():
+        (folder / name).unlink(missing_ok=True)
+    for path in _written():
+        (folder / path.name).symlink_to(path)
+    for name, text in _generated().items():
+        (folder / name).write_text(text, encoding="utf-8")
+    commands = [
+        {"directory": str(folder), "file": name, "arguments": ["cc", *FLAGS, "-c", name]}
+        for name in sources()
+        if name.endswith(".c")
+    ]
+    (folder / "compile_commands.json").write_text(json.dumps(commands, indent=1), encoding="utf-8")
 
 
 def _generated() -> dict[str, str]:
@@ -84,3 +105,7 @@ def library() -> Path:
             "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
         )
     return compile_library(sources(), compiler, cache_folder(), NAME)
+
+
+if __name__ == "__main__":
+    lay_out(Path(sys.argv[1]))

@@ -14,17 +14,7 @@ from ..physics.air_element import air_functions
 from ..physics.curved_element import curved_functions
 from ..physics.element import ELEMENT_DOF, ElementFidelity, element_functions
 from ..physics.wire_element import wire_functions
-
-#: text of the operations that an element has
-_BINARY = {ca.OP_ADD: "{} + {}", ca.OP_SUB: "{} - {}", ca.OP_MUL: "{} * {}"}
-_UNARY = {
-    ca.OP_NEG: "-{}",
-    ca.OP_SQ: "{0} * {0}",
-    ca.OP_TWICE: "2. * {}",
-    ca.OP_SQRT: "SQRT_V({})",
-    ca.OP_FABS: "ABS_V({})",
-    ca.OP_INV: "1. / {}",
-}
+from .formulas import is_number, statements
 
 
 def element_code() -> str:
@@ -67,40 +57,10 @@ def _upper_half(name: str, tangent: ca.Function) -> ca.Function:
 
 
 def _function_code(name: str, f: ca.Function) -> str:
-    arguments = "".join(f"const V *RESTRICT x{i}, " for i in range(f.n_in()))
-    return f"static void {name}({arguments}V *RESTRICT y)\n{{\n" + "".join(_statements(f)) + "}\n"
-
-
-def _statements(f: ca.Function) -> Iterator[str]:
-    names: dict[int, str] = {}  # of what each place of CasADi's work vector holds now
-    constants: dict[str, float] = {}
-    reciprocals: dict[str, str] = {}
-    for i in range(f.n_in()):
-        yield f"    (void)x{i};\n"
-    for k in range(f.n_instructions()):
-        operation, sources, target = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
-        if operation == ca.OP_CONST:
-            value = f.instruction_constant(k)
-            names[target[0]] = f"({value!r})"
-            constants[names[target[0]]] = value
-        elif operation == ca.OP_INPUT:
-            names[target[0]] = f"x{sources[0]}[{sources[1]}]"
-        elif operation == ca.OP_OUTPUT:
-            text = names[sources[0]]
-            yield f"    y[{target[1]}] = {f'SPLAT({text})' if text in constants else text};\n"
-        elif operation == ca.OP_DIV:
-            above, below = names[sources[0]], names[sources[1]]
-            if below in constants:
-                text = f"{above} * ({1 / constants[below]!r})" if 1 / constants[below] * constants[below] == 1 else ""
-                text = text or f"{above} / {below}"
-            else:
-                if below not in reciprocals:
-                    reciprocals[below] = f"r{len(reciprocals)}"
-                    yield f"    const V {reciprocals[below]} = 1. / {below};\n"
-                text = f"{above} * {reciprocals[below]}"
-            names[target[0]] = f"t{k}"
-            yield f"    const V t{k} = {text};\n"
-        else:
-            form = _BINARY.get(operation) or _UNARY[operation]
-            names[target[0]], text = f"t{k}", form.format(*(names[s] for s in sources))
-            yield f"    const V t{k} = {text};\n"
+    inputs = range(f.n_in())
+    symbols = [ca.vertcat(*(ca.SX.sym(f"x{i}[{k}]") for k in range(f.numel_in(i)))) for i in inputs]
+    arguments = "".join(f"const V *RESTRICT x{i}, " for i in inputs)
+    lines, texts = statements(ca.Function(name, symbols, f.call(symbols)), "V")
+    lines = [*(f"(void)x{i};" for i in inputs), *lines]
+    lines += [f"y[{k}] = {f'SPLAT({text})' if is_number(text) else text};" for k, text in enumerate(texts)]
+    return f"static void {name}({arguments}V *RESTRICT y) {{\n" + "".join(f"    {line}\n" for line in lines) + "}\n"

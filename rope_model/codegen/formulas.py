@@ -56,6 +56,7 @@ from ..simulation.outputs import audit, diagnostics
 from ..simulation.outputs.audit import Audit
 from ..simulation.state import EnergyBalance
 from ..simulation.stepping import bracket, hang, statics, stepping
+from ..texts import c_string
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
 #: const, and last, takes the numbers of a formula that returns several
@@ -271,7 +272,7 @@ STRUCTURES: dict[str, type[Any]] = {
     )
 } | {"Path": EndPath}
 #: numbers of the formulas and of the control flow
-CONSTANTS: dict[str, float | tuple[float, ...]] = {
+CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "PARAMETERS": len(element.PARAMETERS),
     "FARTHEST_START": simulator.FARTHEST_START,
     "MOST_STEPS": simulator.MOST_STEPS,
@@ -328,6 +329,7 @@ CONSTANTS: dict[str, float | tuple[float, ...]] = {
     "NEWTON_SMOOTH": tuple(newton.SMOOTH),
     "NEWTON_KINKED": tuple(newton.KINKED),
     "NEWTON_HUGE": newton.HUGE,
+    "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
     "GRADIENT_STEPS": coupled_newton.STEPS,
     "GRADIENT_LEFT": coupled_newton.LEFT,
     "CONTACT_CELLS": contact_places.CELLS,
@@ -416,8 +418,10 @@ def formulas_code() -> str:
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
 
 
-def _value(value: float | tuple[float, ...]) -> str:
-    return f"{{{', '.join(map(repr, value))}}}" if isinstance(value, tuple) else repr(value)
+def _value(value: float | str | tuple[Any, ...]) -> str:
+    if isinstance(value, tuple):
+        return f"{{{', '.join(map(_value, value))}}}"
+    return c_string(value) if isinstance(value, str) else repr(value)
 
 
 def _definition(kind: type[Any]) -> str:
@@ -506,31 +510,57 @@ def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
     return statements(ca.Function("values", ca.symvar(ca.vertcat(*expressions)), expressions))
 
 
-def statements(f: ca.Function) -> tuple[list[str], list[str]]:
-    """Lines that name what is used more than once, and the expressions of the results."""
-    inputs = [f.sx_in(i).name() for i in range(f.n_in())]
+def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[str]]:
+    """Lines that name what is used more than once, and the expressions of the results.
+
+    Numbers are of the type ``kind``: of vectors V a quotient is a product with the reciprocal, computed once for each
+    divisor, as division is what costs most.
+    """
+    inputs = [[x.name() for x in ca.vertsplit(f.sx_in(i))] for i in range(f.n_in())]
     uses = _uses(f)
     values: dict[int, _Text] = {}  # what each place of CasADi's work vector holds now
-    results = [""] * f.n_out()
+    results: dict[tuple[int, ...], str] = {}
+    reciprocals: dict[str, _Text] = {}
     lines: list[str] = []
+
+    def named(text: str) -> _Text:
+        lines.append(f"const {kind} t{len(lines)} = {text};")
+        return _Text(f"t{len(lines) - 1}", _ATOM)
+
+    def reciprocal(x: _Text) -> _Text:
+        if is_number(x.text):
+            return _Text(repr(1.0 / float(x.text)), _SIGN)
+        if x.text not in reciprocals:
+            reciprocals[x.text] = named(f"1.0 / {x.within(_PRODUCT + 1)}")
+        return reciprocals[x.text]
+
     for k in range(f.n_instructions()):
         operation, sources, target = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
         if operation == ca.OP_OUTPUT:
-            results[target[0]] = values[sources[0]].text
+            results[tuple(target)] = values[sources[0]].text
             continue
         if operation == ca.OP_CONST:
             value = f.instruction_constant(k)
             text = "PI" if value == math.pi else _INFINITE.get(value, repr(value))
             made = _Text(text, _SIGN if value < 0 else _ATOM)
         elif operation == ca.OP_INPUT:
-            made = _Text(inputs[sources[0]], _ATOM)
+            made = _Text(inputs[sources[0]][sources[1]], _ATOM)
         else:
-            made = _expression(operation, [values[s] for s in sources])
+            operands = [values[s] for s in sources]
+            if kind == "V" and operation in (ca.OP_DIV, ca.OP_INV):
+                *above, below = operands
+                made = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
+            else:
+                made = _expression(operation, operands, kind)
             if (uses[k] > 1 or len(made.text) > _LONG) and not made.value and operation != ca.OP_NOT:
-                lines.append(f"const double t{len(lines)} = {made.text};")
-                made = _Text(f"t{len(lines) - 1}", _ATOM)
+                made = named(made.text)
         values[target[0]] = made
-    return lines, results
+    return lines, [results[place] for place in sorted(results)]
+
+
+def is_number(text: str) -> bool:
+    """Whether an expression is a number as it stands."""
+    return re.fullmatch(r"-?[\d.]+(e[-+]\d+)?", text) is not None
 
 
 def _uses(f: ca.Function) -> Counter[int]:
@@ -545,11 +575,15 @@ def _uses(f: ca.Function) -> Counter[int]:
     return uses
 
 
-def _expression(operation: int, operands: Sequence[_Text]) -> _Text:
+def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
     if operation == ca.OP_NEG:
         return _Text(f"-{operands[0].within(_ATOM)}", _SIGN)
     if operation in _CALLS:
-        return _Text(f"{_CALLS[operation]}({', '.join(x.text for x in operands)})", _ATOM)
+        name = _CALLS[operation] if kind == "double" else f"{_CALLS[operation].upper()}_{kind}"
+        return _Text(f"{name}({', '.join(x.text for x in operands)})", _ATOM)
+    if operation in (ca.OP_SQ, ca.OP_TWICE):
+        twice = _Text("2.0", _ATOM) if operation == ca.OP_TWICE else operands[0]
+        operation, operands = ca.OP_MUL, [twice, operands[0]]
     if operation == ca.OP_NOT:
         return _Text(f"!{operands[0].within(_ATOM)}", _SIGN)
     if operation == ca.OP_IF_ELSE_ZERO:

@@ -1,4 +1,4 @@
-"""C text of the tables of rules, and of conditions like theirs: the header rules.h.
+"""C text of what asks scene and state: tables of rules and conditions in rules.h, signals in state_signals.h.
 
 A formula is called with symbols that stand for the facts its parameters name, as in codegen.formulas; but a fact is a
 whole structure, of which integers and choices are known too, and only what the formula looks at becomes text.
@@ -6,6 +6,7 @@ whole structure, of which integers and choices are known too, and only what the 
 
 from __future__ import annotations
 
+import ctypes
 import inspect
 import re
 from collections.abc import Callable, Mapping
@@ -29,11 +30,11 @@ from ..simulation.mesh import mesh_pattern
 from ..simulation.messages import fidelity_rules, warning_rules
 from ..simulation.messages.result_warnings import WARNINGS
 from ..simulation.messages.rules import Rules
+from ..simulation.outputs.state_signals import STATE_SIGNALS
 from ..simulation.state import RopeState
-from .formulas import statements
-from .state_structures import PatternStructure
-from .state_values import members_at
-from .tables import Word
+from .formulas import statements, texts_of
+from .state_structures import PatternStructure, StateStructure
+from .tables import Word, constant
 
 #: tables behind warnings, and others, by what they are called in C behind tell_: each gives whether a case applied
 BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}
@@ -107,6 +108,20 @@ def rules_code() -> str:
         return "\n".join((_HEAD, *map(_number, NUMBERS), *tables, _warnings(), "#endif\n"))
 
 
+def state_signals() -> str:
+    """The text of state_signals.h: the signals of simulation.outputs.state_signals."""
+    state = _members_at(StateStructure, "state->")
+    values = [value(state) for value in STATE_SIGNALS.values()]
+    with no_simplification():
+        lines, texts = texts_of(values)
+    lines += [f"values[{constant(name)}] = {text};" for name, text in zip(STATE_SIGNALS, texts, strict=True)]
+    return (
+        "/* Generated from rope_model.simulation.outputs.state_signals by rope_model.codegen.rules. */\n"
+        "static void state_signals(Simulator *rope, double *values) {\n    const State *state = rope->state;\n"
+        f"{''.join(f'    {line}{chr(10)}' for line in lines)}}}\n"
+    )
+
+
 def _warnings() -> str:
     """The numbers of the warnings, and a function for those that are tables."""
     names = ", ".join(name.upper() for name in WARNINGS | BY_NUMBERS)
@@ -123,9 +138,9 @@ def _fact(name: str) -> _Fact:
         kind = _STRUCTURES[name]
         return _Fact(f"const {_IN_C.get(kind, kind.__name__)} *{name}", _symbols(kind, f"{name}->"))
     if name == "pattern":
-        return _Fact("const Pattern *pattern", members_at(PatternStructure, "pattern->"))
+        return _Fact("const Pattern *pattern", _members_at(PatternStructure, "pattern->"))
     if name == "counts":
-        return _Fact("const int counts[5]", members_at(c_int * 5, "counts"))
+        return _Fact("const int counts[5]", _members_at(c_int * 5, "counts"))
     if name == "fidelity":
         return _Fact("int fidelity", Word(name, name))
     return _Fact(f"double {name}", ca.SX.sym(name))
@@ -141,7 +156,7 @@ def _symbols(kind: type[Any], prefix: str) -> Any:
         elif get_origin(hint) is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
             values[name] = Word(place, name)
         elif name == "counts" and get_origin(hint) is tuple:
-            values[name] = members_at(c_int * len(get_args(hint)), place)
+            values[name] = _members_at(c_int * len(get_args(hint)), place)
         elif isinstance(hint, type) and hint is not str:
             values[name] = _symbols(hint, f"{place}.")
     if issubclass(kind, tuple):
@@ -149,6 +164,16 @@ def _symbols(kind: type[Any], prefix: str) -> Any:
     symbolic = object.__new__(kind)  # its properties are formulas
     vars(symbolic).update(values)
     return symbolic
+
+
+def _members_at(kind: Any, place: str) -> Any:
+    """Symbols for the numbers of a structure, or of an array, at this place in C."""
+    if issubclass(kind, ctypes.Structure):
+        place += "" if place.endswith("->") else "."
+        return SimpleNamespace(**{name: _members_at(of, f"{place}{name}") for name, of in kind._fields_})
+    if issubclass(kind, ctypes.Array):
+        return tuple(_members_at(kind._type_, f"{place}[{k}]") for k in range(kind._length_))
+    return ca.SX.sym(place if kind is ctypes.c_double else f"(double){place}")
 
 
 def _facts_of(formula: Callable[..., Any]) -> dict[str, _Fact]:

@@ -69,7 +69,7 @@ def parameter_structures() -> str:
         "/* of the values of an EndMotion: names and largest sizes */\n"
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n"
     )
-    parts.append(f"/* s, of rope_advance */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
+    parts.append(f"/* s, of rope_advance_to */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
     groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}
     wholes = {ShaftStructure: "Shaft", SceneStructure: "Scene", EndStructure: "EndMotion"}

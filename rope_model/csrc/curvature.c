@@ -1,14 +1,12 @@
 /* The permanent curvature of a rope along its present shape: rope_model.simulation.curvature, which see. */
 
-#include <string.h>
-
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {
     return rope->scene.rope.initial_curvature > 0 && state->fidelity == TORSIONAL;
 }
 
-void refer_curved(Simulator *rope, State *state, const double *q) {
+void curved_reference(Simulator *rope, State *state, const double *q) {
     const Rope *data = &rope->scene.rope;
     const Arrays m = state_arrays(state);
     double e1[3] = DIRECTOR_START, found[12], *to = rope->curved;

@@ -1,5 +1,4 @@
 /* rope_model.simulation.fidelity: which fidelity of the model serves, and why.  The estimates are explained there. */
-#include <string.h>
 
 #include "rules.h"
 
@@ -12,12 +11,12 @@ const char *fidelity_name(int fidelity) {
 }
 
 /* text (MESSAGE): an input by its number, and its value */
-static void say_input(const EndMotion ends[2], int number, char *text) {
+static void input_text(const EndMotion ends[2], int number, char *text) {
     const int side = (number - 1) / INPUT_COUNT, place = (number - 1) % INPUT_COUNT;
     say_nonzero_input(text, SIDE_NAMES[side], INPUTS[place], end_value(&ends[side], place));
 }
 
-void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *what) {
+void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *what) {
     const EndMotion *left = &ends[LEFT], *right = &ends[RIGHT];
     what[0] = '\0';
     if (fidelity == TORSIONAL) return;
@@ -27,20 +26,20 @@ void fidelity_unsupported_motion(const Scene *scene, int fidelity, const EndMoti
         tell_unsupported(scene, fidelity, left, right, forces, what);
     if (number == 0 && fidelity == RIGID && forces > 0) say_applied_forces(what);
     if (number == 0) return;
-    say_input(ends, number, what);
+    input_text(ends, number, what);
     if (fidelity == SPATIAL && out_of_plane(number)) say_while_swivels_hold(what, memcpy(why, what, sizeof why));
 }
 
-int fidelity_lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces) {
+int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces) {
     char what[MESSAGE];
     for (int fidelity = RIGID; fidelity > TORSIONAL; fidelity--) {
-        fidelity_unsupported_motion(scene, fidelity, ends, forces, what);
+        unsupported_motion(scene, fidelity, ends, forces, what);
         if (!what[0]) return fidelity;
     }
     return TORSIONAL;
 }
 
-int fidelity_choose(const Scene *scene, const EndMotion ends[2], int forces, char *reason) {
+int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, char *reason) {
     const EndMotion *left = &ends[LEFT], *right = &ends[RIGHT];
     char why[MESSAGE], below[MESSAGE] = "";
     if (scene->model.fidelity != AUTO_FIDELITY) {
@@ -50,14 +49,14 @@ int fidelity_choose(const Scene *scene, const EndMotion ends[2], int forces, cha
     if (tell_complete_model(scene, forces, reason)) return TORSIONAL;
     const int number = (int)held_input(left, right), estimated = scene->model.force_tolerance > 0;
     if (number > 0) {
-        say_input(ends, number, why);
+        input_text(ends, number, why);
         say_held_where_initialised(reason, why);
         return TORSIONAL;
     }
-    const int fidelity = estimated ? fidelity_lowest_sufficient(scene, ends, forces) : TORSIONAL;
+    const int fidelity = estimated ? lowest_sufficient(scene, ends, forces) : TORSIONAL;
     if (tell_sufficient(scene, fidelity, left, right, reason))
         return carries_torque(scene) || fidelity == RIGID ? fidelity : PLANAR;
-    if (estimated) fidelity_unsupported_motion(scene, SPATIAL, ends, forces, below);
+    if (estimated) unsupported_motion(scene, SPATIAL, ends, forces, below);
     tell_torque(scene, below[0] ? why : reason);
     if (below[0]) say_torque_and_more(reason, why, below);
     return TORSIONAL;

@@ -1,7 +1,6 @@
 /* The memory of a simulator: all that it needs for its number of elements, taken at once. */
 
 #include <stdint.h>
-#include <string.h>
 
 #include "formulas.h"
 #include "messages.h"

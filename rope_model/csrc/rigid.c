@@ -1,8 +1,7 @@
 /* rope_model.simulation.rigid: an inextensible rope without bending stiffness, two straight legs and a half circle. */
-#include <string.h>
 
-#include "formulas.h"
 #include "messages.h"
+#include "simulator.h"
 
 /* velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF) */
 static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
@@ -26,7 +25,7 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
     *kinetic = energies[0], *gravity = energies[1];
 
     suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
-    shape_hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message);
+    hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message);
     if (message[0]) return;
     flow_velocities(nodes, q, rigid_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
@@ -43,4 +42,60 @@ void rigid_tension(const Arrays *arrays, double rho, double gravity, int points,
     Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
     for (int k = 0; k < points; k++)
         tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], at[k]);
+}
+
+void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],
+                    double gained[2]) {
+    EndMotion moved[2] = {ends[LEFT], ends[RIGHT]};
+    for (int k = 0; k < 3; k++) ((double *)&moved[side])[3 * k + axis] += change[k];
+    const Pull before = rigid_pull(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
+    const Pull after = rigid_pull(&scene->rope, &scene->layout, &moved[LEFT], &moved[RIGHT]);
+    for (int end = LEFT; end <= RIGHT; end++) gained[end] = after.tensions[end] - before.tensions[end];
+}
+
+/* theta of an equilibrium q counted from the rigid rope instead of along q */
+static void count_from_rigid(Simulator *rope, State *state, const double *rigid, double *q) {
+    const size_t size = (size_t)(state->elements + 1) * DOF;
+    double *own = rope->trial.q, *rest = rope->trial.v;
+    memcpy(own, q, sizeof(double) * size);
+    memset(rest, 0, sizeof(double) * size);
+    rope_system_refer(rope, state, rigid);
+    rope_system_transport(rope, state, own, rest, rest, rest);
+    for (size_t at = ANGLE; at < size; at += DOF) q[at] -= own[at] - q[at];
+}
+
+int flexible_start(Simulator *rope, State *state, char *message) {
+    const Arrays m = state_arrays(state);
+    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
+    const double t = state->t, offset = state->offsets[RIGHT];
+    /* b and a_rate are free until the restart */
+    double *q = m.b, *reaction = m.a_rate, *const all[3] = {m.q, m.v, m.a};
+    const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
+    state_copy(rope, rope->spare, state);
+    const double *rigid = state_arrays(rope->spare).q;
+    for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
+    int found = find_equilibrium(rope, state, INFINITY, message);
+    const double turned = state->offsets[RIGHT];
+    memcpy(q, m.q, bytes);
+    memcpy(reaction, m.reaction, bytes);
+    for (int k = 1; k < 3 && found; k++) { /* before, and after */
+        state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
+        state->offsets[RIGHT] = turned;
+        memcpy(m.q, q, bytes);
+        found = find_equilibrium(rope, state, INFINITY, message);
+        memcpy(all[k], m.q, bytes);
+    }
+    state->t = t;
+    state->offsets[RIGHT] = offset;
+    memcpy(state->paths, paths, sizeof paths);
+    memcpy(m.q, q, bytes);
+    memcpy(m.reaction, reaction, bytes);
+    for (int k = 0; k < 3 && found; k++) count_from_rigid(rope, state, rigid, all[k]);
+    rope_system_refer(rope, state, rigid);
+    for (size_t i = 0; i < size; i++) {
+        const double before = m.v[i], after = m.a[i];
+        m.v[i] = (after - before) / (2 * DIFFERENCE);
+        m.a[i] = (after - 2 * m.q[i] + before) / (DIFFERENCE * DIFFERENCE);
+    }
+    return found;
 }

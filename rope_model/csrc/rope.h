@@ -33,7 +33,7 @@ void rope_destroy(Simulator *rope);
 int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
 /* less than ROPE_SHORTEST_INTERVAL ahead nothing moves, and the time is not lost: the next step begins where this one
    did.  The motions are those at the instant given_at, t or before, and are extrapolated with constant accelerations */
-int rope_advance(Simulator *rope, double t, const EndMotion ends[2], double given_at);
+int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at);
 
 /* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
 int rope_retune(Simulator *rope, const Scene *scene);
@@ -65,15 +65,13 @@ const char *rope_fidelity_reason(const Simulator *rope);
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *rope, int number, char *message);
 
-/* The value of an output, by its number in rope_model.simulation.outputs.signals.SIGNALS; booleans and integers are
+/* The values of outputs, by their numbers in rope_model.simulation.outputs.signals.SIGNALS; booleans and integers are
    exact.  Computed when first asked for after a change of state. */
-double rope_signal(Simulator *rope, int signal);
-/* The values of many outputs at once. */
 void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
 
 /* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 22 inputs
    (11 of EndMotion on the left, then on the right), held at the end of a step as long as the last. */
-int rope_derivative(Simulator *rope, int input, double derivative[12]);
+int rope_load_derivative(Simulator *rope, int input, double derivative[12]);
 
 /* The complete state: plain bytes without addresses, the same in every process. */
 size_t rope_state_bytes(const Simulator *rope);

@@ -1,8 +1,6 @@
 /* The state as one block of bytes. */
 
-#include <math.h>
 #include <stddef.h>
-#include <string.h>
 
 #include "rules.h"
 #include "simulator.h"
@@ -32,15 +30,15 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     const Pattern *pattern = &state->pattern;
     double *lengths = rope->trial.q, *s = rope->trial.v;
     Pattern expected;
-    mesh_partition(&rope->mesh, length, 0.5 * length, m->elements, &expected, lengths);
+    partition(&rope->mesh, length, 0.5 * length, m->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         const int first = pattern->counts[0], least = (int)fewest_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return 0;
-        mesh_transform(&expected, first - expected.counts[0], m->elements, lengths);
+        partition_transform(&expected, first - expected.counts[0], m->elements, lengths);
     }
     if (memcmp(pattern, &expected, sizeof expected) != 0) return 0;
-    mesh_arc_lengths(m->elements, lengths, s);
+    arc_lengths(m->elements, lengths, s);
     for (int k = 0; k < m->elements; k++)
         if (!(fabs(m->lengths[k] - lengths[k]) <= rounding && fabs(m->s[k] - s[k]) <= rounding)) return 0;
     return fabs(m->s[m->elements] - s[m->elements]) <= rounding;
@@ -82,7 +80,8 @@ int state_plausible(const Simulator *rope, State *state) {
         !all_finite(&state->energy_balance.kinetic,
                     (offsetof(State, counts) - offsetof(State, energy_balance)) / sizeof(double)))
         return 0;
-    if (!all_finite((const double *)(const void *)state->following, sizeof state->following / sizeof(double))) return 0;
+    if (!all_finite((const double *)(const void *)state->following, sizeof state->following / (sizeof(double))))
+        return 0;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0)) return 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const SwivelState *swivel = &state->swivels[side];

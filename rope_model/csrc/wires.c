@@ -1,8 +1,5 @@
 /* The memory of a rope whose wires rub on each other: rope_model.simulation.wires, which see. */
 
-#include <math.h>
-#include <string.h>
-
 #include "simulator.h"
 
 /* where in the element the length of rope begins and ends that a point stands for, in parts of 1 */
@@ -20,24 +17,21 @@ static void look_at_section(const State *state, const Arrays *m, const double *q
     if (state->fidelity != TORSIONAL) section[ANGLE] = 0;
 }
 
-void refer_wires(Simulator *rope, State *state, const double *q) {
+void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]) {
     const Arrays m = state_arrays(state);
-    const System s = system_of(rope, state);
     const double stiffness = wire_stiffness(&rope->scene.rope);
-    if (!state->rubs) return;
-    chain_of(rope, state)->strains(&s, q, rope->strains);
     for (int e = 0; e < m.elements; e++) {
-        double *to = memory_of(rope, e), *at = to;
+        double *at = memory_of(rope, e);
         for (int k = 0; k < WIRE_POINTS; k++, at += WIRE_MEMORY) {
             look_at_section(state, &m, q, e, k, at);
             memcpy(at + WIRE_MEMORY - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *at);
         }
-        at[0] = slip_curvature(&rope->scene.rope, stiffness, rope->strains[e][0], rope->strains[e][1]);
+        at[0] = slip_curvature(&rope->scene.rope, stiffness, strains[e][0], strains[e][1]);
         at[1] = stiffness;
     }
 }
 
-double slip_wires(Simulator *rope, State *state, const double *q) {
+double wires_slip(Simulator *rope, State *state, const double *q) {
     static const double weights[] = WIRE_WEIGHTS;
     const Arrays m = state_arrays(state);
     double dissipated = 0;
@@ -52,14 +46,6 @@ double slip_wires(Simulator *rope, State *state, const double *q) {
         }
     }
     return dissipated;
-}
-
-void begin_rubbing(Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
-    if (state->rubs || state->fidelity == RIGID || rope->wires == NULL) return;
-    state->rubs = 1;
-    memset(m.z, 0, sizeof(double) * WIRE_Z * (size_t)m.elements);
-    refer_wires(rope, state, m.q);
 }
 
 /* the mean of z over arc lengths from `from` to `to` of elements between nodes at s; z is constant in a point's cell */
@@ -79,7 +65,7 @@ static void mean_between(const double *z, const double *s, int elements, double 
         }
 }
 
-void carry_wires(Simulator *rope, State *state, const double *old_s) {
+void wires_carry(Simulator *rope, State *state, const double *old_s) {
     const Arrays m = state_arrays(state);
     double *before = rope->wires; /* what it held is of the old mesh */
     if (!state->rubs) return;
@@ -88,4 +74,12 @@ void carry_wires(Simulator *rope, State *state, const double *old_s) {
         for (int k = 0; k < WIRE_POINTS; k++)
             mean_between(before, old_s, m.elements, m.s[e] + m.lengths[e] * CELLS[k],
                          m.s[e] + m.lengths[e] * CELLS[k + 1], m.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
+}
+
+int fresh_memory(const Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    if (state->rubs || state->fidelity == RIGID || rope->wires == NULL) return 0;
+    state->rubs = 1;
+    memset(m.z, 0, sizeof(double) * WIRE_Z * (size_t)m.elements);
+    return 1;
 }

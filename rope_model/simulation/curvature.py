@@ -18,7 +18,7 @@ def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
     return rope.initial_curvature > 0 and fidelity == "torsional"
 
 
-def curved(rope: Rope, q: Array, lengths: Array) -> Array:
+def curved_reference(rope: Rope, q: Array, lengths: Array) -> Array:
     """(elements, physics.curved_element.CURVED): what the rope ``q`` has in the reference."""
     nodes, one = np.concatenate((q[:-1], q[1:]), axis=1), np.ones(lengths.size)
     along = directors_along(lengths.size)

@@ -115,7 +115,7 @@ class RopeModel:
         m = state.motion
         system = self.system(state)
         motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
-        audit = restarted(state.audit, load_on(ends_of(system), motion, system))
+        audit = restart_audit(state.audit, load_on(ends_of(system), motion, system))
         return state._replace(motion=motion, powers=powers(system, motion), audit=audit)
 
     def commit(self, old: RopeState, system: RopeSystem, result: StepResult[Evaluation]) -> RopeState:
@@ -138,9 +138,9 @@ class RopeModel:
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
         after = old._replace(motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=now)
         after = after._replace(contact=contact)
-        return self._with_step_audited(old.motion, with_angles_along(system, after), system)
+        return self._audit_step(old.motion, with_angles_along(system, after), system)
 
-    def _with_step_audited(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:
+    def _audit_step(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:
         """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
         m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
         now, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
@@ -156,15 +156,15 @@ class RopeModel:
         )
         return state._replace(audit=audit)
 
-    def audit_begun(self, state: RopeState) -> RopeState:
+    def begin_audit(self, state: RopeState) -> RopeState:
         """``state`` as that with whose momentum the next is compared."""
         if state.fidelity == "rigid":
             return state
         m, system = state.motion, self.system(state)
-        audit = restarted(state.audit, load_on(ends_of(system), m, system))
+        audit = restart_audit(state.audit, load_on(ends_of(system), m, system))
         return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
 
-    def audited(self, before: RopeState, state: RopeState) -> RopeState:
+    def audit_interval(self, before: RopeState, state: RopeState) -> RopeState:
         """``state``, the communication step that leads to it from ``before`` compared with what acted in it."""
         if state.fidelity == "rigid":
             return state
@@ -220,7 +220,7 @@ _CONTACT_LOAD, _AIR_LOAD = (
 )
 
 
-def restarted(audit: Audit, load: Load) -> Audit:
+def restart_audit(audit: Audit, load: Load) -> Audit:
     """``audit`` where the accelerations begin anew, as they do after an event."""
     return audit._replace(load=load, auxiliary=load, rate=NO_LOAD)
 

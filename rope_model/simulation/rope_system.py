@@ -29,7 +29,7 @@ from ..physics.element import (
 )
 from ..physics.point_forces import point_load
 from ..physics.wire_element import HISTORY, LATEST
-from .curvature import curved, is_curved
+from .curvature import curved_reference, is_curved
 from .rope_kernels import RopeKernels
 from .wires import NO_MEMORY, Slip, history, latest_tangent, slip
 
@@ -146,7 +146,7 @@ class RopeSystem:
     def _refer(self) -> None:
         self.frames = self.kernels.reference(self.reference, self.lengths)[0]
         if self._rope is not None and is_curved(self._rope, self.kernels.fidelity):
-            self.frames = np.hstack((self.frames, curved(self._rope, self.reference, self.lengths)))
+            self.frames = np.hstack((self.frames, curved_reference(self._rope, self.reference, self.lengths)))
         if self._rope is not None and self.z.size:
             self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY + LATEST))))
             strains = self.strains(self.reference)

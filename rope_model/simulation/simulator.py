@@ -213,7 +213,7 @@ class RopeSimulator(BalanceRope):
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
-        state = with_passages(scene, at_rest(scene, self.model.audit_begun(state)))
+        state = with_passages(scene, at_rest(scene, self.model.begin_audit(state)))
         self._accept(with_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
@@ -245,7 +245,7 @@ class RopeSimulator(BalanceRope):
             if self.scene.model.fidelity != "auto":
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(state.fidelity, why))
             try:
-                state = self.model.audit_begun(raise_fidelity(self.model, state, why))
+                state = self.model.begin_audit(raise_fidelity(self.model, state, why))
             except StaticsError as error:
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
@@ -269,7 +269,7 @@ class RopeSimulator(BalanceRope):
         mean = impulse[0] / (t - start), impulse[1] / (t - start)
         if state.counts.given_up and not self.state.counts.given_up:
             state = state._replace(given_up_since=start)
-        state = self.model.audited(self.state, state)
+        state = self.model.audit_interval(self.state, state)
         self._accept(state._replace(last_interval=t - start, force_mean=mean))
         return Status(True)
 

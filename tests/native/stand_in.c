@@ -81,7 +81,7 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     return 1;
 }
 
-int rope_advance(Simulator *rope, double t, const EndMotion given[2], double given_at) {
+int rope_advance_to(Simulator *rope, double t, const EndMotion given[2], double given_at) {
     const double ahead = t - given_at;
     EndMotion ends[2] = {given[LEFT], given[RIGHT]};
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -132,14 +132,18 @@ void rope_warning(Simulator *rope, int number, char *message) {
     message[0] = '\0';
 }
 
-double rope_signal(Simulator *rope, int signal) {
+static double value_of(Simulator *rope, int signal) {
     int side = signal == SIGNAL_LEFT_FY ? LEFT : RIGHT;
     if (signal == SIGNAL_LEFT_FY || signal == SIGNAL_RIGHT_FY)
         return -leg_mass(rope, side) * (rope->scene.layout.gravity + rope->state.ends[side].ay);
     return signal == SIGNAL_COUNT_STEPS ? rope->state.steps : 0.0;
 }
 
-int rope_derivative(Simulator *rope, int input, double derivative[12]) {
+void rope_signals(Simulator *rope, size_t number, const int *signals, double *values) {
+    for (size_t k = 0; k < number; k++) values[k] = value_of(rope, signals[k]);
+}
+
+int rope_load_derivative(Simulator *rope, int input, double derivative[12]) {
     int moved = input / 11, k = input % 11, side;
     for (side = 0; side < 12; side++) derivative[side] = 0.0;
     for (side = LEFT; side <= RIGHT; side++) {

@@ -1,8 +1,6 @@
 /* Contact of the rope with itself: rope_model.simulation.contact.self_contact and physics.rope_on_rope. */
 
-#include <string.h>
-
-#include "chain.h"
+#include "rope_system.h"
 
 /* even of strands that lie in each other */
 static size_t most_touches(const Scene *scene, int elements) {
@@ -33,12 +31,6 @@ OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
     /* ints in twos keep what follows aligned */
     own->touches = (RopeTouch *)(void *)(own->others + n + n % 2);
     return own;
-}
-
-void place_on(const double *x, int element, const double shares[4], double y[3]) {
-    const double *a = x + (size_t)element * DOF, *b = a + DOF;
-    for (int i = 0; i < 3; i++)
-        y[i] = shares[0] * a[i] + shares[1] * a[SLOPE + i] + shares[2] * b[i] + shares[3] * b[SLOPE + i];
 }
 
 static double length_between(const double a[3], const double b[3]) {
@@ -75,13 +67,13 @@ static double nearest_place(const System *s, const double *q, int element, const
     double shares[4], place[3], least = INFINITY;
     for (int k = 0; k < PROBES; k++) {
         hermite_shares(probes[k], l, shares);
-        place_on(q, element, shares, place);
+        at_places(q, element, shares, place);
         const double distance = length_between(place, point);
         if (distance < least) least = distance, *xi = probes[k];
     }
     for (int k = 0; k < CORRECTIONS; k++) *xi = nearer_place(*xi, l, point, a, a + DOF);
     hermite_shares(*xi, l, shares);
-    place_on(q, element, shares, place);
+    at_places(q, element, shares, place);
     return length_between(place, point);
 }
 
@@ -92,10 +84,10 @@ static void note(const System *s, const double *q, const double *v, const double
     const int other = touch.elements[1];
     double partner[4], place[2][3], speed[2][3];
     hermite_shares(touch.place, s->lengths[other], partner);
-    place_on(q, touch.elements[0], shares, place[0]);
-    place_on(v, touch.elements[0], shares, speed[0]);
-    place_on(q, other, partner, place[1]);
-    place_on(v, other, partner, speed[1]);
+    at_places(q, touch.elements[0], shares, place[0]);
+    at_places(v, touch.elements[0], shares, speed[0]);
+    at_places(q, other, partner, place[1]);
+    at_places(v, other, partner, speed[1]);
     for (int i = 0; i < 3; i++) place[0][i] -= place[1][i], speed[0][i] -= speed[1][i];
     for (int k = 0; k < 4; k++) touch.shares[k] = shares[k], touch.shares[4 + k] = -partner[k];
     touch.law = rope_touch(&own->scene->shaft.contact, own->scene->rope.diameter, place[0], speed[0], c[0], c[1]);
@@ -130,7 +122,7 @@ static void look_along(const System *s, const double *q, const double *v, const 
         RopeTouch touch = {.elements = {element, 0}, .weight = weight};
         double shares[4], point[3], least = INFINITY;
         hermite_shares((k + 0.5) / number, l, shares);
-        place_on(q, element, shares, point);
+        at_places(q, element, shares, point);
         for (int n = 0; n < others; n++) {
             own->distances[n] = nearest_place(s, q, own->others[n], point, own->where + n);
             if (own->distances[n] < least) least = own->distances[n];
@@ -148,7 +140,7 @@ static void look_along(const System *s, const double *q, const double *v, const 
     }
 }
 
-int find_rope_touches(const System *s, const double *q, const double *v, double cq, double cv) {
+int touches_of(const System *s, const double *q, const double *v, double cq, double cv) {
     OwnContact *own = s->own;
     const double c[2] = {cq, cv};
     own->number = 0;
@@ -176,12 +168,12 @@ static void spread(const RopeTouch *touch, const double force[3], double *y) {
         for (int i = 0; i < 3; i++) y[row_of(touch, k) + (size_t)i] += touch->weight * touch->shares[k] * force[i];
 }
 
-void add_rope_force(const OwnContact *own, double *R) {
+void self_contact_take_force(const OwnContact *own, double *R) {
     for (const RopeTouch *at = own->touches; at < own->touches + own->number; at++)
         spread(at, (const double[3]){-at->law.force[0], -at->law.force[1], -at->law.force[2]}, R);
 }
 
-void add_rope_tangent(const OwnContact *own, const double *x, double *y) {
+void self_contact_times(const OwnContact *own, const double *x, double *y) {
     static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     for (const RopeTouch *at = own->touches; at < own->touches + own->number; at++) {
         double apart[3] = {0}, force[3] = {0};
@@ -193,8 +185,8 @@ void add_rope_tangent(const OwnContact *own, const double *x, double *y) {
     }
 }
 
-void add_rope_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
-    if (s->own == NULL || !find_rope_touches(s, q, v, 0, 0)) return;
+void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+    if (s->own == NULL || !touches_of(s, q, v, 0, 0)) return;
     for (const RopeTouch *at = s->own->touches; at < s->own->touches + s->own->number; at++) {
         sums[CONTACT_ENERGY] += at->weight * at->law.sums[CONTACT_ENERGY];
         sums[CONTACT_DISSIPATED] += at->weight * at->law.sums[CONTACT_DISSIPATED];

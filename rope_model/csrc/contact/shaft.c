@@ -1,36 +1,6 @@
 /* The bodies of a scene, and the rope among them: the port of rope_model.simulation.contact.shaft. */
-#include "shaft.h"
 
-#include <string.h>
-
-/* elements that are looked at together first */
-enum { GROUP = 12 };
-
-static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
-    bodies[number] = (Placed){kind, moves_with, body};
-    return number + 1;
-}
-
-int shaft_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies) {
-    const Divider dividers[] = {shaft->divider_1, shaft->divider_2, shaft->divider_3, shaft->divider_4};
-    int n = 0;
-    if (shaft->lining.width > 0) n = add(bodies, n, LINING, FIXED, lining_body(&shaft->lining));
-    for (int side = LEFT; side <= RIGHT; side++) {
-        if (shaft->conveyance.width > 0)
-            n = add(bodies, n, CONVEYANCE, side, conveyance_body(&shaft->conveyance, ends[side]));
-        if (shaft->head_ropes.diameter > 0)
-            n = add(bodies, n, HEAD_ROPES, side, head_ropes_body(&shaft->head_ropes, &shaft->conveyance, ends[side]));
-    }
-    for (int k = 0; k < 4; k++)
-        if (dividers[k].size > 0) n = add(bodies, n, DIVIDER, FIXED, divider_body(&dividers[k]));
-    if (shaft->sump.level > -FAR) n = add(bodies, n, FLOOR, FIXED, floor_body(&shaft->sump));
-    return n;
-}
-
-void shaft_not_near(Nearest nearest[KINDS]) {
-    memset(nearest, 0, KINDS * sizeof *nearest);
-    for (int kind = 0; kind < KINDS; kind++) nearest[kind].clearance = FAR;
-}
+#include "simulator.h"
 
 /* the part of the rope between two nodes, and its place that is nearest to a body */
 typedef struct {
@@ -70,8 +40,8 @@ static void refine(Search *search, double s, double length, const double *a, con
 static int searches_of(const Scene *scene, const Arrays *m, double t, const Nearest nearest[KINDS], Search *searches) {
     const double *const ends[2] = {m->q, m->q + (size_t)m->elements * DOF};
     Placed bodies[MOST_BODIES];
-    const int number = shaft_bodies(&scene->shaft, ends, bodies);
-    const int lowest = number > 0 ? shape_lowest_node(m->nodes, m->q) : 0;
+    const int number = placed_bodies(&scene->shaft, ends, bodies);
+    const int lowest = number > 0 ? lowest_node(m->nodes, m->q) : 0;
     for (int n = 0; n < number; n++) {
         const int first = bodies[n].moves_with == LEFT ? lowest : 0;
         const int last = bodies[n].moves_with == RIGHT ? lowest : m->elements;
@@ -80,7 +50,7 @@ static int searches_of(const Scene *scene, const Arrays *m, double t, const Near
     return number;
 }
 
-static void take_nearest(int number, const Search *searches, Nearest nearest[KINDS]) {
+static void nearest_of(int number, const Search *searches, Nearest nearest[KINDS]) {
     for (int n = 0; n < number; n++) {
         Nearest *known = &nearest[searches[n].placed.kind];
         if (searches[n].nearest.clearance < known->clearance) *known = searches[n].nearest;
@@ -101,38 +71,59 @@ static void look_along(Search *search, const Arrays *m, int first, int last) {
     }
 }
 
-int shaft_group(int elements, const double *lengths, const double *q, int first, double box[6]) {
-    const double *a = q + (size_t)first * DOF, *b = a + DOF;
-    double bounds[6] = {a[0], a[1], a[2], a[0], a[1], a[2]};
-    int last = first;
-    for (; last < elements && last < first + GROUP; last++, a = b, b += DOF)
-        for (int i = 0; i < 3; i++) {
-            bounds[i] = lowest_on(bounds[i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
-            bounds[3 + i] = highest_on(bounds[3 + i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
-        }
-    box_between(bounds, box);
-    return last;
-}
-
 void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
     Search searches[MOST_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int first = 0, last; number > 0 && first < m->elements; first = last) {
         double box[6];
-        last = shaft_group(m->elements, m->lengths, m->q, first, box);
+        last = bodies_group(m->elements, m->lengths, m->q, first, box);
         for (int n = 0; n < number; n++)
             if (first < searches[n].last && searches[n].first < last && beats(&searches[n], box))
                 look_along(&searches[n], m, first, last);
     }
-    take_nearest(number, searches, nearest);
+    nearest_of(number, searches, nearest);
 }
 
 void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
     Search searches[MOST_BODIES];
-    shaft_not_near(nearest);
+    not_near(nearest);
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int n = 0; n < number; n++)
         for (int k = searches[n].first; k <= searches[n].last; k++) look(&searches[n], m->s[k], m->q + (size_t)k * DOF);
-    take_nearest(number, searches, nearest);
+    nearest_of(number, searches, nearest);
     shaft_nearer(scene, m, t, nearest);
+}
+
+/* how far the rope lies in itself, where that is further than before */
+static void with_overlap(const Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    const double *nearest = rope->own->nearest, diameter = rope->scene.rope.diameter;
+    Crossing *crossing = &state->crossing;
+    const System s = {.elements = m.elements, .lengths = m.lengths, .own = rope->own};
+    touches_of(&s, m.q, m.v, 0, 0);
+    if (!(diameter - nearest[0] > crossing->overlap)) return;
+    if (crossing->overlap == 0) crossing->touched_at = state->t;
+    crossing->overlap = diameter - nearest[0];
+    crossing->touched_y = nearest[1];
+}
+
+/* what the rope came near to, and passed through, at the state's instant */
+void with_passages(const Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    Crossing *crossing = &state->crossing;
+    state->looked_at = state->t;
+    shaft_nearer(&rope->scene, &m, state->t, state->nearest);
+    const double line = diagnostics_direction(&m), above = rope->scene.layout.spacing,
+                 diameter = rope->scene.rope.diameter;
+    double across[2];
+    heading(line, across);
+    const int near = !legs_apart(&m, across, diameter, above);
+    if (near || rope->own->presses) with_overlap(rope, state);
+    if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
+    const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
+    const LoopTurns turns = loop_turns(&m, &bottom);
+    const double net = rint(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
+    if (net != crossing->net && crossing->number == 0) crossing->since = state->t, crossing->y = turns.sharpest_y;
+    crossing->number += fabs(net - crossing->net);
+    crossing->net = net;
 }

@@ -1,9 +1,10 @@
 /* rope_model.simulation.ends.ends: checks of the motions that a host gives, and the swivels' friction. */
-#include <math.h>
 
 #include "rules.h"
 
 enum { YAW = 3, AXES = 4 };
+/* of the conveyance's yaw in theta */
+static const double YAW_SENSE[2] = {-1.0, 1.0};
 
 static int largest(const double sizes[AXES]) {
     int worst = 0;
@@ -12,7 +13,8 @@ static int largest(const double sizes[AXES]) {
     return worst;
 }
 
-void end_refusal(const Inputs *inputs, const EndMotion *target, const double limits[3][AXES], int side, char *message) {
+void ends_refusal(const Inputs *inputs, const EndMotion *target, const double limits[3][AXES], int side,
+                  char *message) {
     static const char *const names[] = END_MOTION_NAMES;
     static const double bounds[] = END_MOTION_REACH;
     static const char *const units[2][2] = {{"m", "rad"}, {"m/s", "rad/s"}};
@@ -39,18 +41,23 @@ void end_refusal(const Inputs *inputs, const EndMotion *target, const double lim
                               worst == YAW ? "rad/s^2" : "m/s^2", inputs->acceleration_max);
 }
 
-void end_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {
+void ends_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {
     message[0] = '\0';
     if (following->held > 1 && t - following->given_at > inputs->hold_max)
         say_inputs_frozen(message, SIDE_NAMES[side], t - following->given_at, inputs->hold_max);
 }
 
-double swivel_moment(const Scene *scene, const State *state, int side, const double *reaction) {
+double ends_moment(const Scene *scene, const State *state, int side, const double *reaction) {
     return moment_of_swivel(&scene->swivels[side], &state->swivels[side], reaction[1], reaction[ANGLE]);
 }
 
-void swivel_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {
+void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {
     const EndMotion now = path_at(&state->paths[side], t);
     relative[0] = theta - state->offsets[side] - YAW_SENSE[side] * now.yaw;
     relative[1] = theta_t - YAW_SENSE[side] * now.yaw_rate;
+}
+
+void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]) {
+    held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing, YAW_SENSE[side],
+             state->offsets[side] + state->swivels[side].angle, rows);
 }

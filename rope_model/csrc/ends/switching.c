@@ -1,8 +1,5 @@
 /* Stick and slip: rope_model.simulation.ends.switching, which see. */
 
-#include <math.h>
-#include <string.h>
-
 #include "rules.h"
 #include "simulator.h"
 
@@ -11,7 +8,7 @@ static double excess_of(const Simulator *rope, const State *state, int side, dou
     const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
     const double *R = end_row(m->reaction, m->nodes, side);
     double relative[2];
-    swivel_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
+    ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
     return swivel_excess(&rope->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
 }
 
@@ -32,7 +29,7 @@ void release_swivels(Simulator *rope, State *state) {
         }
     }
     if (!changed) return;
-    restart(rope, state);
+    model_restart(rope, state);
     const Arrays m = state_arrays(state);
     if (excess(rope, state, state->t, &m) >= 0) switch_swivels(rope, state);
 }
@@ -51,12 +48,12 @@ typedef struct {
 static double excess_after(void *with, double h) {
     Search *search = with;
     if (search->iterations >= search->work) return -1; /* the earliest instant known to be past it will do */
-    const Trial trial = trial_step(search->rope, search->state, h);
+    const StepResult trial = model_trial(search->rope, search->state, h);
     search->iterations += trial.newton.iterations;
     return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
 }
 
-int switching_step(Simulator *rope, State *state, Trial *trial) {
+int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
     if (at_end < 0) return 0;
     const Arrays m = state_arrays(state);
@@ -66,7 +63,7 @@ int switching_step(Simulator *rope, State *state, Trial *trial) {
     if (at_start >= 0) /* a slip that has just begun has no rate yet */
         at_start = -1e-12;
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
-    *trial = trial_step(rope, state, h);
+    *trial = model_trial(rope, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
     state->counts.given_up += search.iterations >= search.work;
     return trial->reached ? 1 : -1;
@@ -81,9 +78,9 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
     SwivelState now = swivels[side];
     if (now.phase == SLIP) {
         double relative[2];
-        swivel_relative(trial, side, trial->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
+        ends_relative(trial, side, trial->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
         now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
-        restart(rope, trial);
+        model_restart(rope, trial);
         if (excess_of(rope, trial, side, trial->t, &m) < 0) return now;
     }
     now.phase = SLIP;
@@ -106,7 +103,7 @@ void switch_swivels(Simulator *rope, State *state) {
         record_event(state, swivels[side].phase == STICK ? STICKS : slips, side, 0, 0);
     }
     memcpy(state->swivels, swivels, sizeof swivels);
-    restart(rope, state);
+    model_restart(rope, state);
 }
 
 int chatters(const State *state) {

@@ -1,8 +1,6 @@
-/* Partitions of the rope into elements: the port of rope_model.simulation.mesh.partition, which says what is done and
-   why. */
+/* Partitions of the rope into elements: rope_model.simulation.mesh.partition, which says what is done and why. */
+
 #include <limits.h>
-#include <math.h>
-#include <string.h>
 
 #include "rules.h"
 
@@ -13,11 +11,11 @@ static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
 }
 
-double mesh_fine_length(const Pattern *pattern, const double *lengths) {
+double partition_fine(const Pattern *pattern, const double *lengths) {
     return pattern->coarse > 0 ? fine_share(pattern->counts + 1) * pattern->coarse : lengths[0];
 }
 
-Mesh mesh_fit(const Scene *scene) {
+Mesh fit_mesh(const Scene *scene) {
     Mesh fitted = scene->mesh;
     if (fitted.kind != AUTO_MESH) return fitted;
     const double asked = fitted.loop_error > 0 ? fitted.loop_error : MESH_SHARE * scene->accuracy.loop;
@@ -37,7 +35,7 @@ Mesh mesh_fit(const Scene *scene) {
 
 /* elements of a leg of `units` l from the clamped end on, each as long as its distances from end and loop allow, in
    units of l as `growth`; where the lengths go to every `stride`, NULL: nowhere */
-static int fill_leg(int units, double growth, double *lengths, int stride) {
+static int leg(int units, double growth, double *lengths, int stride) {
     int count = 0;
     for (int at = 0, size; at < units; at += size, count++) {
         size = 1;
@@ -55,7 +53,7 @@ static int fill_leg(int units, double growth, double *lengths, int stride) {
 static int leg_elements(int units, double growth) {
     int most = growth > 0 ? 0 : units;
     for (int first = 1; growth > 0 && first <= units / 2; first++) {
-        int count = fill_leg(first, growth, NULL, 0) + fill_leg(units - first, growth, NULL, 0);
+        int count = leg(first, growth, NULL, 0) + leg(units - first, growth, NULL, 0);
         most = count > most ? count : most;
     }
     return most;
@@ -71,8 +69,8 @@ static int longest_of(const double *lengths, int stride, int count) {
 
 /* both legs from their ends on; what another place of the loop would ask for halves the longest elements; gives the
    number of the left leg's */
-static int fill_legs(int first, int last, double growth, int elements, double *left, double *right) {
-    int counts[2] = {fill_leg(first, growth, left, 1), fill_leg(last, growth, right, -1)};
+static int legs(int first, int last, double growth, int elements, double *left, double *right) {
+    int counts[2] = {leg(first, growth, left, 1), leg(last, growth, right, -1)};
     for (int spare = elements - counts[0] - counts[1]; spare > 0; spare--) {
         int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]);
         int side = i == 0 || (j > 0 && right[-j] > left[i]);
@@ -92,10 +90,10 @@ static double outer_of(const Mesh *mesh, double length) {
     return rint(length / mesh->coarse_length - inner_length(mesh->counts));
 }
 
-int mesh_elements(const Mesh *mesh, double length, char *message) {
+int partition_elements(const Mesh *mesh, double length, char *message) {
     message[0] = '\0';
     if (mesh->kind == EEM) {
-        mesh_in_bounds(mesh, message); /* what 'auto' asks for may be too much */
+        require_in_bounds(mesh, message); /* what 'auto' asks for may be too much */
         return message[0] ? 0 : mesh->elements;
     }
     double outer = outer_of(mesh, length);
@@ -127,7 +125,7 @@ static int fill_inner(const int *counts, double *lengths) {
 }
 
 /* the outermost l from the end on: the last length twice, ..., l/4, l/2, none above `longest`; gives their number */
-static int fill_end(int levels, double longest, double *lengths, int stride) {
+static int end(int levels, double longest, double *lengths, int stride) {
     int n = 0;
     for (int k = 0; k <= levels; k++) {
         const double size = ldexp(1.0, k == 0 ? -levels : k - 1 - levels), each = fmin(size, longest);
@@ -137,30 +135,30 @@ static int fill_end(int levels, double longest, double *lengths, int stride) {
     return n;
 }
 
-static void fill_lengths(const Pattern *pattern, int elements, double *lengths) {
+static void tmn(const Pattern *pattern, int elements, double *lengths) {
     double coarse = pattern->coarse;
     const int *counts = pattern->counts;
     int first = counts[0] > 1 ? counts[0] : 1, last = counts[SEGMENTS - 1] > 1 ? counts[SEGMENTS - 1] : 1;
     const double growth = pattern->grading_length / coarse, fine = fine_share(counts + 1);
-    const int levels = pattern->end_levels, least = fill_leg(first, growth, NULL, 0) + fill_leg(last, growth, NULL, 0);
+    const int levels = pattern->end_levels, least = leg(first, growth, NULL, 0) + leg(last, growth, NULL, 0);
     /* where the pattern is cut off the loop bends the rope up to its end */
     double longest[2] = {counts[0] < 1 ? fine : 1, counts[SEGMENTS - 1] < 1 ? fine : 1};
-    int ends[2], legs;
+    int ends[2], both;
     for (;;) {
-        for (int side = 0; side < 2; side++) ends[side] = fill_end(levels, longest[side], NULL, 0) - 1;
-        legs = elements - ends[0] - ends[1] - fill_inner(counts, NULL);
-        if (legs >= least) break;
+        for (int side = 0; side < 2; side++) ends[side] = end(levels, longest[side], NULL, 0) - 1;
+        both = elements - ends[0] - ends[1] - fill_inner(counts, NULL);
+        if (both >= least) break;
         longest[0] = longest[1] = 1;
     }
 
     double *left = lengths + ends[0], *right = lengths + elements - 1 - ends[1];
-    fill_inner(counts, left + fill_legs(first, last, growth, legs, left, right));
-    fill_end(levels, longest[0], lengths, 1);
-    fill_end(levels, longest[1], lengths + elements - 1, -1);
+    fill_inner(counts, left + legs(first, last, growth, both, left, right));
+    end(levels, longest[0], lengths, 1);
+    end(levels, longest[1], lengths + elements - 1, -1);
     for (int k = 0; k < elements; k++) lengths[k] *= coarse;
 }
 
-void mesh_partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths) {
+void partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths) {
     memset(pattern, 0, sizeof *pattern);
     if (mesh->kind == EEM) {
         for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
@@ -176,16 +174,11 @@ void mesh_partition(const Mesh *mesh, double length, double bottom, int elements
     pattern->counts[0] = (int)first;
     for (int k = 0; k < SEGMENTS - 2; k++) pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
-    fill_lengths(pattern, elements, lengths);
+    tmn(pattern, elements, lengths);
 }
 
-void mesh_transform(Pattern *pattern, int direction, int elements, double *lengths) {
+void partition_transform(Pattern *pattern, int direction, int elements, double *lengths) {
     pattern->counts[0] += direction;
     pattern->counts[SEGMENTS - 1] -= direction;
-    fill_lengths(pattern, elements, lengths);
-}
-
-void mesh_arc_lengths(int elements, const double *lengths, double *s) {
-    s[0] = 0.0;
-    for (int k = 0; k < elements; k++) s[k + 1] = s[k] + lengths[k];
+    tmn(pattern, elements, lengths);
 }

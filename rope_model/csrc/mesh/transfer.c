@@ -1,7 +1,4 @@
-/* Nodal values between the nodes, and carried from one partition of the rope to another: the port of
-   rope_model.simulation.mesh.transfer, which says what is done and why. */
-#include <math.h>
-#include <string.h>
+/* Nodal values between the nodes, and carried from mesh to mesh: rope_model.simulation.mesh.transfer says why. */
 
 #include "formulas.h"
 
@@ -31,37 +28,24 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int place
     }
 }
 
-/* A x = b for all columns of b (rows x columns), which becomes x; A, symmetric and positive definite, is lost: each of
-   its rows (width + 1) holds the diagonal and the entries right of it, nearest first */
-static void solve_banded(int rows, int width, double *A, int columns, double *b) {
-    const ptrdiff_t row = width + 1;
-    for (int i = 0; i < rows; i++)
-        for (int k = 1; k <= width && i + k < rows; k++) {
-            double *own = A + row * i, *below = own + row * k, *x = b + (ptrdiff_t)columns * i;
-            const double factor = own[k] / own[0];
-            for (int j = k; j <= width; j++) below[j - k] -= factor * own[j];
-            for (int c = 0; c < columns; c++) x[(ptrdiff_t)columns * k + c] -= factor * x[c];
-        }
-    for (int i = rows - 1; i >= 0; i--) {
-        double *own = A + row * i, *x = b + (ptrdiff_t)columns * i;
-        const double inverse = 1 / own[0];
-        for (int k = 1; k <= width && i + k < rows; k++)
-            for (int c = 0; c < columns; c++) x[c] -= own[k] * x[(ptrdiff_t)columns * k + c];
-        for (int c = 0; c < columns; c++) x[c] *= inverse;
+/* integrals of the products of two shares over the elements, as solve_banded takes them, zero before: (2 nodes x CUBIC)
+ */
+static void cubic_products(int nodes, const double *s, double *band) {
+    for (int e = 0; e < nodes - 1; e++, band += 2 * CUBIC) {
+        double products[CUBIC * (CUBIC + 1) / 2], *product = products;
+        hermite_products(s[e + 1] - s[e], products);
+        for (int i = 0; i < CUBIC; i++)
+            for (int k = 0; k <= i; k++) band[CUBIC * (i - k) + k] += *product++;
     }
 }
 
-/* integrals of the products of two shares over the elements, as solve_banded takes them: cubic (2 nodes x CUBIC),
-   linear (nodes x LINEAR), both zero before */
-static void add_products(int nodes, const double *s, double *cubics, double *lines) {
-    for (int e = 0; e < nodes - 1; e++, cubics += 2 * CUBIC, lines += LINEAR) {
-        double l = s[e + 1] - s[e], products[CUBIC * (CUBIC + 1) / 2], *product = products;
-        hermite_products(l, products);
-        for (int i = 0; i < CUBIC; i++)
-            for (int k = 0; k <= i; k++) cubics[CUBIC * (i - k) + k] += *product++;
-        lines[0] += l / 3;
-        lines[1] += l / 6;
-        lines[2] += l / 3;
+/* the same for theta: (nodes x LINEAR) */
+static void linear_products(int nodes, const double *s, double *band) {
+    for (int e = 0; e < nodes - 1; e++, band += LINEAR) {
+        const double l = s[e + 1] - s[e];
+        band[0] += l / 3;
+        band[1] += l / 6;
+        band[2] += l / 3;
     }
 }
 
@@ -106,7 +90,8 @@ void transfer_fields(int nodes, const double *old_s, const double *new_s, int fi
         transfer_interpolate(nodes, x[f], old_s, nodes, new_s, y[f]);
     }
     add_missing(nodes, fields, before, old_s, after, new_s, r, theta);
-    add_products(nodes, new_s, cubics, lines);
+    cubic_products(nodes, new_s, cubics);
+    linear_products(nodes, new_s, lines);
     cubics += (ptrdiff_t)2 * CUBIC;
     lines += LINEAR;
     solve_banded(2 * inner, CUBIC - 1, cubics, 3 * fields, r + (ptrdiff_t)6 * fields);

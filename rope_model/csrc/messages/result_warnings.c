@@ -1,7 +1,6 @@
 /* Warnings about results that are valid: the port of rope_model.simulation.messages.result_warnings, which see. */
-#include <math.h>
+
 #include <stdio.h>
-#include <string.h>
 
 #include "rules.h"
 #include "simulator.h"
@@ -9,7 +8,7 @@
 /* of the loop against its ends */
 static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
-    return state->loop_yaw - shape_direction(&m);
+    return state->loop_yaw - diagnostics_direction(&m);
 }
 
 static void neglected_effects(Simulator *rope, char *message) {
@@ -49,7 +48,7 @@ static void leg_contact(Simulator *rope, char *message) {
 static double end_twist(State *state) {
     const Arrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
-    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * shape_direction(&m);
+    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * diagnostics_direction(&m);
 }
 
 static void yaw_at_rest(Simulator *rope, char *message) {

@@ -28,7 +28,7 @@ static inline V SQRT_V(V x) {
     for (i = 0; i < LANES; ++i) x[i] = sqrt(x[i]);
     return x;
 }
-static inline V ABS_V(V x) {
+static inline V FABS_V(V x) {
     int i;
     for (i = 0; i < LANES; ++i) x[i] = fabs(x[i]);
     return x;
@@ -44,7 +44,7 @@ typedef double P2;
 #define SPLAT2(x) (x)
 #define SIDE(x, i) (x)
 #define SQRT_V(x) sqrt(x)
-#define ABS_V(x) fabs(x)
+#define FABS_V(x) fabs(x)
 #endif
 
 #endif

@@ -1,7 +1,7 @@
 /* What this processor can do, asked of itself: of some compilers __builtin_cpu_supports always says no (zig 0.17), and
    __get_cpuid_count is not in those before GCC 7. */
 
-#include "chain_wide.h"
+#include "processor.h"
 
 #if HAS_WIDE_FORM
 #include <cpuid.h>

@@ -1,55 +1,50 @@
 /* What the guards of the loop see of the present rope: the port of rope_model.simulation.outputs.guards. */
-#include <math.h>
 
-#include "shaft.h"
+#include "rope_system.h"
 
 double guards_rise(const Scene *scene, const State *state, const Arrays *m, const LoopBottom *bottom) {
     const double left = m->q[1], right = m->q[(size_t)m->elements * DOF + 1];
     return loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
 }
 
-double guards_sideways(const Arrays *m, const LoopBottom *bottom) {
-    return sideways(bottom->position, m->q, m->q + (size_t)m->elements * DOF);
-}
-
-/* how far the legs are from straight below their ends at the switch's height */
-static double sideways_at_switch(const Arrays *m, double height) {
+/* how far the lowest point is from midway between the ends or, at the switch's height, a leg from below its end */
+static double guards_sideways(const Arrays *m, double height, const LoopBottom *bottom) {
     const double *last = m->q + (size_t)m->elements * DOF;
-    const double *lowest = m->q + (size_t)shape_lowest_node(m->nodes, m->q) * DOF;
+    const double *lowest = m->q + (size_t)lowest_node(m->nodes, m->q) * DOF;
     double farthest = 0;
+    if (height <= -FAR) return sideways(bottom->position, m->q, last);
     for (const double *a = m->q; a < last; a += DOF)
         if ((a[1] < height) != (a[DOF + 1] < height))
             farthest = larger(farthest, off_plumb(height, a, a + DOF, a < lowest ? m->q : last));
     return farthest;
 }
 
-void guards_start(const Scene *scene, State *state) {
+void guards_at_rest(const Scene *scene, State *state) {
     const Arrays m = state_arrays(state);
-    const LoopBottom bottom = shape_loop_bottom(m.nodes, m.q, m.s);
+    const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
     state->guard = (GuardState){0, 0, 0, {NEVER, NEVER, NEVER, NEVER, NEVER}};
     state->guard.rest = guards_rise(scene, state, &m, &bottom);
 }
 
-void guards_look(const Scene *scene, State *state) {
+void with_guards(const Scene *scene, State *state) {
     const Guard *guard = &scene->shaft.guard;
     if (guarded(guard) == 0) return;
     const Arrays m = state_arrays(state);
-    const LoopBottom bottom = shape_loop_bottom(m.nodes, m.q, m.s);
+    const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
     Nearest nearest[KINDS];
     double clearance = guard->clearance, torque = 0;
-    shaft_not_near(nearest);
-    for (int kind = 0; kind < KINDS; kind++) nearest[kind].clearance = guard->clearance;
+    for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = guard->clearance};
     shaft_nearer(scene, &m, state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) clearance = smaller(clearance, nearest[kind].clearance);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *reaction = m.reaction + (size_t)(side * m.elements) * DOF;
-        torque = larger(torque, fabs(swivel_moment(scene, state, side, reaction)));
+        torque = larger(torque, fabs(ends_moment(scene, state, side, reaction)));
     }
     const double seen[GUARDS] = {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &m, &bottom) : bottom.position[1] - guard->rise_y,
-        guard->window_y <= -FAR ? guards_sideways(&m, &bottom) : sideways_at_switch(&m, guard->window_y),
+        guards_sideways(&m, guard->window_y, &bottom),
         clearance,
-        fabs(turns_of(shape_nearest_turn(bottom.yaw, state->loop_yaw), shape_direction(&m), state->crossing.net)),
+        fabs(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), diagnostics_direction(&m), state->crossing.net)),
         torque,
     };
     state->guard = watch(guard, &state->guard, state->t, seen);

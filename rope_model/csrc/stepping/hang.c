@@ -1,6 +1,4 @@
 /* The rope at rest: rope_model.simulation.stepping.hang, which see. */
-#include <math.h>
-#include <string.h>
 
 #include "messages.h"
 #include "simulator.h"
@@ -13,7 +11,7 @@ static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn,
     if (!find_equilibrium(rope, state, most_turn, message)) return 0;
     memset(m.v, 0, (FIELDS - 2) * bytes); /* all but q and the reaction */
     state->h = 0;
-    update_energies(rope, state);
+    model_energies(rope, state);
     /* a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way */
     state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
     with_loop_yaw(state);
@@ -80,8 +78,8 @@ static int let_curve(Simulator *rope, State *state, char *message) {
 int hang(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     double left[3][DOF], right[3][DOF];
-    prescribed_motion(rope, state, LEFT, state->t, left);
-    prescribed_motion(rope, state, RIGHT, state->t, right);
+    ends_prescribed_motion(&rope->scene, state, LEFT, state->t, left);
+    ends_prescribed_motion(&rope->scene, state, RIGHT, state->t, right);
     for (int node = 0; node < m.nodes; node++) m.q[(size_t)node * DOF + ANGLE] = left[0][ANGLE];
     const double twist = right[0][ANGLE] - left[0][ANGLE];
     state->offsets[RIGHT] -= twist;

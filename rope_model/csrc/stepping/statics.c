@@ -1,8 +1,6 @@
 /* Equilibrium by pseudo-transient continuation: rope_model.simulation.stepping.statics, which see. */
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 #include "simulator.h"
 #include "messages.h"
@@ -21,12 +19,12 @@ static double work_along(const System *s, const double *R, const double *x) {
 
 /* largest unbalanced force, N */
 static double imbalance(const System *s, const double *R) {
-    return largest_of(s, R, 1. / s->shortest);
+    return rope_system_norm(s, R, 1. / s->shortest);
 }
 
 int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message) {
     const Arrays m = state_arrays(state), *scratch = &rope->trial;
-    const System s = system_of(rope, state);
+    const System s = rope_system(rope, state);
     const Chain *chain = chain_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
@@ -36,14 +34,15 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
     const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
     memset(rest, 0, bytes);
     memset(m.reaction, 0, bytes);
-    prescribe(rope, state, &s, state->t, 1, &(double *){m.q});
-    refer(rope, state, m.q);
+    rope_system_prescribed_motion(rope, state, &s, state->t, 1, &(double *){m.q});
+    rope_system_refer(rope, state, m.q);
     for (int k = 1; k <= MAX_ITERATIONS && tau >= 1e-7; k++) {
         rope->corrections = k;
         const double c[3] = {1, 0, pow(tau, -2)};
         chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, now);
         previous = imbalance(&s, now);
-        const double move = largest_of(&s, x, 1), norm = largest_of(&s, x, s.shortest); /* x is 0 where it is held */
+        const double move = rope_system_norm(&s, x, 1),
+                     norm = rope_system_norm(&s, x, s.shortest); /* x is 0 where it is held */
         if (!isfinite(move)) {
             tau *= 0.1;
             continue;
@@ -63,7 +62,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
             last = 0;
             continue;
         }
-        turned += transport_angles(rope, state, trial, rest, rest, rest);
+        turned += rope_system_transport(rope, state, trial, rest, rest, rest);
         rope->turned = fabs(turned) > most_turn;
         if (rope->turned) break;
         memcpy(m.q, trial, bytes);
@@ -77,4 +76,29 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         tau = fmin(tau, 1e12);
     }
     return say_no_equilibrium(message, rope->corrections, previous);
+}
+
+/* length of the elements at arc length `at`, interpolated between their middles */
+static double cell_at(int nodes, const double *s, double at) {
+    int k = middle_before(nodes, s, 0, at);
+    return interpolate_midpoints(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
+}
+
+void hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q, char *message) {
+    message[0] = '\0';
+    double length = s[nodes - 1];
+    double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
+    double width = hypot(across[0], across[2]);
+    if (width == 0) {
+        say_ends_above_each_other(message, fabs(left[1] - right[1]));
+        return;
+    }
+    for (int axis = 0; axis < 3; axis++) across[axis] /= width;
+    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
+    Hanging legs = hanging_shape(length, middle, width, cell_at(nodes, s, middle));
+    if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
+        say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
+        return;
+    }
+    for (int k = 0; k < nodes; k++) hanging_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
 }

@@ -26,7 +26,7 @@ class Placed(NamedTuple):
     body: Body
 
 
-def bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
+def placed_bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
     """The bodies that are there with the rope's ``ends`` (2 of (3,)) at these places."""
     if shaft.lining.width > 0:
         yield Placed(LINING, FIXED, physics.lining(shaft.lining))

@@ -110,13 +110,13 @@ def _touching(
 ) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
     """Places of elements whose boxes touch: element, shares, length, place, and what is near: distance, element, xi."""
     l = lengths.tolist()
-    for e, others in _near(q, lengths, diameter):
+    for e, others in _near_elements(q, lengths, diameter):
         number, k = int(places(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             shares = hermite.shares((k + 0.5) / number, l[e])
             point = _at(rows, e, shares)
-            near = sorted(_nearest(rows, l[o], o, point) for o in others)
+            near = sorted(_nearest_place(rows, l[o], o, point) for o in others)
             yield e, shares, weight, point, [x for x in near if x[0] < diameter]
             k += 1 + int(places_skipped(near[0][0], diameter, weight, number))
 
@@ -170,7 +170,7 @@ class SelfTouchingRope(RopeSystem):
         return found._replace(contact=found.contact + self.touches(q, v).sums()["contact_dissipated"])
 
 
-def _near(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
+def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
     """Elements that may touch others, and which of those to their right."""
     rows = q[:, : SLOPE.stop].T
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
@@ -206,7 +206,9 @@ def _difference(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]
     return tuple(x - y for x, y in zip(a, b, strict=True))
 
 
-def _nearest(rows: list[list[float]], l: float, element: int, point: tuple[float, ...]) -> tuple[float, int, float]:
+def _nearest_place(
+    rows: list[list[float]], l: float, element: int, point: tuple[float, ...]
+) -> tuple[float, int, float]:
     """Distance (m) of the element from ``point``, the element, and where in it."""
 
     def distance(xi: float) -> float:

@@ -26,7 +26,7 @@ from ..mesh.adaptation import nearest_turn
 from ..outputs.diagnostics import direction, legs_apart, loop_bottom, loop_turns
 from ..rope_system import SLOPE
 from ..state import Crossing, Nearest, RopeState
-from .bodies import Placed, bodies
+from .bodies import Placed, placed_bodies
 from .self_contact import overlap_of
 
 #: kinds of bodies in words
@@ -76,10 +76,10 @@ class _Search:
         self.refine(s + half, half, between, b)
 
 
-def _searches(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
+def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
     """One for each body, all from what is known."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
-    around = [*bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
+    around = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
     lowest = int(q[:, 1].argmin()) if around else 0
     parts = (0, last), (lowest, last), (0, lowest)
     return [
@@ -98,7 +98,7 @@ def _nearest_of(searches: Sequence[_Search], known: Sequence[Nearest]) -> tuple[
 
 def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[Nearest, ...]:
     """Of each kind, the nearest place of the present rope, or the ``known`` one where none is nearer."""
-    if not (searches := _searches(scene, state, known)):
+    if not (searches := _searches_of(scene, state, known)):
         return known
     lengths, s, rows = state.partition.lengths, state.partition.nodes_s.tolist(), state.motion.q[:, : SLOPE.stop]
     box = np.array(enclosing_box(lengths, rows[:-1].T, rows[1:].T))
@@ -115,7 +115,7 @@ def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[
 
 def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
     """Of each kind, the nearest place of the present rope."""
-    searches, s = _searches(scene, state, NOT_NEAR), state.partition.nodes_s.tolist()
+    searches, s = _searches_of(scene, state, NOT_NEAR), state.partition.nodes_s.tolist()
     for search in searches:
         for k in range(search.first, search.last + 1):
             search.look(s[k], state.motion.q[k, : SLOPE.stop].tolist())

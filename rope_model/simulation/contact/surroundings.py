@@ -17,7 +17,7 @@ from ...physics.contact_element import LAW
 from ...physics.outline import enclosing_box
 from ...physics.shaft import Body, least_distance
 from ..rope_system import POSITION, Array
-from .bodies import FIXED, bodies, may_touch
+from .bodies import FIXED, may_touch, placed_bodies
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Surroundings:
         """What P has of contact, as physics.contact_element takes it."""
         law = {"diameter": self.scene.rope.diameter} | vars(self.scene.shaft.contact)
         numbers = [law[name] for name in LAW]
-        for _, end, body in bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()):
+        for _, end, body in placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()):
             speed = (0.0, 0.0, 0.0) if end == FIXED else v[-end, POSITION]
             numbers += [*body.centre, *body.half, *body[2:], *speed]
         return np.array(numbers)
@@ -39,7 +39,7 @@ class Surroundings:
     def distances(self, q: Array, lengths: Array) -> Array:
         """(elements, bodies): what the distance of an element's surface from a body (m) is at least."""
         box = np.array(enclosing_box(lengths, q[:-1].T, q[1:].T))[:, :, None]
-        _, ends, placed = zip(*bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
+        _, ends, placed = zip(*placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
         found = least_distance(box[:3], box[3:], _together(placed))
         along = np.cumsum(lengths) - 0.5 * lengths
         own = np.array([along, along[-1] + 0.5 * lengths[-1] - along]) < OWN_LENGTH
@@ -51,7 +51,7 @@ class Surroundings:
 
 def surroundings(scene: Scene) -> Surroundings | None:
     """What the rope of ``scene`` may touch; None where there is nothing."""
-    kinds = tuple(placed.kind for placed in bodies(scene.shaft, 2 * [(0.0, 0.0, 0.0)]))
+    kinds = tuple(placed.kind for placed in placed_bodies(scene.shaft, 2 * [(0.0, 0.0, 0.0)]))
     return Surroundings(scene, kinds) if may_touch(scene.shaft) else None
 
 

@@ -1,7 +1,7 @@
 """Derivatives of the end loads at the end of a step to one number of an end's motion there.
 
 The rope is linearised about the present state, and one generalized-alpha step as long as the last carries the change;
-rope_derivative in rope_model/csrc is its C port.
+rope_load_derivative in rope_model/csrc is its C port.
 """
 
 from __future__ import annotations

@@ -33,10 +33,10 @@ def hang(model: RopeModel, state: RopeState) -> RopeState:
     q, held = state.motion.q, model.system(state).prescribed_motion(state.motion.t)[0]
     q[:, ANGLE] = held[0, ANGLE]
     twist = float(held[-1, ANGLE] - held[0, ANGLE])
-    return _turned_in(model, _curved(model, _turn_right_end(state, -twist)), twist)
+    return _turn_in(model, _let_curve(model, _turn_right_end(state, -twist)), twist)
 
 
-def _curved(model: RopeModel, state: RopeState) -> RopeState:
+def _let_curve(model: RopeModel, state: RopeState) -> RopeState:
     """``state`` at rest, its rope straight first and then curved by and by."""
     rope = model.scene.rope
     if not is_curved(rope, flexible(state.fidelity)):
@@ -53,7 +53,7 @@ def _curved(model: RopeModel, state: RopeState) -> RopeState:
     return state
 
 
-def _turned_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:
+def _turn_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:
     """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
 
     Steps are halved where the rope turns far or finds no rest.  Where the shortest does, the way it was on ends at

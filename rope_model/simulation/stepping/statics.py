@@ -80,7 +80,7 @@ def find_equilibrium(
     for k in range(1, max_iterations + 1):
         x, now = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
-        previous = _force(system, now)
+        previous = _imbalance(system, now)
         if not np.all(np.isfinite(x)):
             tau *= 0.1
             if tau < 1e-7:
@@ -94,7 +94,7 @@ def find_equilibrium(
         step = min(relaxed, largest_move / max(*move, 1e-300))
         trial = q + step * x
         following = system.evaluate(trial, rest, rest, now).reaction
-        force = _force(system, following)
+        force = _imbalance(system, following)
         # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
         # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given
         if not np.isfinite(force) or not (np.sum(following * x) <= 3.0 * error or force <= previous + rounding):
@@ -123,7 +123,7 @@ def relaxation(change: Any, last: Any) -> Any:
     return 1.0 / (1.0 + larger((change - (1.0 - last) ** 2) / (last * last), 0.0))
 
 
-def _force(system: RopeSystem, reaction: Array) -> float:
+def _imbalance(system: RopeSystem, reaction: Array) -> float:
     """Largest unbalanced force in N; moments and stretching forces count per the shortest element's length."""
     weight = np.ones(reaction.shape[1])
     weight[SLOPE] = 1.0 / system.lengths.min()

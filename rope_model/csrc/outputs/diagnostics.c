@@ -1,7 +1,4 @@
-/* What is read off the rope's shape, and the shape it is given to start from: the port of
-   rope_model.simulation.outputs.diagnostics and rope_model.simulation.stepping.statics.hanging_guess. */
-#include <math.h>
-#include <string.h>
+/* What is read off the rope's shape: rope_model.simulation.outputs.diagnostics. */
 
 #include "formulas.h"
 #include "messages.h"
@@ -18,23 +15,12 @@ static void point_at(int nodes, const double *q, const double *s, double at, dou
     transfer_interpolate(nodes, q, s, 1, &at, row);
 }
 
-double shape_nearest_turn(double angle, double last) {
-    return angle + 2 * PI * rint((last - angle) / (2 * PI));
-}
-
-int shape_lowest_node(int nodes, const double *q) {
-    int lowest = 0;
-    for (int k = 1; k < nodes; k++)
-        if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1]) lowest = k;
-    return lowest;
-}
-
-double shape_direction(const Arrays *m) {
+double diagnostics_direction(const Arrays *m) {
     return line_yaw(m->q, m->q + (ptrdiff_t)DOF * m->elements);
 }
 
-LoopBottom shape_loop_bottom(int nodes, const double *q, const double *s) {
-    int lowest = shape_lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
+LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
+    int lowest = lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
     double fine[FINE], rows[FINE][DOF], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
     for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
@@ -62,7 +48,7 @@ void shape_places(double total, double bottom_s, double loop, int points, double
     }
 }
 
-void shape_points(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
+void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
     /* the places ascend */
     for (int k = 0, i = 0; k < points; k++, xyz += 3) {
         while (i < nodes - 2 && s[i + 1] < at[k]) i++;
@@ -71,7 +57,8 @@ void shape_points(int nodes, const double *q, const double *s, int points, const
     }
 }
 
-void shape_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, double *tension) {
+void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at,
+                         double *tension) {
     const double *s = arrays->s;
     double before[3] = {0, 0, 0}, row[DOF];
     int i = 0;
@@ -96,12 +83,12 @@ void shape_tension(const Arrays *arrays, double rho, double gravity, int points,
     }
 }
 
-int shape_middle_before(int nodes, const double *s, int k, double at) {
+int middle_before(int nodes, const double *s, int k, double at) {
     while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at) k++;
     return k;
 }
 
-double shape_interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next) {
+double interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next) {
     double middle = 0.5 * (s[k] + s[k + 1]);
     if (k == nodes - 2 || at <= middle) return value;
     return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (at - middle) + value;
@@ -165,11 +152,11 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
     return least;
 }
 
-double shape_leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
-                           double diameter, double above) {
+double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
+                     double diameter, double above) {
     double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
     shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
-    shape_points(nodes, q, s, OUTLINE, at, outline[0]);
+    diagnostics_shape(nodes, q, s, OUTLINE, at, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
@@ -210,8 +197,8 @@ static double climb_at(const Climb *leg, double height, int axis) {
     return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
 }
 
-int shape_legs_apart(const Arrays *m, const double across[2], double diameter, double above) {
-    const int lowest = shape_lowest_node(m->nodes, m->q);
+int legs_apart(const Arrays *m, const double across[2], double diameter, double above) {
+    const int lowest = lowest_node(m->nodes, m->q);
     const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
     double normal[3];
     int apart = 0 < lowest && lowest < m->elements, k = 0;
@@ -229,7 +216,7 @@ static double point_s(const Arrays *m, int point) {
     return m->s[element] + m->lengths[element] * (point % PIECES) / PIECES;
 }
 
-LoopTurns shape_loop_turns(const Arrays *m, const LoopBottom *bottom) {
+LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom) {
     const int last = PIECES * m->elements;
     int next = 1;
     while (next < last && point_s(m, next) < bottom->s) next++;
@@ -254,30 +241,4 @@ LoopTurns shape_loop_turns(const Arrays *m, const LoopBottom *bottom) {
     }
     turns.number = angle / (2 * PI);
     return turns;
-}
-
-/* length of the elements at arc length `at`, interpolated between their middles */
-static double cell_at(int nodes, const double *s, double at) {
-    int k = shape_middle_before(nodes, s, 0, at);
-    return shape_interpolate_midpoints(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
-}
-
-void shape_hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
-                         char *message) {
-    message[0] = '\0';
-    double length = s[nodes - 1];
-    double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
-    double width = hypot(across[0], across[2]);
-    if (width == 0) {
-        say_ends_above_each_other(message, fabs(left[1] - right[1]));
-        return;
-    }
-    for (int axis = 0; axis < 3; axis++) across[axis] /= width;
-    double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    Hanging legs = hanging_shape(length, middle, width, cell_at(nodes, s, middle));
-    if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
-        say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
-        return;
-    }
-    for (int k = 0; k < nodes; k++) hanging_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
 }

@@ -1,9 +1,9 @@
 /* The chains in the form that every processor runs, and the choice between the forms. */
 
 #define FORM(name) name##_plain
-#include "chain_form.inc"
+#include "rope_kernels_form.inc"
 
-#include "chain_wide.h"
+#include "processor.h"
 
 /* no fidelity needs more than the torsional: steps, tangents, correction and residual, and what alignment takes */
 size_t chain_work_bytes(int elements) {
@@ -27,13 +27,3 @@ const Chain *fastest_chains(void) {
     return chains_plain;
 }
 #endif
-
-const char *newton_text(int status) {
-    static const char *const texts[] = {
-        "Newton iteration did not converge within the allowed iterations",
-        "Newton iteration converged",
-        "Newton iteration diverged: the step is too large or the elements are too long for this motion",
-        "Newton iteration met a value that is not finite",
-    };
-    return texts[status];
-}

@@ -1,7 +1,7 @@
 /* Where a processor may have wider vectors than every one of its family; -DHAS_WIDE_FORM=0 does without (valgrind
    does not know all instructions of the wide form). */
-#ifndef CHAIN_WIDE_H
-#define CHAIN_WIDE_H
+#ifndef PROCESSOR_H
+#define PROCESSOR_H
 
 #ifndef HAS_WIDE_FORM
 #if (defined(__GNUC__) || defined(__clang__)) && defined(__x86_64__)

@@ -1,5 +1,5 @@
 /* rope_model.parameter_table: the bounds of every parameter; the first that is broken gives the message. */
-#include <math.h>
+
 #include <stdio.h>
 
 #include "core.h"
@@ -45,7 +45,7 @@ static const char *joined(char room[96], const char *before, const char *number,
 
 #include "parameters.inc" /* check_scene, and check_rope and so on, functions for each group: generated */
 
-void mesh_in_bounds(const Mesh *mesh, char *message) {
+void require_in_bounds(const Mesh *mesh, char *message) {
     message[0] = '\0';
     check_mesh(&(Check){"", message}, mesh);
 }

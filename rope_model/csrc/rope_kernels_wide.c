@@ -1,7 +1,7 @@
 /* The same with four elements at a time, for processors with AVX2; chosen when the program runs.  Without fused
    multiplication the results are those of the plain form to the bit. */
 
-#include "chain_wide.h"
+#include "processor.h"
 
 #if HAS_WIDE_FORM
 #if defined(__clang__)
@@ -11,7 +11,7 @@
 #endif
 #define LANES 4
 #define FORM(name) name##_wide
-#include "chain_form.inc"
+#include "rope_kernels_form.inc"
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif

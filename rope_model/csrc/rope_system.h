@@ -1,12 +1,9 @@
-/* Equations of a chain of elements, solved by Newton's method with block elimination: rope_model.numerics.block_chain
-   and numerics.newton.  Arrays have DOF entries a node; what a fidelity leaves out stays zero. */
-#ifndef CHAIN_H
-#define CHAIN_H
+/* The equations of motion of a rope, and what acts on it: rope_model.simulation.rope_system and contact.  Arrays have
+   DOF entries a node; what a fidelity leaves out stays zero. */
+#ifndef ROPE_SYSTEM_H
+#define ROPE_SYSTEM_H
 
-#include <stddef.h>
-
-#include "rope.h"
-#include "shaft.h"
+#include "formulas.h"
 
 enum {
     BALANCE = 9,
@@ -20,8 +17,40 @@ enum {
 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
-/* numerics.newton.NewtonStatus */
+
+/* of numerics.newton.NewtonStatus */
 enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
+
+typedef struct {
+    int status, iterations, applies;      /* applies: whether the latest correction does */
+    double norm, error, contraction, sum; /* sum: of the norms of all that did */
+} Progress;
+
+typedef struct {
+    double rounds, per_round, slow, unsure, growing, first;
+} Rules;
+
+/* newton.c: after a correction of this norm; fresh: whether its factorization is new */
+Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const Rules *rules);
+
+enum { FIXED = -1, MOST_BODIES = 10 };
+typedef struct {
+    int kind, moves_with; /* LEFT or RIGHT, or FIXED */
+    Body body;
+} Placed;
+/* bodies.c: the bodies that are there with the rope's ends at these places: their number */
+int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies);
+/* the box around some elements from first on, as body_least_distance takes it; the element behind the last of them */
+int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
+
+/* shaft.c: where the rope is nearest to the bodies of each kind now */
+void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+/* the same where that is nearer than `nearest` says */
+void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+
+static inline void not_near(Nearest nearest[KINDS]) {
+    for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = FAR};
+}
 
 /* of physics.contact_element.CONTACT_BALANCE */
 enum {
@@ -92,11 +121,6 @@ typedef struct {
 } System;
 
 typedef struct {
-    int status, iterations, applies;      /* applies: whether the latest correction does */
-    double norm, error, contraction, sum; /* sum: of the norms of all that did */
-} Progress;
-
-typedef struct {
     /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2] */
     Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
                       double tolerance, double balance[BALANCE]);
@@ -120,48 +144,63 @@ typedef struct {
     void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
 } Chain;
 
-/* surroundings.c: rope_model.simulation.contact.surroundings, physics.contact_element; q, v: of all nodes.  In an
-   element, r and r' of its two nodes are twelve numbers */
-enum { CONTACT_DOF = 12 };
-/* sees which elements may touch a body, or would if they moved by margin (m) */
+/* surroundings.c: which elements may touch a body, or would if they moved by margin (m); q, v: of all nodes */
 void look_for_bodies(const System *s, const double *q, const double *v, double margin);
 /* looks for more than were seen before Newton's corrections, the sum of whose norms is given; whether there are any */
 int see_more_bodies(const System *s, const double *q, double corrections);
 /* the rope is looked at now, and whether all is surely farther than `least` by how far it and its ends moved since */
 void see(const System *s, Seen *seen, const double *q);
 int still_free(const System *s, const Seen *seen, const double *q, double least);
-void contact_force(const System *s, int element, const double *q, const double *v, double force[CONTACT_DOF]);
+
+/* contact_element.c: what bodies do to an element whose nodes' r and r' are twelve numbers */
+enum { CONTACT_DOF = 12 };
+void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]);
 void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]);
-/* the longest of the elements that may touch a body, m; 0 for none */
-double longest_near(const System *s);
-/* of bodies and of the rope with itself, all elements, where they are */
-void contact_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+/* added to the sums */
+void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
-/* point_forces.c: rope_model.simulation.contact.point_forces */
+/* point_forces.c: a place with a force, its element, which begins at `start`, the shares of that element's nodes, the
+   force now */
+typedef struct {
+    int element;
+    double start, shares[4], force[3];
+} Pushed;
+/* goes on to a place, which is not before the one it was at */
+void elements_at(const System *s, int number, Pushed *at);
 /* to R; and what they do as a load, and their power */
-void add_point_forces(const System *s, double *R);
-void add_point_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
-
-/* self_contact.c: rope_model.simulation.contact.self_contact */
+void nodal_forces(const System *s, double *R);
+void point_forces_push(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 /* r (or its speed) at a place of an element */
-void place_on(const double *x, int element, const double shares[4], double y[3]);
-/* what it takes in this scene, and that in as much memory, aligned to 64 bytes */
+static inline void at_places(const double *x, int element, const double shares[4], double y[3]) {
+    const double *a = x + (size_t)element * DOF, *b = a + DOF;
+    for (int i = 0; i < 3; i++)
+        y[i] = shares[0] * a[i] + shares[1] * a[SLOPE + i] + shares[2] * b[i] + shares[3] * b[SLOPE + i];
+}
+
+/* self_contact.c: what it takes in this scene, and that in as much memory, aligned to 64 bytes */
 size_t own_contact_bytes(const Scene *scene, int elements);
 OwnContact *own_contact(const Scene *scene, int elements, void *memory);
 /* where the rope touches itself, and how often it presses there, with tangents along (cq, cv) of q and v */
-int find_rope_touches(const System *s, const double *q, const double *v, double cq, double cv);
+int touches_of(const System *s, const double *q, const double *v, double cq, double cv);
 /* to R, and the product of the tangent with x to y */
-void add_rope_force(const OwnContact *own, double *R);
-void add_rope_tangent(const OwnContact *own, const double *x, double *y);
-void add_rope_balance(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+void self_contact_take_force(const OwnContact *own, double *R);
+void self_contact_times(const OwnContact *own, const double *x, double *y);
+void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
-/* bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
+/* rope_system.c: of bodies and of the rope with itself, all elements, where they are */
+void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+/* the longest of the elements that may touch a body, m; 0 for none */
+double longest_near(const System *s);
+/* the largest of the numbers x (nodes x DOF) where the rope is free, those of r' times `slopes`; infinite when one is
+   no number */
+double rope_system_norm(const System *s, const double *x, double slopes);
+
+/* rope_kernels.c: bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
 size_t chain_work_bytes(int elements);
 /* bytes of the frames of so many elements */
 size_t chain_frames_bytes(int elements);
 /* of the fidelities TORSIONAL to PLANAR, in the fastest form that this processor runs */
 const Chain *fastest_chains(void);
-const char *newton_text(int status);
 
 #endif

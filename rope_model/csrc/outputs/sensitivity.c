@@ -1,8 +1,4 @@
-/* What is read off the present state: outputs, and how the end forces answer to the ends:
-   rope_model.simulation.simulator, which see. */
-
-#include <math.h>
-#include <string.h>
+/* How the end loads answer to the ends: rope_model.simulation.outputs.sensitivity, and RopeSimulator.answer. */
 
 #include "messages.h"
 #include "simulator.h"
@@ -12,7 +8,7 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
     State *state = rope->state;
     if (state->fidelity == RIGID) return;
     const Arrays m = state_arrays(state);
-    const System s = system_of(rope, state);
+    const System s = rope_system(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     newton_coefficients(&method, state->last_interval, c);
     chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
@@ -20,11 +16,11 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
 
 /* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
    to which the rope answers: how its equations are linear.  Its residual goes to trial.a. */
-static void perturbed_step(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
+static void answer(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
     State *moved = rope->spare;
     state_copy(rope, moved, rope->state);
     const Arrays m = state_arrays(moved);
-    const System s = system_of(rope, moved);
+    const System s = rope_system(rope, moved);
     const size_t size = (size_t)m.nodes * DOF, at = (side ? size - DOF : 0) + (size_t)dof;
     m.q[at] += d[0];
     m.v[at] += d[1];
@@ -40,38 +36,31 @@ static void perturbed_step(Simulator *rope, int side, int dof, const double d[3]
     chain_of(rope, moved)->evaluate(&s, m.q, m.v, m.a, m.reaction, R, balance);
 }
 
-/* forces of the rigid rope on both conveyances, one of which is moved by d[k] along an axis in its k-th derivative */
-static void rigid_answer(const Simulator *rope, int side, int axis, const double d[3], double loads[12]) {
-    const Path *paths = rope->state->paths;
-    EndMotion ends[2] = {path_at(&paths[LEFT], rope->state->t), path_at(&paths[RIGHT], rope->state->t)};
-    for (int k = 0; k < 3; k++) ((double *)&ends[side])[3 * k + axis] += d[k];
-    const Pull pull = rigid_pull(&rope->scene.rope, &rope->scene.layout, &ends[LEFT], &ends[RIGHT]);
-    for (int end = LEFT; end <= RIGHT; end++) loads[6 * end + 1] = -pull.tensions[end];
-}
-
 /* forces and moments of the rope on both conveyances */
-static void loads(const Simulator *rope, const State *state, const double *q, const double *R, double loads[12]) {
+static void end_loads(const Simulator *rope, const State *state, const double *q, const double *R, double loads[12]) {
     const int nodes = rope->trial.nodes;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *r = end_row(R, nodes, side);
-        conveyance_load(end_row(q, nodes, side), r, swivel_moment(&rope->scene, state, side, r), loads + 6 * side);
+        conveyance_load(end_row(q, nodes, side), r, ends_moment(&rope->scene, state, side, r), loads + 6 * side);
     }
 }
 
-/* what they gain when an end is moved by d as in perturbed_step, c being of unperturbed_step */
+/* what they gain when an end is moved by d as in `answer`, c being of unperturbed_step */
 static void change_of_loads(Simulator *rope, int side, int dof, const double d[3], const double c[3],
                             double change[12]) {
-    double before[12] = {0};
-    memset(change, 0, sizeof before);
-    if (rope->state->fidelity == RIGID) { /* no side forces, no moments */
-        const double none[3] = {0};
-        rigid_answer(rope, side, dof, none, before);
-        rigid_answer(rope, side, dof, d, change);
-    } else {
-        loads(rope, rope->state, state_arrays(rope->state).q, rope->trial.v, before);
-        perturbed_step(rope, side, dof, d, c);
-        loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, change);
+    const State *state = rope->state;
+    memset(change, 0, sizeof(double) * 12);
+    if (state->fidelity == RIGID) { /* no side forces, no moments */
+        const EndMotion ends[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
+        double gained[2];
+        tension_change(&rope->scene, ends, side, dof, d, gained);
+        for (int end = LEFT; end <= RIGHT; end++) change[6 * end + 1] -= gained[end];
+        return;
     }
+    double before[12];
+    end_loads(rope, state, state_arrays(rope->state).q, rope->trial.v, before);
+    answer(rope, side, dof, d, c);
+    end_loads(rope, rope->spare, state_arrays(rope->spare).q, rope->trial.a, change);
     for (int k = 0; k < 12; k++) change[k] -= before[k];
 }
 
@@ -87,7 +76,7 @@ void added_mass_signals(Simulator *rope, double *values) {
     }
 }
 
-int rope_derivative(Simulator *rope, int input, double derivative[12]) {
+int rope_load_derivative(Simulator *rope, int input, double derivative[12]) {
     /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
     if (input < 0 || input >= 22) return say_no_such_input(rope->message);
@@ -108,26 +97,4 @@ int rope_derivative(Simulator *rope, int input, double derivative[12]) {
     for (int k = 0; k < 12; k++)
         if (!isfinite(derivative[k] /= sizes[kind])) return say_no_finite_derivative(rope->message);
     return 1;
-}
-
-const LoopBottom *bottom_now(Simulator *rope) {
-    if (!rope->bottom_known) {
-        const Arrays m = state_arrays(rope->state);
-        rope->bottom = shape_loop_bottom(m.nodes, m.q, m.s);
-        rope->bottom_known = 1;
-    }
-    return &rope->bottom;
-}
-
-void compute_strains(Simulator *rope) {
-    const System s = system_of(rope, rope->state);
-    chain_of(rope, rope->state)->strains(&s, state_arrays(rope->state).q, rope->strains);
-}
-
-void contact_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
-    const System s = system_of(rope, rope->state);
-    double sums[CONTACT_BALANCE] = {0};
-    if (rope->state->fidelity != RIGID) contact_balance(&s, m.q, m.v, sums);
-    memcpy(values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * (KINDS + 1));
 }

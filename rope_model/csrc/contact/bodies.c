@@ -1,0 +1,40 @@
+/* The bodies of a scene where they are now: rope_model.simulation.contact.bodies. */
+
+#include "rope_system.h"
+
+/* elements that are looked at together first */
+enum { GROUP = 12 };
+
+static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
+    bodies[number] = (Placed){kind, moves_with, body};
+    return number + 1;
+}
+
+int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies) {
+    const Divider dividers[] = {shaft->divider_1, shaft->divider_2, shaft->divider_3, shaft->divider_4};
+    int n = 0;
+    if (shaft->lining.width > 0) n = add(bodies, n, LINING, FIXED, lining_body(&shaft->lining));
+    for (int side = LEFT; side <= RIGHT; side++) {
+        if (shaft->conveyance.width > 0)
+            n = add(bodies, n, CONVEYANCE, side, conveyance_body(&shaft->conveyance, ends[side]));
+        if (shaft->head_ropes.diameter > 0)
+            n = add(bodies, n, HEAD_ROPES, side, head_ropes_body(&shaft->head_ropes, &shaft->conveyance, ends[side]));
+    }
+    for (int k = 0; k < 4; k++)
+        if (dividers[k].size > 0) n = add(bodies, n, DIVIDER, FIXED, divider_body(&dividers[k]));
+    if (shaft->sump.level > -FAR) n = add(bodies, n, FLOOR, FIXED, floor_body(&shaft->sump));
+    return n;
+}
+
+int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]) {
+    const double *a = q + (size_t)first * DOF, *b = a + DOF;
+    double bounds[6] = {a[0], a[1], a[2], a[0], a[1], a[2]};
+    int last = first;
+    for (; last < elements && last < first + GROUP; last++, a = b, b += DOF)
+        for (int i = 0; i < 3; i++) {
+            bounds[i] = lowest_on(bounds[i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
+            bounds[3 + i] = highest_on(bounds[3 + i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
+        }
+    box_between(bounds, box);
+    return last;
+}

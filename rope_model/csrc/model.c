@@ -1,0 +1,197 @@
+/* Trial steps, accepted steps and their accounts: rope_model.simulation.model, which see. */
+
+#include "simulator.h"
+
+static double apart(const Arrays *m) {
+    return m->v[1] - end_row(m->v, m->nodes, RIGHT)[1];
+}
+
+/* what conveyances, bodies and air put on the rope: force and moment about the origin */
+static void load_on(const Simulator *rope, State *state, const System *s, double load[6]) {
+    const Arrays m = state_arrays(state);
+    double contact[CONTACT_BALANCE], air[AIR_BALANCE];
+    rope_system_outside(s, m.q, m.v, contact);
+    chain_of(rope, state)->air(s, m.q, m.v, air);
+    for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const double *q = end_row(m.q, m.nodes, side), *R = end_row(m.reaction, m.nodes, side);
+        double one[6];
+        end_load(q, R, ends_moment(&rope->scene, state, side, R), one);
+        for (int k = 0; k < 6; k++) load[k] += one[k];
+    }
+    /* what goes across its plane a planar rope does not feel */
+    if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
+}
+
+static void restart_audit(const Simulator *rope, State *state, const System *s) {
+    Audit *audit = &state->audit;
+    load_on(rope, state, s, audit->load);
+    memcpy(audit->auxiliary, audit->load, sizeof audit->load);
+    memset(audit->rate, 0, sizeof audit->rate);
+}
+
+void begin_audit(const Simulator *rope, State *state) {
+    if (state->fidelity == RIGID) return;
+    const Arrays m = state_arrays(state);
+    const System s = rope_system(rope, state);
+    restart_audit(rope, state, &s);
+    chain_of(rope, state)->momentum(&s, m.q, m.v, state->audit.sums);
+    memset(state->audit.impulse, 0, sizeof state->audit.impulse);
+}
+
+/* before: the ends' vertical reactions at the step's start */
+static void audit_step(const Simulator *rope, State *state, const System *s, double h, double moved_by,
+                       const double before[2]) {
+    const Arrays m = state_arrays(state);
+    const Coefficients method = {rope->scene.solver.rho_inf};
+    double load[6], force = 0, change = 0;
+    load_on(rope, state, s, load);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const double now = end_row(m.reaction, m.nodes, side)[1];
+        force = fmax(force, fabs(now));
+        change = fmax(change, fabs(now - before[side]));
+    }
+    state->audit = audit_after_step(&state->audit, &method, h, moved_by, load, force, change,
+                                    axial_share(&rope->scene.rope, model_bottom(rope, state, state->t), h));
+}
+
+/* the largest square of the change of r' over an element */
+static double largest_bend(const Arrays *m) {
+    double largest = 0;
+    for (int k = 0; k < m->elements; k++) {
+        const double *d = m->q + (size_t)k * DOF + SLOPE, *next = d + DOF;
+        const double change[3] = {next[0] - d[0], next[1] - d[1], next[2] - d[2]};
+        largest = fmax(largest, dot(change, change));
+    }
+    return largest;
+}
+
+/* h: of the communication step, at the start of which the balance of energy had this residual */
+void audit_interval(const Simulator *rope, State *state, double h, double residual_before) {
+    const Arrays m = state_arrays(state);
+    const double *left = m.q, *right = end_row(m.q, m.nodes, RIGHT);
+    double sums[MOMENTUM], about[3];
+    if (state->fidelity == RIGID) return;
+    const System s = rope_system(rope, state);
+    chain_of(rope, state)->momentum(&s, m.q, m.v, sums);
+    for (int k = 0; k < 3; k++) about[k] = 0.5 * (left[k] + right[k]);
+    state->audit = audit_after_interval(&state->audit, h, rope->scene.rope.mass_per_length * rope->scene.rope.length,
+                                        rope->scene.layout.gravity, sums, about,
+                                        energy_residual(&state->energy_balance) - residual_before, largest_bend(&m));
+}
+
+/* local error of a trial step over what the accuracy allows */
+static double relative_error(const Simulator *rope, State *state, const StepResult *result) {
+    const Arrays old = state_arrays(state);
+    const Coefficients method = {rope->scene.solver.rho_inf};
+    const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom(rope, state, state->t),
+                                          apart(&old), local_error(&method, 1, 1));
+    const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
+    return step_error(&limits, result->h, result->error, strain);
+}
+
+StepResult model_trial(Simulator *rope, State *state, double h) {
+    System s = rope_system(rope, state);
+    StepResult result = generalized_alpha_step(rope, state, &s, h);
+    result.near = s.around != NULL && s.around->any;
+    result.relative = result.reached ? relative_error(rope, state, &result) : INFINITY;
+    return result;
+}
+
+void model_restart(Simulator *rope, State *state) {
+    const System s = rope_system(rope, state);
+    generalized_alpha_restart(rope, state, &s);
+    model_powers(rope, state);
+    restart_audit(rope, state, &s);
+}
+
+void with_angles_along(Simulator *rope, State *state, double *q, double *v, double *a, double *b) {
+    state->offsets[RIGHT] += rope_system_transport(rope, state, q, v, a, b);
+}
+
+double model_bottom(const Simulator *rope, const State *state, double t) {
+    const double left = path_height(&state->paths[LEFT], t), right = path_height(&state->paths[RIGHT], t);
+    return 0.5 * (rope->scene.rope.length + left - right);
+}
+
+/* what flows in and out at this instant */
+void model_powers(const Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    state->power_ends = state->power_swivel = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
+        const double moment = ends_moment(&rope->scene, state, side, R);
+        double spin = v[ANGLE];
+        for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
+        if (state->swivels[side].phase == SLIP) {
+            double relative[2];
+            ends_relative(state, side, state->t, 0, spin, relative);
+            state->power_swivel -= moment * relative[1];
+            spin -= relative[1];
+        }
+        state->power_ends += moment * spin;
+    }
+}
+
+/* from the sums over the elements; the inertia of the swivels counts as kinetic energy of the rope */
+static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s, const double *q,
+                         const double *v) {
+    double sums[BALANCE], contact[CONTACT_BALANCE];
+    memcpy(sums, balance, sizeof sums);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const double rate = end_row(v, s->elements + 1, side)[ANGLE];
+        sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
+    }
+    rope_system_outside(s, q, v, contact);
+    *energy_balance = with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
+}
+
+double model_energies(Simulator *rope, State *state) {
+    const Arrays m = state_arrays(state);
+    const System s = rope_system(rope, state);
+    const double before = energy_total(&state->energy_balance);
+    double balance[BALANCE];
+    chain_of(rope, state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    set_energies(&state->energy_balance, balance, &s, m.q, m.v);
+    return energy_total(&state->energy_balance) - before;
+}
+
+void model_commit(Simulator *rope, State *state, const StepResult *trial) {
+    const Arrays m = state_arrays(state), *now = &rope->trial;
+    System s = rope_system(rope, state);
+    const size_t size = (size_t)m.nodes * DOF;
+    const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
+    const double forces[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
+    const Coefficients method = {rope->scene.solver.rho_inf};
+    const double moved_by = recentring(&method, trial->h, state->h);
+    EnergyBalance *energy = &state->energy_balance;
+    const double bottom = model_bottom(rope, state, state->t), speed = apart(&m);
+    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], c[3], force = 0;
+    /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
+       integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
+    for (size_t i = 0; i < size; i++) {
+        const double q = m.q[i];
+        m.q[i] = 0.5 * (q + now->q[i]);
+        m.v[i] = (now->q[i] - q) / h;
+    }
+    s.time = state->t + 0.5 * h;
+    chain_of(rope, state)->losses(&s, m.q, m.v, losses);
+    rope_system_outside(&s, m.q, m.v, contact);
+    state->contact = add_contact(&rope->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&s));
+    chain_of(rope, state)->air(&s, m.q, m.v, air);
+    const double slid = wires_slip(rope, state, now->q);
+    with_angles_along(rope, state, now->q, now->v, now->a, now->b);
+    memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
+    state->t = s.time = trial->t, state->h = trial->h;
+    for (int side = LEFT; side <= RIGHT; side++)
+        for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
+    newton_coefficients(&method, trial->h, c);
+    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, c, trial->strains, trial->error, force);
+    model_powers(rope, state);
+    if (!trial->near) s.around = NULL;
+    set_energies(energy, trial->balance, &s, m.q, m.v);
+    const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
+    const double now_powers[] = {state->power_ends, state->power_swivel};
+    *energy = account_of_step(energy, h, before, now_powers, taken, slid, air[0]);
+    audit_step(rope, state, &s, h, moved_by, forces);
+}

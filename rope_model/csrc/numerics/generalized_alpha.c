@@ -1,0 +1,80 @@
+/* One step of generalized-alpha: rope_model.numerics.generalized_alpha, which see. */
+
+#include "simulator.h"
+
+/* by how much the accelerations of the trial differ from those before it: Solution.resolve */
+static const double *resolved_change(Simulator *rope, const Chain *chain, const System *s, double c_a,
+                                     const double *before) {
+    const Arrays *now = &rope->trial;
+    const size_t size = (size_t)now->nodes * DOF;
+    for (size_t i = 0; i < size; i++) rope->x[i] = now->a[i] - before[i];
+    if (s->wires == NULL) return rope->x;
+    chain->resolve(s, rope->work, now->q, now->v, now->a, rope->x, now->reaction, rope->x);
+    for (size_t i = 0; i < size; i++) rope->x[i] *= c_a;
+    return rope->x;
+}
+
+/* whether the rate of change of the acceleration over a step of length before serves one of length h */
+static int rate_known(double h, double before) {
+    return 0 < h && h <= LARGEST_GROWTH * before;
+}
+
+double recentring(const Coefficients *method, double h, double before) {
+    return rate_known(h, before) ? recentring_time(method, h, before) : 0;
+}
+
+StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h) {
+    const Arrays old = state_arrays(state), *now = &rope->trial;
+    const Coefficients method = {rope->scene.solver.rho_inf};
+    const size_t size = (size_t)old.nodes * DOF;
+    const double moved_by = recentring(&method, h, state->h);
+    const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
+    double c[3], of[6], aux[4], sum = 0;
+    StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
+    prediction_weights(&method, h, moved_by, ahead, of);
+    auxiliary_weights(&method, moved_by, aux);
+    newton_coefficients(&method, h, c);
+    for (size_t i = 0; i < size; i++) {
+        now->q[i] = old.q[i] + h * old.v[i] + of[0] * old.a[i] + of[2] * old.b[i] + of[4] * old.a_rate[i];
+        now->v[i] = old.v[i] + of[1] * old.a[i] + of[3] * old.b[i] + of[5] * old.a_rate[i];
+        now->a[i] = old.a[i] + ahead * old.a_rate[i];
+    }
+    rope_system_prescribed_motion(rope, state, s, result.t, 3, (double *[]){now->q, now->v, now->a});
+    s->time = result.t;
+    memcpy(now->reaction, old.reaction, sizeof(double) * size);
+    const Chain *chain = chain_of(rope, state);
+    result.newton = chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
+                                 rope->scene.solver.newton_tolerance, result.balance);
+    for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
+    if (result.newton.status == CONVERGED && !isfinite(sum)) result.newton.status = NOT_FINITE;
+    result.reached = result.newton.status == CONVERGED;
+    if (!result.reached) return result;
+    for (size_t i = 0; i < size; i++) {
+        now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
+        now->a_rate[i] = (now->a[i] - old.a[i]) / h;
+    }
+    const double *change = resolved_change(rope, chain, s, c[2], old.a);
+    result.error = local_error(&method, h, rope_system_norm(s, change, s->shortest));
+    for (int side = LEFT; side <= RIGHT; side++)
+        result.strains[side] = local_error(&method, h, change[(side ? size - DOF : 0) + SLOPE + 1]);
+    return result;
+}
+
+void generalized_alpha_restart(Simulator *rope, State *state, const System *s) {
+    const Arrays m = state_arrays(state);
+    const size_t size = (size_t)m.nodes * DOF;
+    const double c[3] = {0, 0, 1};
+    double unused[BALANCE], *known = rope->trial.reaction;
+    memset(m.a, 0, sizeof(double) * size);
+    rope_system_prescribed_motion(rope, state, s, state->t, 3, (double *[]){m.q, m.v, m.a});
+    for (int again = 0; again < 2; again++) { /* the second time with friction from the right reactions */
+        memcpy(known, m.reaction, sizeof(double) * size);
+        chain_of(rope, state)->newton_step(s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
+        for (size_t i = 0; i < size; i++) m.a[i] += rope->x[i];
+    }
+    memcpy(known, m.reaction, sizeof(double) * size);
+    chain_of(rope, state)->evaluate(s, m.q, m.v, m.a, known, m.reaction, unused);
+    memcpy(m.b, m.a, sizeof(double) * size);
+    memset(m.a_rate, 0, sizeof(double) * size);
+    state->h = 0;
+}

@@ -1,0 +1,26 @@
+/* What Newton's method makes of its corrections: rope_model.numerics.newton. */
+
+#include "rope_system.h"
+
+Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const Rules *rules) {
+    const double contraction = before.norm > 0 ? norm / before.norm : 0;
+    const int first = before.iterations < 1, sure = !first && contraction < rules->unsure;
+    const double guess = first ? rules->first * norm : norm;
+    Progress after = {
+        TOO_MANY,    before.iterations + 1, 1, norm, sure ? contraction / (1 - contraction) * norm : guess,
+        contraction, before.sum + norm};
+    if (!(norm < NEWTON_HUGE)) {
+        after.status = NOT_FINITE;
+        after.error = INFINITY;
+    } else if (!sure && !fresh) { /* it only says that a new factorization is due */
+        after.applies = 0;
+        after.norm = before.norm;
+        after.sum = before.sum;
+        after.error = after.contraction = INFINITY;
+    } else if (!first && contraction >= rules->growing) {
+        after.status = DIVERGED;
+    } else if (after.error <= tolerance) {
+        after.status = CONVERGED;
+    }
+    return after;
+}

@@ -1,0 +1,130 @@
+/* One step of the rope, as long as errors and events allow: rope_model.simulation.stepping.stepping. */
+
+#include "rules.h"
+#include "simulator.h"
+
+/* a Newton iteration, by its status */
+static const char *const ENDED[] = NEWTON_TEXTS;
+
+typedef struct {
+    const Simulator *rope;
+    const State *state;
+} Looked;
+
+static double due_at(void *with, double time) {
+    const Looked *at = with;
+    return distance_to_due(&at->state->pattern, model_bottom(at->rope, at->state, time));
+}
+
+/* the instant at which the coming steps must end: the host's, a release, or a transformation that a step would carry
+   the loop too far past */
+static double next_stop(const Simulator *rope, const State *state, double t_end) {
+    const double t = state->t, stop = fmin(t_end, next_release(rope, state));
+    const double ahead = fmin(stop, t + fmin(state->step_next, rope->scene.solver.step_max));
+    const double times[2] = {0.5 * (t + ahead), ahead};
+    Looked at = {rope, state};
+    const double at_start = due_at(&at, t);
+    /* a crossing that falls between these instants is found by the next step, at most one step late */
+    for (int k = 0; k < 2; k++) {
+        const double then = due_at(&at, times[k]);
+        if (0 > at_start && then >= MESH_LATEST * state->pattern.coarse)
+            return fmin(locate(due_at, &at, t, times[k], at_start, then, EVENT_WIDTH), stop);
+    }
+    return stop;
+}
+
+/* steps that the Newton iterations left to this advance allow for, one at least */
+static int64_t steps_left(const Simulator *rope, const State *state) {
+    const int64_t left = (rope->work_end - state->counts.newton) / STEP_WORK;
+    return left > 1 ? left : 1;
+}
+
+/* a step towards `stop` that converges and errs little enough, halved as often as it takes, or that errs too much where
+   the work that is left does not allow for more steps; 0 and a message if none */
+static int accepted_step(Simulator *rope, State *state, double stop, StepResult *trial, double *step_next, int *reaches,
+                         char *message) {
+    const Solver *solver = &rope->scene.solver;
+    double next = fmin(state->step_next, solver->step_max);
+    double parts = parts_of(stop - state->t, next, (double)steps_left(rope, state));
+    double h = (stop - state->t) / parts;
+    int rejected = 0;
+    for (;;) {
+        *trial = model_trial(rope, state, h);
+        state->counts.newton += trial->newton.iterations;
+        if (trial->reached && trial->relative <= ACCEPT_BELOW * solver->tolerance) break;
+        if (trial->reached && stop - state->t > 0.5 * h * (double)steps_left(rope, state)) {
+            next = h;
+            break;
+        }
+        rejected = 1;
+        state->counts.rejections += 1;
+        if (h <= solver->step_min) {
+            char why[MESSAGE];
+            if (trial->reached) say_error_too_large(why, trial->relative / solver->tolerance);
+            return say_step_fails(message, h, solver->step_min, trial->reached ? why : ENDED[trial->newton.status]);
+        }
+        h = fmax(0.5 * h, solver->step_min);
+        parts = 2;
+        next = h;
+    }
+    const NextStep then = next_step(solver, h, next, trial->relative, rejected, trial->t, state->calm_since);
+    state->calm_since = then.calm_since;
+    state->counts.given_up += (int64_t)then.given_up;
+    *step_next = then.length;
+    *reaches = parts == 1;
+    return 1;
+}
+
+int as_rigid(Simulator *rope, State *state, double t, char *message) {
+    state->t = t;
+    transform_if_due(rope, state);
+    const Arrays m = state_arrays(state);
+    const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
+    rigid_rope(&rope->scene, ends, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
+               &state->energy_balance.gravity, message);
+    memcpy(m.b, m.a, sizeof(double) * (size_t)m.nodes * DOF);
+    memset(m.a_rate, 0, sizeof(double) * (size_t)m.nodes * DOF);
+    state->h = 0;
+    return !message[0];
+}
+
+static int rigid_step(Simulator *rope, State *state, double t_end, char *message) {
+    const double h = t_end - state->t, before = state->power_ends;
+    if (!as_rigid(rope, state, t_end, message)) return 0;
+    model_powers(rope, state);
+    state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
+    state->counts.steps += 1;
+    return 1;
+}
+
+/* the state after one accepted step; 0 and a message when there is none */
+int step_towards(Simulator *rope, State *state, double t_end, char *message) {
+    if (state->fidelity == RIGID) return rigid_step(rope, state, t_end, message);
+    transform_if_due(rope, state);
+    release_swivels(rope, state);
+    const double stop = next_stop(rope, state, t_end);
+    double step_next;
+    int reaches, switching;
+    StepResult trial;
+    for (;;) {
+        if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message)) return 0;
+        const double whole = trial.t - state->t;
+        switching = switching_step(rope, state, &trial);
+        if (switching >= 0) break;
+        /* a shorter one may not reach the event, or find it more easily */
+        state->step_next = fmax(0.5 * whole, rope->scene.solver.step_min);
+        if (state->step_next > 0.75 * whole) return say_step_to_event_fails(message, ENDED[trial.newton.status]);
+        state->counts.rejections += 1;
+    }
+    model_commit(rope, state, &trial);
+    state->step_next = step_next;
+    state->counts.steps += 1;
+    if (switching) {
+        switch_swivels(rope, state);
+        if (chatters(state)) return say_swivel_chatters(message);
+    } else if (reaches) {
+        state->t = stop; /* to the bit, not to rounding */
+    }
+    with_loop_yaw(state);
+    return 1;
+}

@@ -1,0 +1,124 @@
+"""The C of rope_model/csrc has the rooms, the modules and the function names of the Python that it mirrors."""
+
+import ast
+import json
+import re
+import subprocess
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import rope_model
+from rope_model.codegen.build import lay_out
+from rope_model.numerics.kernels import find_compiler
+
+PACKAGE = Path(rope_model.__file__).parent
+CSRC = PACKAGE / "csrc"
+FILES = {path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (".c", ".h", ".inc")}
+#: files without a Python module, and why
+ENGINE = {
+    "core.h": "what the files declare to each other",
+    "rope.h": "for hosts: the methods of RopeSimulator as rope_...",
+    "memory.c": "all memory is taken before the first step",
+    "text.c": "printf writes no number as Python does",
+    "text.h": "the same",
+    "lanes.h": "vectors of several elements",
+    "processor.c": "asks which vectors the processor has",
+    "processor.h": "the same",
+    "rope_kernels_form.inc": "one text for both widths of vectors",
+    "rope_kernels_wide.c": "the wider of them",
+}
+#: functions without a Python one in the module of their file, and why
+C_ONLY = {
+    "rope_create": "RopeSimulator()",
+    "rope_message": "a Status has it in Python",
+    "rope_is_initialized": "state raises RuntimeError in Python",
+    "rope_state_bytes": "bytes have a length in Python",
+    "rope_save": "BalanceRope.save",
+    "rope_warning": "WARNINGS by their number",
+    "state_plausible": "bytes may be anything; RopeState.from_bytes has types",
+    "state_copy": "states are immutable in Python",
+    "record_event": "a tuple grows in Python",
+    "partition_elements": "memory is taken for so many; partition() counts in Python",
+    "middle_before": "numpy.interp",
+    "fidelity_name": "a Literal in Python",
+    "bodies_group": "boxes of several elements; numpy looks at all at once",
+    "look_for_bodies": "Surroundings.distances, kept from one look to the next",
+    "see_more_bodies": "the same, after Newton's corrections",
+    "see": "RopeSystem._near",
+    "still_free": "RopeSystem._near",
+    "own_contact": "room for touches",
+    "own_contact_bytes": "room for touches",
+    "point_forces_push": "rope_system._push, where the places are",
+    "chain_work_bytes": "room for a chain",
+    "chain_frames_bytes": "room for a chain",
+    "fastest_chains": "both widths of vectors",
+}
+
+
+def text_of(path: Path) -> str:
+    """The C without its comments."""
+    return re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def functions(path: Path) -> list[str]:
+    """Names of the functions that other files may call."""
+    return re.findall(r"^(?!static|typedef|enum)\w[\w *]*?\b(\w+)\([^;{}]*\)\s*\{", text_of(path), re.MULTILINE)
+
+
+def module_of(path: Path) -> Path | None:
+    """The Python module in the same room."""
+    below = path.relative_to(CSRC).with_suffix(".py")
+    return next((found for room in ("simulation", ".") if (found := PACKAGE / room / below).exists()), None)
+
+
+def names_in(module: Path) -> set[str]:
+    """Names of functions, methods and classes, and of CasADi functions, which are words."""
+    nodes = list(ast.walk(ast.parse(module.read_text(encoding="utf-8"))))
+    defined = {node.name.lstrip("_") for node in nodes if isinstance(node, ast.FunctionDef)}
+    classes = {re.sub(r"\B([A-Z])", r"_\1", node.name).lower() for node in nodes if isinstance(node, ast.ClassDef)}
+    return defined | classes | {str(node.value) for node in nodes if isinstance(node, ast.Constant)}
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name not in ENGINE])
+def test_c_functions_have_the_names_of_the_python_module_in_their_room(name: str) -> None:
+    module = module_of(FILES[name])
+    assert module is not None, name
+    names, prefixes = names_in(module), ("", f"{module.stem}_", "rope_")
+    found = [f for f in functions(FILES[name]) if f not in C_ONLY]
+    assert [f for f in found if not any(f.removeprefix(p) in names for p in prefixes)] == []
+
+
+def test_exceptions_are_those_that_there_are() -> None:
+    assert set(ENGINE) <= set(FILES)
+    assert set(C_ONLY) <= {f for path in FILES.values() for f in functions(path)}
+    assert [name for name in ENGINE if module_of(FILES[name])] == []
+
+
+def test_neither_calls_nor_includes_go_round() -> None:
+    home = {f: name for name, path in FILES.items() for f in functions(path)}
+    graph = {}
+    for name, path in FILES.items():
+        text = text_of(path)
+        called = (
+            {home[f] for f in re.findall(r"(?<![\w.>])(\w+)\(", text) if f in home} if path.suffix != ".h" else set()
+        )
+        graph[name] = (called | set(re.findall(r'#include "(\w+\.\w+)"', text)) & set(FILES)) - {name}
+    assert len(list(TopologicalSorter(graph).static_order())) == len(FILES)
+
+
+def test_laid_out_for_an_editor_every_file_compiles_by_its_entry_without_a_warning(tmp_path: Path) -> None:
+    if (compiler := find_compiler()) is None:
+        pytest.skip("no C compiler")
+    lay_out(tmp_path)
+    lay_out(tmp_path)  # anew over what is there
+    entries = json.loads((tmp_path / "compile_commands.json").read_text(encoding="utf-8"))
+    assert {entry["file"] for entry in entries} == {name for name in FILES if name.endswith(".c")}
+    checks = [flag for flag in entries[0]["arguments"][1:] if flag.startswith(("-std", "-O", "-f"))]
+    checks += ["-fsyntax-only", "-Wall", "-Wextra", "-Werror"]
+    done = subprocess.run(
+        [*compiler, *checks, *(entry["file"] for entry in entries)], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "model.c").resolve() == FILES["model.c"]
