@@ -33,7 +33,7 @@ before the step. After a failed initialisation the real outputs are NaN.
 
 Directional derivatives relate the end forces and moments at the end of a step to the inputs of that step. The step
 is as long as the last one, or `solver.step_max` before the first. With `inputs_at_step_end` = false they include
-the extrapolation.
+the extrapolation. Inputs that `inputs.given` does not trust have the derivative 0.
 """
 _STRUCTURE = """\
 No output depends on an input of the same instant: an input set after a step takes effect with the next step. So
@@ -74,8 +74,8 @@ the acceleration. Inputs at the step's end (`inputs_at_step_end` = true) are met
 *Motions that do not fit.* Position, speed and acceleration of tables, sensors and slower parts need not be of one
 motion. The rope's ends follow the given acceleration and draw position and speed in like a critically damped observer.
 `inputs.misfit.*` tell what is left, `status.end_force_error` contains its effect on the end forces, and
-`status.warning` names the likely cause. `inputs.given` says what to trust. Inputs of a moving end that are the same as
-before to the last bit are no new sample: the motion is extrapolated on, and `inputs.repeated` counts the steps.
+`status.warning` names the likely cause. `inputs.given` says what to trust. Trusted inputs of a moving end that are the
+same as before to the last bit are no new sample: the motion is extrapolated on, and `inputs.repeated` counts the steps.
 """
 _WARNINGS = """\
 `status.warning` holds warnings about valid results for as long as they apply; the log has each of them once

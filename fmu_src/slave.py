@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec
 from xml.etree.ElementTree import Element
 
-import numpy as np
 from pythonfmu import Fmi2Slave
 
 from fmu_src.interface import MOTION, case_with, variables
@@ -153,9 +152,8 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def derive(self, scalar: int, seed: float) -> None:
         """Seed times the derivatives of the end loads to this input, into the library's array; NaN of others."""
         side, _, name = self._table[scalar].name.partition(".")
-        parts = {name: 1.0} if self._at_step_end() else _extrapolation_derivatives(name, self._rope.state.last_interval)
-        loads = sum(seed * part * load_derivative(self._rope, SIDES.index(side), name) for name, part in parts.items())
-        for load, value in zip(LOADS, np.asarray(loads).tolist(), strict=True):
+        loads = seed * load_derivative(self._rope, SIDES.index(side), name, self._at_step_end())
+        for load, value in zip(LOADS, loads.tolist(), strict=True):
             self._derivatives[self._places[load]] = value
 
     # states
@@ -191,15 +189,6 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     def _at_step_end(self) -> bool:
         return self._values[self._places["inputs_at_step_end"]] != 0.0
-
-
-def _extrapolation_derivatives(name: str, h: float) -> dict[str, float]:
-    """Derivatives of the motion at a step's end to ``name`` at its start: what is extrapolated from it moves, too."""
-    if name.startswith("a"):
-        return {name: 1.0, f"v{name[1:]}": h, name[1:]: 0.5 * h * h}
-    if name.startswith("v"):
-        return {name: 1.0, name[1:]: h}
-    return {name: 1.0, "yaw": h} if name == "yaw_rate" else {name: 1.0}
 
 
 def _require(status: Status) -> None:

@@ -97,7 +97,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_fidelity_reason": (c_char_p, (rope,)),
         "rope_warning": (None, (rope, c_int, c_char_p)),
         "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
-        "rope_load_derivative": (c_int, (rope, c_int, POINTER(c_double))),
+        "rope_load_derivative": (c_int, (rope, c_int, c_int, POINTER(c_double))),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_save": (None, (rope, c_void_p)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
@@ -241,11 +241,11 @@ class NativeRope(BalanceRope):
             raise ValueError(status.message)
         self._scene = scene
 
-    def derivative(self, side: int, name: str) -> list[float]:
+    def derivative(self, side: int, name: str, at_step_end: bool = True) -> list[float]:
         """Derivatives of left.fx ... left.mz, right.fx ... right.mz to an input of one side, as an FMU gives them."""
         out = (c_double * 12)()
         number = 11 * side + list(EndMotion.__dataclass_fields__).index(name)
-        if not self._lib.rope_load_derivative(self._rope, number, out):
+        if not self._lib.rope_load_derivative(self._rope, number, at_step_end, out):
             raise RuntimeError(self._message())
         return list(out)
 

@@ -7,13 +7,11 @@ from functools import cache
 
 from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
-from rope_model.parameters import CHOICES, Rope, Trusted
-from rope_model.simulation.ends.following import Followed, Following, Limits, Rates, follow, follow_program
+from rope_model.parameters import Inputs, Rope, Scene, Trusted
+from rope_model.simulation.ends.following import Followed, Following, Limits, Manner, follow, follow_program, manner_of
 from rope_model.simulation.ends.misfit import follow_account
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 
-#: rad/s, of the 120 m rope at the standard level
-USUAL = Rates(1.0, 17.0)
 NO_LIMITS = Limits((0.0,) * 4, (0.0,) * 4, (0.0,) * 4)
 
 
@@ -32,21 +30,25 @@ def program() -> Program:
     return follow_program()
 
 
+def usual_manner(trusted: Trusted = "all", bandwidth: float = 1.0, estimate: float = 17.0) -> Manner:
+    """By default with the bandwidths (rad/s) of the 120 m rope at the standard level."""
+    return manner_of(Scene(inputs=Inputs(trusted, bandwidth, estimate)))
+
+
 @dataclass
 class Follower:
     """An end that follows what it is given, from rest at ``at``."""
 
     at: EndMotion = field(default_factory=EndMotion)
-    rates: Rates = USUAL
-    trusted: Trusted = "all"
+    manner: Manner = field(default_factory=usual_manner)
 
     def __post_init__(self) -> None:
         self.path, self.following = EndPath.at_rest(0.0, self.at), Following.at_rest(0.0, self.at)
 
     def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> Followed:
         """On to ``stop`` by the motion ``given`` of the instant ``given_at``, or else of ``stop``."""
-        code, at = [*CHOICES["inputs.given"]].index(self.trusted), stop if given_at is None else given_at
-        found = follow(program(), self.following, self.path, self.rates, code, at, stop, given)
+        at = stop if given_at is None else given_at
+        found = follow(program(), self.following, self.path, self.manner, at, stop, given)
         self.path = found.path
-        self.following = follow_account(found.following, found.path, self.rates, Rope(), code, 60.0)
+        self.following = follow_account(found.following, found.path, self.manner, Rope(), 60.0)
         return found

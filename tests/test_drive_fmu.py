@@ -164,6 +164,20 @@ def test_internal_steps_converge_with_order_five(drive: Drive) -> None:
     assert np.all(np.log2(errors[:-1] / errors[1:]) > 4.7), errors
 
 
+def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_it_was(drive: Drive) -> None:
+    """Inputs are held: what is sent again counts on, and a jump is a jump."""
+    assert drive.start()
+    assert drive.step(0.0)
+    before = [drive.get(name) for name in MOTIONS]
+    for force, words in ((-1e9, "m/s2, not within +-100 m/s2"), (1e300, INPUTS[0])):
+        drive.set(**{INPUTS[0]: force})
+        assert not drive.step(H)
+        assert words in drive.says()
+        assert [drive.get(name) for name in MOTIONS] == before
+    drive.set(**dict(zip(INPUTS, rest_forces(SETUP), strict=True)))
+    assert drive.step(H), drive.says()
+
+
 def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Drive) -> None:
     assert drive.start(solver__step_max=0.001)
     drive.set(**{INPUTS[1]: -1e6})

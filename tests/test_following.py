@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
 import pytest
-from end_paths import Follower
+from end_paths import Follower, usual_manner
 from numpy.testing import assert_allclose
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Inputs, Scene, balance_rope, rope_120
 from rope_model.engine import NativeRope
-from rope_model.parameters import Trusted
+from rope_model.parameters import FidelityChoice, Model, Rope, Trusted
 from rope_model.simulation.balance_rope import BalanceRope, Status
-from rope_model.simulation.ends.following import Rates, follow_rates
+from rope_model.simulation.ends.following import manner_of
 from rope_model.simulation.simulator import RopeSimulator
 
 H, TRAVEL = 0.01, 20.0
@@ -89,7 +90,7 @@ def test_a_motion_that_fits_is_met_exactly() -> None:
 def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_observer() -> None:
     """x = d (1 - (1 + w t) exp(-w t)) after a jump of d."""
     w, d = 2.0, 0.1
-    end = Follower(rates=Rates(w, 17.0))
+    end = Follower(manner=usual_manner(bandwidth=w))
     for k in range(1, 301):
         end.step(k * H, EndMotion(y=d))
         t = k * H
@@ -99,10 +100,10 @@ def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_obser
 
 
 def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> None:
-    rates = follow_rates(SCENE)
-    disturbance = rates.observer**2 * SCENE.accuracy.loop / SCENE.layout.gravity
+    manner = manner_of(SCENE)
+    disturbance = manner.observer**2 * SCENE.accuracy.loop / SCENE.layout.gravity
     assert disturbance == pytest.approx(SCENE.accuracy.end_force)
-    chosen = follow_rates(SCENE.with_(inputs=Inputs(bandwidth=3.0, estimate_bandwidth=5.0)))
+    chosen = manner_of(SCENE.with_(inputs=Inputs(bandwidth=3.0, estimate_bandwidth=5.0)))
     assert (chosen.observer, chosen.estimate) == (3.0, 5.0)
 
 
@@ -110,7 +111,7 @@ def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> No
 def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, order: int) -> None:
     """By n J / W behind an acceleration of the rate J."""
     jerk, bandwidth = 0.5, 20.0
-    end = Follower(rates=Rates(1.0, bandwidth), trusted=trusted)
+    end = Follower(manner=usual_manner(trusted, estimate=bandwidth))
     for k in range(1, 1001):
         t = 0.001 * k
         y, v = jerk * t**3 / 6, jerk * t**2 / 2
@@ -122,7 +123,7 @@ def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, ord
 
 
 def test_a_speed_alone_is_integrated() -> None:
-    end = Follower(trusted="speed")
+    end = Follower(manner=usual_manner("speed"))
     for k in range(1, 2401):
         end.step(k * H, EndMotion(vy=exact(k * H).vy))
     assert end.path.motion(24.0)[0][1] == pytest.approx(TRAVEL, abs=1e-3)
@@ -180,6 +181,46 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
     assert end.following.sent_every == pytest.approx(4 * H)
 
 
+@pytest.mark.parametrize("h", [0.001, 0.01])
+@pytest.mark.parametrize("a", [1.0, 9.0])
+def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopped(h: float, a: float) -> None:
+    """Each is sent three times at 4 m/s; then the end brakes with a and stands."""
+    end, speed, whole = Follower(manner=usual_manner("position")), 4.0, 3.0
+    brakes = whole + speed / a
+
+    def y(t: float) -> float:
+        up = 4.0 * max(t - 1.0, 0.0)
+        past = min(max(t - whole, 0.0), speed / a)
+        return min(2.0 * min(t, 1.0) ** 2, 2.0) + min(up, 4.0 * (whole - 1.0)) + speed * past - 0.5 * a * past**2
+
+    for k in range(1, round((brakes + 2.0) / h)):
+        sent = k if k * h > whole else 3 * (k // 3)
+        end.step(k * h, EndMotion(y=y(sent * h)))
+        if k == round(whole / h):
+            counted = end.following.repeats
+            assert counted > 0.5 * k
+            assert end.following.motion[1] == pytest.approx((y(end.following.given_at), speed, 0.0), abs=1e-3)
+    # the end of the brake is not taken for a repetition
+    assert end.following.repeats == counted
+    assert end.following.motion[1] == pytest.approx((y(k * h), 0.0, 0.0), abs=1e-3)
+
+
+def test_a_speed_alone_may_stay_as_it_is() -> None:
+    end = Follower(manner=usual_manner("speed"))
+    for k in range(1, 301):
+        end.step(k * H, EndMotion(vy=min(k * H, 1.0)))
+    assert end.following.repeats == 0
+    assert end.following.motion[1][1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_what_is_not_trusted_may_change_in_a_repetition() -> None:
+    end = Follower(manner=usual_manner("position_speed"))
+    for k in range(1, 101):
+        t = 2 * H * (k // 2)
+        end.step(k * H, EndMotion(y=t, vy=1.0, ay=1e-3 * k))
+    assert end.following.repeats == 49
+
+
 def test_an_end_at_rest_repeats_nothing() -> None:
     end = Follower()
     for k in range(1, 50):
@@ -203,6 +244,47 @@ def test_what_is_trusted_is_the_same_in_both_forms(trusted: Trusted) -> None:
     for rope in ropes:
         wind(rope, rounded, until=0.8)
     assert ropes[0].state.following == ropes[1].state.following
+
+
+def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
+    """Rounded, with time stamps that are off, every third sample sent again, as far as the model can follow."""
+    k = round(t / H) - (round(t / H) % 3 == 0)
+    at = k * H + np.random.default_rng(abs(k)).uniform(-0.002, 0.002)
+    end = EndMotion(y=round(0.25 * at * at, 3), vy=0.5 * at, ay=0.5)
+    if fidelity == "rigid":
+        return end
+    end = replace(end, x=round(0.01 * at * at, 4), vx=0.02 * at, ax=0.02)
+    if fidelity == "planar":
+        return end
+    end = replace(end, z=round(0.02 * at * at, 4), vz=0.04 * at, az=0.04)
+    return end if fidelity == "spatial" else replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)
+
+
+@pytest.mark.parametrize("form", [NativeRope, RopeSimulator])
+@pytest.mark.parametrize("fidelity", ["torsional", "spatial", "planar", "rigid"])
+def test_a_state_within_a_misfit_goes_on_to_the_same_bits(
+    form: type[NativeRope | RopeSimulator], fidelity: FidelityChoice
+) -> None:
+    torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
+    scene = Scene(rope=Rope(length=60.0, **torque), model=Model(fidelity))
+    rope, other = form(scene), form(scene)
+
+    def go_on(rope: BalanceRope, first: int) -> bytes:
+        for k in range(first, first + 12):
+            status = rope.advance_to(k * H, unfit(k * H, fidelity), EndMotion())
+            assert status.valid, status.message
+        return rope.save()
+
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    go_on(rope, 1)
+    saved, kept = rope.save(), rope.snapshot()
+    assert rope.state.following[0].repeats > 0
+    assert rope.state.following[0].position > 1e-4
+    after = go_on(rope, 13)
+    for again, state in ((rope, kept), (rope, saved), (other, saved)):
+        again.restore(state)
+        assert again.save() == saved
+        assert go_on(again, 13) == after
 
 
 def test_the_energy_books_close_with_the_motion_that_is_followed() -> None:
@@ -248,7 +330,7 @@ def test_a_signal_that_stands_still_is_refused() -> None:
 @pytest.mark.parametrize("trusted", ["position_speed", "position", "speed"])
 def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
     """At 0.5 m/s^2, read at the start of steps of 5 and 10 ms in turn."""
-    end, t, acceleration = Follower(trusted=trusted), 0.0, 0.5
+    end, t, acceleration = Follower(manner=usual_manner(trusted)), 0.0, 0.5
     for k in range(400):
         h = 0.005 if k % 2 else 0.01
         given = EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t)

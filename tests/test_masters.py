@@ -23,7 +23,7 @@ from native_host import Host
 from numpy.testing import assert_allclose
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.ends.paths import SIDES, EndMotion
 
 LONGEST, MASS_PER_LENGTH = 0.02, rope_120().scene.rope.mass_per_length
 FORCES = ("left.fy", "right.fy")
@@ -159,6 +159,61 @@ def test_restored_outputs_are_those_before_a_tunable_was_changed(host: Host) -> 
         assert host.get(friction) == [waits]
         assert turn(60) == after
         host.restore(state)
+
+
+@rope_only
+def test_trials_of_a_position_alone_are_taken_back_without_a_trace(host: Host) -> None:
+    """A Newton master moves y by 9 mm for its derivative, another one bisects it, before the step that counts."""
+    H, trials = 0.01, [9e-3, -9e-3, *(9e-3 * 0.5**k for k in range(1, 6))]
+    shown = (*FORCES, "inputs.repeated", "inputs.misfit.position")
+
+    def wind(trials: list[float]) -> list[list[float]]:
+        host.start(**{"mesh.kind": 1, "mesh.elements": 20})
+        rows = []
+        for t, h in LOOPS["counting"](H, 20 * H):
+            give(host, t)
+            (y,), before = host.get("left.y"), host.state()
+            for trial in trials:
+                host.set(**{"left.y": y + trial})
+                assert host.step(t, h) == ""
+                host.restore(before)
+            host.free(before)
+            give(host, t)
+            assert host.step(t, h) == ""
+            rows.append(host.get(*shown))
+        host.call("Reset")
+        return rows
+
+    assert wind(trials) == wind([])
+
+
+@native_only
+@pytest.mark.parametrize(("every", "between"), [(0.05, True), (0.02, False), (0.05, False)])
+def test_forces_keep_with_samples_that_importers_interpolate_or_repeat(host: Host, every: float, between: bool) -> None:
+    """As FMPy and fmusim read tables, and PyFMI, MasterSim and libcosim a slower part.
+
+    Within .3 % root mean square and 2 % at an instant of the largest, the targets of `make signals`.
+    """
+    found = []
+    for table in (False, True):
+        host.start()
+        rows = []
+        for t, h in LOOPS["counting"](0.01, 4.0):
+            k = math.floor(t / every + 1e-9)
+            part = t / every - k if between else 0.0
+            for side in (0, 1):
+                a, b = (np.array([*vars(trip(at)[side]).values()]) for at in (k * every, (k + 1) * every))
+                sent = (1.0 - part) * a + part * b if table else np.array([*vars(trip(t)[side]).values()])
+                host.set(**{f"{SIDES[side]}.{name}": sent[i] for name, i in (("y", 1), ("vy", 4), ("ay", 7))})
+            assert host.step(t, h) == ""
+            rows.append(host.get(*FORCES))
+        found.append(np.array(rows))
+        told = host.get("status.warning")[0]
+        host.call("Reset")
+    off = (found[1] - found[0]) / np.abs(found[0]).max()
+    assert np.sqrt((off**2).mean()) < 3e-3
+    assert np.abs(off).max() < 2e-2
+    assert ("interpolated linearly" if between else "came again") in told
 
 
 def error(found: np.ndarray, exact: np.ndarray) -> float:

@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from rope_model.engine import NativeRope
-from rope_model.parameters import FidelityChoice, Model, Rope, Scene, Solver
+from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, Scene, Solver, Trusted
 from rope_model.simulation.ends.paths import SIDES, EndMotion
-from rope_model.simulation.outputs.sensitivity import load_derivative
+from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.simulation.simulator import RopeSimulator
 
 
@@ -37,6 +37,41 @@ def test_derivatives_are_those_of_a_step(name: str, side: int) -> None:
         )
     differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
     assert_allclose(derivative, differences, rtol=2e-3, atol=2e-3 * np.abs(differences).max())
+
+
+@pytest.mark.parametrize("at_step_end", [True, False])
+@pytest.mark.parametrize("trusted", ["position_speed", "position", "speed"])
+def test_derivatives_are_those_of_the_inputs_that_are_trusted(trusted: Trusted, at_step_end: bool) -> None:
+    """Of an ideal step that ends with the input changed, by differences in both forms; others have none."""
+    exact = Solver(tolerance=1e6, newton_tolerance=3e-10)
+    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), inputs=Inputs(trusted), solver=exact)
+    h, ends, loads = 0.01, [EndMotion(), EndMotion()], ("left.fx", "left.fy", "left.my", "right.fy")
+    places = [LOADS.index(load) for load in loads]
+    ropes = NativeRope(scene), RopeSimulator(scene)
+    for rope in ropes:
+        assert rope.initialize(0.0, *ends).valid
+        assert rope.advance_to(h, *ends).valid
+    native, python = ropes
+    state = native.save()
+    for name in ("x", "y", "vy", "ay", "yaw", "yaw_rate"):
+        found = np.array(native.derivative(0, name, at_step_end))
+        # both take differences, of the sizes there
+        of_python = load_derivative(python, 0, name, at_step_end)
+        assert_allclose(found, of_python, rtol=1e-3, atol=1e-3 * np.abs(found).max(), err_msg=name)
+        size = {"x": 5e-9, "y": 5e-9, "vy": 1e-6, "ay": 1e-2, "yaw": 1e-5, "yaw_rate": 1e-3}[name]
+        forces = []
+        for sign in (1, -1):
+            native.restore(state)
+            moved = replace(EndMotion(), **{name: sign * size})
+            assert native.advance_to(2 * h, moved, ends[1], 2 * h if at_step_end else h).valid
+            forces.append([*native.signals(loads).values()])
+        native.restore(state)
+        differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
+        assert_allclose(
+            found[places], differences, rtol=2e-3, atol=2e-3 * np.abs(differences).max() + 1e-7 / size, err_msg=name
+        )
+        kind = "a" if name == "ay" else "v" if name in ("vy", "yaw_rate") else "x"
+        assert found.any() == (kind in {"position_speed": "xv", "position": "x", "speed": "v"}[trusted])
 
 
 @pytest.mark.parametrize("fidelity", ["torsional", "planar", "rigid"])

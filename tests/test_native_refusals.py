@@ -50,6 +50,22 @@ def test_an_advance_that_takes_too_many_steps_is_refused_alike(monkeypatch: pyte
     assert all(rope.state.motion.t == 0.0 for rope in ropes)
 
 
+@pytest.mark.parametrize("given_at", [math.nan, -math.inf, math.inf, -1.01, 0.0200001])
+def test_motions_of_another_time_are_refused(given_at: float) -> None:
+    """Of an instant after the step, or longer before it than a sample may be held; rounding is none."""
+    messages = []
+    for rope in (RopeSimulator(Scene(rope=Rope(length=60.0))), NativeRope(Scene(rope=Rope(length=60.0)))):
+        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+        messages.append(rope.advance_to(0.02, EndMotion(), EndMotion(), given_at).message)
+        for fits in (-1.0, math.nextafter(0.02, 1.0)):
+            assert rope.advance_to(0.02, EndMotion(), EndMotion(), fits).valid
+    assert messages[0] == messages[1]
+    assert messages[0] == (
+        f"the ends' motions are of t = {given_at:.9g} s: they must be of -1 s (inputs.hold_max before the step) to "
+        "0.02 s, where it ends; give the instant at which they were read"
+    )
+
+
 def test_a_step_that_fails_says_the_same_and_leaves_the_state() -> None:
     scene = Scene(rope=Rope(length=60.0), solver=Solver(step_min=5e-3, tolerance=1e-2))
     for ends, words in (

@@ -177,8 +177,9 @@ def test_serialized_state_goes_on_in_another_process_over_swivel_events_to_the_b
     assert in_another_process(f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 40, 160)") == here
 
 
-def test_directional_derivatives_are_those_of_a_step(host: Host) -> None:
-    host.start(inputs_at_step_end=True, solver__tolerance=1e6)
+@pytest.mark.parametrize("at_step_end", [True, False])
+def test_directional_derivatives_are_those_of_a_step(host: Host, at_step_end: bool) -> None:
+    host.start(inputs_at_step_end=at_step_end, solver__tolerance=1e6)
     run(host, 0, 30)
     state = host.state()
     for name, size in {"left.y": 1e-7, "right.vy": 1e-5, "left.ay": 1e-3, "right.ax": 1e-3}.items():

@@ -37,8 +37,13 @@ def block(tables: Tables) -> str:
     head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "the rope says")
     m = tables["multirate"]
     tools = [
-        (str(tool), quantity(rms, "%", ".2g"), quantity(largest, "%", ".2g"), f"{repeated:.0f}")
-        for tool, rms, largest, repeated in zip(m["tool"], m["RMS"], m["largest"], m["repeated"], strict=True)
+        (
+            str(m["tool"][k]),
+            *(quantity(m[name][k], "ms") for name in ("drive [s]", "rope [s]")),
+            *(quantity(m[name][k], "%", ".2g") for name in ("RMS", "largest")),
+            f"{m['repeated'][k]:.0f}",
+        )
+        for k in range(len(m["tool"]))
     ]
     return "\n\n".join(
         (
@@ -46,13 +51,13 @@ def block(tables: Tables) -> str:
             "Deviation of the end forces over the largest: root mean square / largest at an instant / told by "
             f"`status.end_force_error`. Communication steps of {quantity(STEP, 'ms')}, inputs read at a step's start; "
             "all runs are in [signals.csv](../data/signals/signals.csv).",
-            markdown(tools, "drive at 10 ms, rope at 5 ms, in", "RMS", "largest", "samples repeated"),
+            markdown(tools, "tool", "steps of the drive", "of the rope", "RMS", "largest", "samples repeated"),
         )
     )
 
 
 def claims(tables: Tables) -> Iterator[Measurement]:
-    """The targets, over all ropes, steps up to LONGEST and readings."""
+    """The targets, over all ropes and readings: of the estimate for all steps, others for steps up to LONGEST."""
     t = tables["signals"]
     judged = {signal.name for signal in SIGNALS if signal.judged}
     told = {signal.name for signal in SIGNALS if signal.told}
@@ -61,7 +66,7 @@ def claims(tables: Tables) -> Iterator[Measurement]:
     yield Measurement("end force, RMS", _worst(t["RMS"][kept]), "1", "<", RMS)
     yield Measurement("end force, largest", _worst(t["largest"][kept]), "1", "<", LARGEST)
     estimated = {signal.name for signal in SIGNALS if signal.estimated}
-    ratio = (t["told"] / t["RMS"])[short & (t["RMS"] > SMALL) & np.isin(t["signal"], sorted(estimated))]
+    ratio = (t["told"] / t["RMS"])[(t["RMS"] > SMALL) & np.isin(t["signal"], sorted(estimated))]
     yield Measurement("estimate over deviation, largest", _worst(ratio), "1", "<", FACTOR)
     yield Measurement("estimate over deviation, least", float(np.min(ratio)), "1", ">", 1.0 / FACTOR)
     # a table as fine as the steps fits

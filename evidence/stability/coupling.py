@@ -163,14 +163,11 @@ def pulls(H: float, inputs: Inputs, step_max: float = 0.01) -> tuple[Array, str]
     """Pull (N) of the rope on the left end at the communication points, and what ended the run."""
     rope, found, message = hang(step_max), [], ""
     for k in range(1, round(PERIOD / H) + 1):
-        last = lift((k - 1) * H)
+        given_at = (k if inputs == "step end" else k - 1) * H
+        given = lift(given_at)
         if inputs == "held":
-            given = EndMotion(y=last.y)
-        elif inputs == "extrapolated":
-            given = last.extrapolate(H)
-        else:
-            given = lift(k * H)
-        status = rope.advance_to(k * H, given, EndMotion())
+            given, given_at = EndMotion(y=given.y), k * H
+        status = rope.advance_to(k * H, given, EndMotion(), given_at)
         if not status.valid:
             message = status.message
             break

@@ -1,5 +1,4 @@
 /* The balance rope as a model: entries to scene and end motions, signals to outputs. */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -13,7 +12,6 @@ struct ModelInstance {
     Simulator *rope;
     Memory memory;
     Scene scene;
-    double interval; /* length of the last step */
     int at_step_end; /* the reading of the inputs */
     char warning[(ROPE_EXTRAPOLATION + 1) * (MODEL_MESSAGE + 2)];
 };
@@ -59,7 +57,6 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     model->memory.take = allocator->take;
     model->memory.give_back = allocator->give_back;
     read_parameters(model, values);
-    model->interval = model->scene.solver.step_max;
     model->rope = rope_create(&model->scene, &model->memory, message);
     if (model->rope) return model;
     allocator->give_back(model);
@@ -82,9 +79,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, c
     EndMotion ends[2];
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
-    if (!copy_message(model, rope_advance_to(model->rope, t + h, ends, given_at), message)) return 0;
-    model->interval = h;
-    return 1;
+    return copy_message(model, rope_advance_to(model->rope, t + h, ends, given_at), message);
 }
 
 int model_retune(ModelInstance *model, const double *values, char *message) {
@@ -138,14 +133,9 @@ void model_note(const ModelInstance *model, char *message) {
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
                      double *sum, char *message) {
-    /* an input at the start of the step moves what is extrapolated from it: acceleration, speed, position */
-    double h = model->interval, force[FORCES], change[3];
-    int side = ROPE_PLACES[known].where == RIGHT_MOTION, k = (int)(ROPE_PLACES[known].offset / sizeof(double)), part;
-    int parts = 1, stride = k < 9 ? 3 : 1;
-    if (!model->at_step_end) parts = k < 9 ? k / 3 + 1 : k - 8;
-    change[0] = seed;
-    change[1] = seed * h;
-    change[2] = 0.5 * seed * h * h;
+    const int side = ROPE_PLACES[known].where == RIGHT_MOTION;
+    const int input = side * INPUTS_OF_END + (int)(ROPE_PLACES[known].offset / sizeof(double));
+    double force[FORCES];
     for (size_t i = 0; i < number; i++)
         if (ROPE_PLACES[unknown[i]].derivative < 0) {
             snprintf(message, MODEL_MESSAGE,
@@ -153,34 +143,19 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
                      MODEL_VARIABLES[unknown[i]].name);
             return 0;
         }
-    for (part = 0; part < parts; part++) {
-        int input = side * INPUTS_OF_END + k - part * stride;
-        if (!copy_message(model, rope_load_derivative(model->rope, input, force), message)) return 0;
-        for (size_t i = 0; i < number; i++) sum[i] += change[part] * force[ROPE_PLACES[unknown[i]].derivative];
-    }
+    if (!copy_message(model, rope_load_derivative(model->rope, input, model->at_step_end, force), message)) return 0;
+    for (size_t i = 0; i < number; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
     return 1;
 }
 
-/* the interval, then the rope */
-
 size_t model_state_bytes(const ModelInstance *model) {
-    return sizeof(double) + rope_state_bytes(model->rope);
+    return rope_state_bytes(model->rope);
 }
 
 void model_save(const ModelInstance *model, void *to) {
-    memcpy(to, &model->interval, sizeof(double));
-    rope_save(model->rope, (double *)to + 1);
+    rope_save(model->rope, to);
 }
 
 int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
-    double interval = 0.0;
-    if (bytes >= sizeof interval) memcpy(&interval, from, sizeof interval);
-    if (!(interval > 0.0 && isfinite(interval))) {
-        snprintf(message, MODEL_MESSAGE, "the state has no rope that was moved in it; save it anew");
-        return 0;
-    }
-    if (!copy_message(model, rope_restore(model->rope, (const double *)from + 1, bytes - sizeof(double)), message))
-        return 0;
-    model->interval = interval;
-    return 1;
+    return copy_message(model, rope_restore(model->rope, from, bytes), message);
 }

@@ -13,6 +13,7 @@ from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive_fmu.interface import Tail, Variable, force_inputs, holding, plant_outputs, side_forces, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
+from rope_model import Inputs
 from rope_model.texts import html_text
 
 NAME = "HoistDrive"
@@ -111,7 +112,9 @@ def _table(case: Case, table: Sequence[Variable], generated: Kernels, tails: Seq
         (start, p.position, p.speed, p.acceleration, p.jerk)
         for start, p in zip(reference.starts, reference.points, strict=True)
     ]
-    integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip)}
+    shown = plant_outputs(case.hoist)
+    hardest = [i for i, field in enumerate(shown) if field.partition("_")[0] in ("a", "ax", "az")]
+    integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
     parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
     lines = [
@@ -126,6 +129,9 @@ def _table(case: Case, table: Sequence[Variable], generated: Kernels, tails: Seq
         f"#define DRIVE_RADIUS {case.hoist.sheave_radius!r}",
         f"#define DRIVE_LOWEST_FORCE ({generated.lowest_force!r})",
         f"#define DRIVE_TORQUE_LIMIT {case.hoist.torque_limit!r}",
+        "/* m/s2: a rope refuses ends that accelerate more */",
+        f"#define DRIVE_HARDEST {Inputs().acceleration_max!r}",
+        f"static const int DRIVE_ACCELERATION[] = {{{', '.join(map(str, hardest))}}}; /* places in the outputs */",
         "",
         "/* lowest and highest value of each parameter */",
         f"static const double DRIVE_BOUNDS[][2] = {_rows(bounds)};",

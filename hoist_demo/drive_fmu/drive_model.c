@@ -191,6 +191,21 @@ static int sound(const State *s, char *message) {
     return 0;
 }
 
+/* whether the rope's forces move the conveyances as a rope's ends may move */
+static int can_follow(const State *s, char *message) {
+    for (int i = 0; i < DRIVE_ACCELERATIONS; i++) {
+        const int shown = DRIVE_ACCELERATION[i];
+        if (fabs(s->outputs[shown]) <= DRIVE_HARDEST) continue;
+        snprintf(message, MODEL_MESSAGE,
+                 "%s = %.9g N and %s = %.9g N%s would make %s %.3g m/s2, not within +-%g m/s2: check units, signs and "
+                 "connections of the balance rope's forces",
+                 MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2], OF_ALL,
+                 MODEL_VARIABLES[DRIVE_FIRST_OUTPUT + shown].name, s->outputs[shown], DRIVE_HARDEST);
+        return 0;
+    }
+    return 1;
+}
+
 int model_step(ModelInstance *m, double t, double h, const double *values, char *message) {
     double stop = t + h, steps, part, x[DRIVE_STATES];
     State *s = &m->next;
@@ -209,6 +224,8 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
     control(m, s, h);
     add_up(values, s->u + 1);
     for (long k = 0; k < DRIVE_SIDE_FORCES; k++) s->u[DRIVE_SIDE_INPUT + k] = values[DRIVE_SIDE_FORCE + k];
+    plant_outputs(m, s);
+    if (!can_follow(s, message)) return 0;
     for (long k = 0; k < (long)steps; k++) {
         m->arg[0] = s->x;
         m->arg[1] = s->u;

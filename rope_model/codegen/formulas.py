@@ -66,13 +66,16 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "double right_offset(const double left[3], const double right[3])": ends.right_offset,
     "Path path_resting(double t, const EndMotion *at)": EndPath.at_rest,
     "Following following_resting(double t, const EndMotion *at)": Following.at_rest,
-    "Rates follow_rates(const Scene *scene)": following.follow_rates,
-    "Following follow_sample(const Following *now, const Rates *rates, double trusted, double given_at, double h, "
+    "Manner follow_manner(const Scene *scene, double trusted)": following.follow_manner,
+    "Following follow_sample(const Following *now, const Manner *manner, double given_at, double h, "
     "const EndMotion *end)": following.follow_sample,
     "Path follow_path(const Path *path, const Following *now, double stop, double bandwidth)": following.follow_path,
     "void follow_limits(const Path *path, const Following *now, double limits[3][4])": following.follow_limits,
-    "Following follow_account(const Following *now, const Path *path, const Rates *rates, const Rope *rope, "
-    "double trusted, double leg)": misfit.follow_account,
+    "Following follow_account(const Following *now, const Path *path, const Manner *manner, const Rope *rope, "
+    "double leg)": misfit.follow_account,
+    "void sample_moves(const Manner *manner, double h, double ahead, const double sample[3], double moved[3])": (
+        following.sample_moves
+    ),
     "Path path_coasting(const Path *path, double t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(const Path *path, double t)": EndPath.at,
     "double path_height(const Path *path, double t)": EndPath.height,
@@ -260,7 +263,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     contact.Touch,
     contact_places.Probe,
     wire_friction.Slid,
-    following.Rates,
+    following.Manner,
 )
 #: what a formula may take or return whole
 STRUCTURES: dict[str, type[Any]] = {

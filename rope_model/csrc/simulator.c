@@ -138,13 +138,12 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
 /* the ends' next paths, and the fidelity that can follow them; 0 when none can */
 static int move_ends(Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &rope->scene;
-    const Rates rates = follow_rates(scene);
-    const double begin = state->t, trusted = scene->inputs.given, bottom = model_bottom(rope, rope->state, begin);
+    const Manner manner = follow_manner(scene, scene->inputs.given);
+    const double begin = state->t, bottom = model_bottom(rope, rope->state, begin);
     for (int side = LEFT; side <= RIGHT; side++) {
         const Path *before = &rope->state->paths[side];
-        const Following now =
-            follow_sample(&state->following[side], &rates, trusted, given_at, t - before->stop, &ends[side]);
-        const Path path = follow_path(before, &now, t, rates.observer);
+        const Following now = follow_sample(&state->following[side], &manner, given_at, t - before->stop, &ends[side]);
+        const Path path = follow_path(before, &now, t, manner.observer);
         double limits[3][4];
         follow_limits(&path, &now, limits);
         ends_refusal(&scene->inputs, &ends[side], limits, side, rope->message);
@@ -152,7 +151,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         if (rope->message[0]) return 0;
         const double leg = side == LEFT ? bottom : scene->rope.length - bottom;
         state->paths[side] = path;
-        state->following[side] = follow_account(&now, &path, &rates, &scene->rope, trusted, leg);
+        state->following[side] = follow_account(&now, &path, &manner, &scene->rope, leg);
     }
     char why[MESSAGE];
     EndMotion seen[2] = {ends[LEFT], ends[RIGHT]};
@@ -170,12 +169,15 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
 static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
     State *state = rope->next;
     const double begin = rope->state->t, step_max = rope->scene.solver.step_max;
+    const double earliest = begin - rope->scene.inputs.hold_max;
     const int64_t steps_before = rope->state->counts.steps + rope->state->counts.rejections;
     if (!rope->initialized) return say_no_state(rope->message);
     if (fabs(t - begin) < ROPE_SHORTEST_INTERVAL) return 1;
     if (!(isfinite(t) && t > begin)) return say_time_goes_back(rope->message, begin, t);
     if (t - begin > MOST_STEPS * step_max)
         return say_too_far_at_once(rope->message, begin, t, MOST_STEPS, step_max, MOST_STEPS * step_max);
+    if (!(earliest <= given_at && given_at <= t + ROPE_SHORTEST_INTERVAL))
+        return say_motions_of_another_time(rope->message, given_at, earliest, t);
     state_copy(rope, state, rope->state);
     state->switched = state->event_count = 0;
     rope->work_end = state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);

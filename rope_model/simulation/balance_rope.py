@@ -93,9 +93,10 @@ class BalanceRope(ABC):
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         """Follow the conveyances to ``t`` (s) by their motions at ``given_at``, or else at ``t``.
 
-        Motions of an earlier instant are extrapolated with constant acceleration; simulation.ends.following has what
-        happens to motions that do not fit.  On failure the state stays what it was.  Less than 1e-9 s ahead nothing
-        moves; the time is not lost, the next step begins where this one did.
+        Motions of an earlier instant, at most inputs.hold_max before the step, are extrapolated with constant
+        acceleration; simulation.ends.following has what happens to motions that do not fit.  On failure the state stays
+        what it was.  Less than 1e-9 s ahead nothing moves; the time is not lost, the next step begins where this one
+        did.
         """
 
     @abstractmethod

@@ -19,14 +19,14 @@ from pathlib import Path
 import numpy as np
 
 from ..numerics.generalized_alpha import Motion
-from ..parameters import CHOICES, Scene
+from ..parameters import Scene
 from ..physics.outline import suspension_points
 from .balance_rope import BalanceRope, Snapshot, Status, state_in
 from .contact.bodies import no_room
 from .contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from .contact.shaft import LOOK_EVERY, with_passages
 from .ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
-from .ends.following import Following, follow, follow_limits, follow_program, follow_rates
+from .ends.following import Following, follow, follow_limits, follow_program, manner_of
 from .ends.misfit import follow_account
 from .ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from .fidelity import Fidelity, choose_fidelity, unsupported_motion
@@ -227,16 +227,18 @@ class RopeSimulator(BalanceRope):
         step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
         if t - start > MOST_STEPS * step_max:
             return Status(False, messages.too_far_at_once(start, t, MOST_STEPS, step_max, MOST_STEPS * step_max))
-        rates, trusted = follow_rates(scene), [*CHOICES["inputs.given"]].index(scene.inputs.given)
-        at, followed = t if given_at is None else given_at, []
+        at, earliest = t if given_at is None else given_at, start - scene.inputs.hold_max
+        if not earliest <= at <= t + SHORTEST_INTERVAL:
+            return Status(False, messages.motions_of_another_time(at, earliest, t))
+        manner, followed = manner_of(scene), []
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            found = follow(self._follow, state.following[k], state.paths[k], rates, trusted, at, t, end)
+            found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end)
             refused = refusal(scene.inputs, end, found.limits, side)
             if message := refused or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
             bottom = self.model.bottom(state.paths, start)
             leg = bottom if k == 0 else scene.rope.length - bottom
-            followed.append((found.path, follow_account(found.following, found.path, rates, scene.rope, trusted, leg)))
+            followed.append((found.path, follow_account(found.following, found.path, manner, scene.rope, leg)))
         paths, following = zip(*followed, strict=True)
         state = state._replace(paths=paths, following=following, events=())
         if scene.inputs.given != "all":

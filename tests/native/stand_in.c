@@ -143,7 +143,8 @@ void rope_signals(Simulator *rope, size_t number, const int *signals, double *va
     for (size_t k = 0; k < number; k++) values[k] = value_of(rope, signals[k]);
 }
 
-int rope_load_derivative(Simulator *rope, int input, double derivative[12]) {
+int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]) {
+    (void)at_step_end;
     int moved = input / 11, k = input % 11, side;
     for (side = 0; side < 12; side++) derivative[side] = 0.0;
     for (side = LEFT; side <= RIGHT; side++) {

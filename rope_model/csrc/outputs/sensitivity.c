@@ -76,7 +76,7 @@ void added_mass_signals(Simulator *rope, double *values) {
     }
 }
 
-int rope_load_derivative(Simulator *rope, int input, double derivative[12]) {
+int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]) {
     /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
     if (input < 0 || input >= 22) return say_no_such_input(rope->message);
@@ -84,14 +84,17 @@ int rope_load_derivative(Simulator *rope, int input, double derivative[12]) {
     const int side = input / 11, place = input % 11;
     const int kind = place < 9 ? place / 3 : place - 9, dof = place < 9 ? place % 3 : ANGLE;
     State *state = rope->state;
-    double d[3] = {0};
-    d[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
+    const Manner manner = follow_manner(&rope->scene, rope->scene.inputs.given);
+    const double h = state->last_interval;
+    double sample[3] = {0}, d[3], c[3];
+    sample[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
+    if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
+        sample[2] = sample[1] / h;
+    sample_moves(&manner, h, at_step_end ? 0 : h, sample, d);
     memset(derivative, 0, sizeof(double) * 12);
     /* friction does not know the yaw, nor does the rigid rope */
     if (dof == ANGLE && (state->swivels[side].phase == SLIP || state->fidelity == RIGID)) return 1;
-    if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
-        d[2] = d[1] / state->last_interval;
-    double c[3];
+    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return 1; /* not trusted */
     unperturbed_step(rope, c);
     change_of_loads(rope, side, dof, d, c, derivative);
     for (int k = 0; k < 12; k++)

@@ -26,29 +26,34 @@ from typing import Any, NamedTuple
 
 from ...numerics import quintic
 from ...numerics.program import Program
+from ...parameters import CHOICES, Scene
 from ...physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
 from ...physics.estimates import axial_frequency
 from .paths import PATH, RESTS_BELOW, EndMotion, EndPath
 
-#: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits
+#: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits; met
+#: within 20 ms that takes 5.8 h times it at most, 0.1 % of g
 LEAST_JERK = 0.1
-#: rad/s^3: the same of a yaw, which twists the rope alone; torsion is softer, and FMI gives no acceleration of yaw
+#: rad/s^3: the same of a yaw, which twists the rope alone; FMI gives no acceleration of it.  3 degrees at 2 Hz have it
 LEAST_YAW_JERK = 100.0
 _JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
-#: of the slowest axial wave of the whole rope: a filter as fast as that would pass on what sets it swinging
+#: of the slowest axial wave of the whole rope: 1/10 passes of what swings with it (order 2), or 1/32 (order 3)
 ESTIMATE_SHARE = 1.0 / 3.0
-#: m: positions are looked at for being whole multiples of these, and how closely
-GRIDS, ON_GRID = (1e-2, 1e-3, 1e-4, 1e-5), 1e-6
-#: s: over less a rounded yaw rate has no mean acceleration
+#: m: positions are looked at for being whole multiples of these
+GRIDS = (1e-2, 1e-3, 1e-4)
+#: how closely, in multiples: doubles round 1e4 m by 1e-8 of the finest
+ON_GRID = 1e-6
+#: s: over less a rate of six decimals has a mean acceleration that is off by more than 1e-3 rad/s^2
 SHORTEST_MEAN = 1e-3
 #: s: positions of 1e4 m are rounded by 2e-12 m; met in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
 SHORTEST_AIM = 1e-5
-#: m/s: least change of speed between two samples from which a broken line can be told
+#: m/s: least change of speed between samples that tells a broken line: twice what six decimals are off by in 10 ms
 LEAST_CHANGE = 2e-4
-#: parts of that change: below the one the line is straight, above the other it is broken
+#: parts of that change: a straight line has 0, a smooth motion 1, a break of a table of n steps n; the jerk has a fifth
 STRAIGHT, BROKEN = 0.2, 1.8
-#: breaks behind pieces of one length that make a table, and the part by which these lengths may differ
+#: breaks behind pieces of one length that make a table: pieces of 2 or 3 steps by chance are alike so once in 2^7
 FEWEST_BREAKS = 8.0
+#: part by which these lengths may differ: less than a step of a table of a hundred
 ALIKE = 0.01
 
 Four = tuple[float, float, float, float]
@@ -94,41 +99,52 @@ class Following(NamedTuple):
         return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
 
 
-class Rates(NamedTuple):
-    """Bandwidths, rad/s: of the observer, and of the filters for what is not given."""
+class Manner(NamedTuple):
+    """How an end follows: bandwidths (rad/s) of the observer and of the filters for what is not given, and more."""
 
     observer: float
     estimate: float
+    position: float  # 1 where it is trusted, else 0
+    speed: float
+    acceleration: float
+    hardest: float  # m/s^2, of a conveyance that stops: with more the head ropes of a rising one go slack
 
 
-def follow_rates(scene: Any) -> Rates:
-    """Bandwidths as chosen, or as they follow from the accuracy asked for and from the rope."""
-    chosen, accuracy = scene.inputs, scene.accuracy
-    derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
-    slowest = ESTIMATE_SHARE * axial_frequency(scene.rope, scene.rope.length)
-    return Rates(
-        where(chosen.bandwidth > 0, chosen.bandwidth, derived),
-        where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),
-    )
-
-
-def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end: Any) -> Following:
-    """``now`` with what the host gives of the instant ``given_at`` for a step ``h``, unless it is a repetition.
+def follow_manner(scene: Any, trusted: Any) -> Manner:
+    """As chosen, or as it follows from the accuracy asked for and from the rope.
 
     ``trusted`` is the place of inputs.given among its choices.
     """
-    values = tuple(vars(end).values())
-    moves = either(*(abs(value) > RESTS_BELOW for value in (end.vx, end.vy, end.vz, end.yaw_rate)))
-    repeated = both(trusted <= 1, moves, *(a == b for a, b in zip(values, now.given, strict=True)))
+    chosen, accuracy = scene.inputs, scene.accuracy
+    derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
+    slowest = ESTIMATE_SHARE * axial_frequency(scene.rope, scene.rope.length)
+    return Manner(
+        where(chosen.bandwidth > 0, chosen.bandwidth, derived),
+        where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),
+        where(trusted <= 2, 1.0, 0.0),
+        where(abs(trusted - 2) < 0.5, 0.0, 1.0),
+        where(trusted <= 0, 1.0, 0.0),
+        scene.layout.gravity,
+    )
+
+
+def manner_of(scene: Scene) -> Manner:
+    """How the ends of ``scene`` follow."""
+    return follow_manner(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
+
+
+def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Following:
+    """``now`` with what the host gives of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
+    values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
     since = where(given_at > now.given_at, given_at - now.given_at, h)
+    repeated = _repeated(now, manner, since, values, speeds)
     motion = []
-    speeds = (*end.velocity, end.yaw_rate)
     # FMI gives no yaw acceleration: take the mean since the sample before
     accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / larger(since, SHORTEST_MEAN))
     for was, x, v, a in zip(now.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
-        new = _completed(was, trusted, exp(-rates.estimate * since), since, (x, v, a))
+        new = _completed(was, manner, since, (x, v, a))
         motion.append(tuple(where(repeated, old, found) for old, found in zip(was, new, strict=True)))
-    fades = exp(-rates.estimate * h)
+    fades = exp(-manner.estimate * h)
     lively = tuple(
         larger(abs(axis[2] - asked), fades * before)
         for axis, asked, before in zip(motion, now.asked, now.lively, strict=True)
@@ -149,12 +165,27 @@ def follow_sample(now: Any, rates: Any, trusted: Any, given_at: Any, h: Any, end
     return sampled
 
 
-def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Position, speed and acceleration of one coordinate, ``h`` after they ``was``, by what is trusted of ``sample``.
+def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> Any:
+    """Whether what is trusted of a sample is that of the latest one, to the last bit, and cannot have been again.
 
-    ``kept`` is the part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3.
+    A position cannot while the end moves.  Where positions alone are given, it must be too fast to have stopped since:
+    behind a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest sample.
     """
+    moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
+    stops_below = manner.hardest * (since + 1.0 / manner.estimate)
+    too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
+    trusted = [getattr(manner, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
+    same = (
+        either(trust < 1, a == b)
+        for trust, a, b in zip((*trusted, manner.position, manner.speed), values, now.given, strict=True)
+    )
+    return both(manner.position > 0, where(manner.speed > 0, moves, too_fast), *same)
+
+
+def _completed(was: Any, manner: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
+    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by what is trusted of ``sample``."""
     x, v, a = was
+    kept = exp(-manner.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
     lost = 1.0 - kept
     ahead, faster = quintic.extrapolate(x, v, a, h)
     by_speed, by_place = sample[1] - faster, sample[0] - ahead
@@ -164,10 +195,16 @@ def _completed(was: Any, trusted: Any, kept: Any, h: Any, sample: Any) -> tuple[
     speed_of_place = faster + 1.5 * lost * lost * (1.0 + kept) / h * by_place
     acceleration_of_place = a + lost * lost * lost / (h * h) * by_place
     return (
-        where(trusted <= 1, sample[0], where(trusted <= 2, place, integrated)),
-        where(trusted <= 0, sample[1], where(abs(trusted - 2) < 0.5, speed_of_place, speed)),
-        where(trusted <= 0, sample[2], where(abs(trusted - 2) < 0.5, acceleration_of_place, acceleration)),
+        where(manner.position > 0, where(manner.speed > 0, sample[0], place), integrated),
+        where(manner.acceleration > 0, sample[1], where(manner.speed > 0, speed, speed_of_place)),
+        where(manner.acceleration > 0, sample[2], where(manner.speed > 0, acceleration, acceleration_of_place)),
     )
+
+
+def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any, Any]:
+    """Change of place, speed and acceleration ``ahead`` of a small change of the ``sample``, ``h`` after another."""
+    x, v, a = _completed((0.0, 0.0, 0.0), manner, h, sample)
+    return (*quintic.extrapolate(x, v, a, ahead), a)
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
@@ -249,18 +286,19 @@ class Limits(NamedTuple):
     speed: Four
 
 
+def missed(path: Any, now: Any) -> list[Axis]:
+    """By how much place, speed and acceleration at the path's end are short of what is given, by PATH."""
+    found = []
+    for given, x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
+        place, speed = quintic.extrapolate(*given, path.stop - now.given_at)
+        found.append((place - x, speed - v, given[2] - a))
+    return found
+
+
 def follow_limits(path: Any, now: Any) -> Limits:
     """What decides whether the path can be followed; NaN where a coordinate is."""
-    places, speeds, _ = path.motion(path.stop)
-    ahead = path.stop - now.given_at
-    missed = [
-        (abs(given[0] - x), abs(given[1] - v))
-        for given, x, v in zip(
-            (quintic.extrapolate(x, v, a, ahead) for x, v, a in now.motion), places, speeds, strict=True
-        )
-    ]
-    (x, vx), (y, vy), (z, vz), (yaw, yaw_t) = missed
-    return Limits(path.peak_accelerations(), (x, y, z, yaw), (vx, vy, vz, yaw_t))
+    place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
+    return Limits(path.peak_accelerations(), place, speed)
 
 
 class Followed(NamedTuple):
@@ -295,27 +333,26 @@ def path_of(x: Sequence[Any]) -> EndPath:
     return EndPath(x[0], x[1], (tuple(x[2:8]), tuple(x[8:14]), tuple(x[14:20]), tuple(x[20:26])))
 
 
-_FOLLOWING = len(numbers_of(Following()))
+_FOLLOWING, _MANNER = len(numbers_of(Following())), len(Manner._fields)
 
 
 def follow_program() -> Program:
     """follow_sample, follow_path and follow_limits in CasADi's virtual machine, for ``follow``."""
-    return Program(_follow, _FOLLOWING + _PATH + 5 + _END)
+    return Program(_follow, _FOLLOWING + _PATH + _MANNER + 2 + _END)
 
 
 def follow(
     program: Program,
     now: Following,
     path: EndPath,
-    rates: Rates,
-    trusted: int,
+    manner: Manner,
     given_at: float,
     stop: float,
     end: EndMotion,
 ) -> Followed:
     """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
     numbers = (*numbers_of(now), *path[:2], *chain(*path.coefficients))
-    found = program(*numbers, *rates, float(trusted), given_at, stop, *vars(end).values())
+    found = program(*numbers, *manner, given_at, stop, *vars(end).values())
     split = _FOLLOWING + _PATH
     peaks, place, speed = found[split : split + 4], found[split + 4 : split + 8], found[split + 8 :]
     return Followed(
@@ -327,11 +364,9 @@ def follow(
 
 def _follow(x: Sequence[Any]) -> tuple[Any, ...]:
     split = _FOLLOWING + _PATH
-    path, (observer, estimate, trusted, given_at, stop) = path_of(x[_FOLLOWING:split]), x[split : split + 5]
-    end = EndMotion(*x[split + 5 :])
-    now = follow_sample(
-        following_of(x[:_FOLLOWING]), Rates(observer, estimate), trusted, given_at, stop - path.stop, end
-    )
-    path = follow_path(path, now, stop, observer)
+    path, (*manner, given_at, stop) = path_of(x[_FOLLOWING:split]), x[split:-_END]
+    how = Manner(*manner)
+    now = follow_sample(following_of(x[:_FOLLOWING]), how, given_at, stop - path.stop, EndMotion(*x[-_END:]))
+    path = follow_path(path, now, stop, how.observer)
     limits = follow_limits(path, now)
     return (*numbers_of(now), *path[:2], *chain(*path.coefficients), *numbers_of(limits))

@@ -8,13 +8,13 @@ a change of place within a step sends off a wave of the force sqrt(Qa rho) times
 from __future__ import annotations
 
 import math
+from functools import reduce
 from typing import Any
 
-from ...numerics import quintic
 from ...physics.accuracy import TINY, memory
 from ...physics.elementary import cos, exp, larger, sin, sqrt, where
 from ...physics.estimates import axial_frequency
-from .following import Following
+from .following import Following, missed
 
 #: part of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
@@ -22,37 +22,32 @@ SWINGING = 8.0 / math.pi**2
 STEP_SPEED = math.sqrt(900.0 / 630.0)
 
 
-def follow_account(now: Any, path: Any, rates: Any, rope: Any, trusted: Any, leg: Any) -> Following:
+def follow_account(now: Any, path: Any, manner: Any, rope: Any, leg: Any) -> Following:
     """``now`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
     h = path.stop - path.start
-    places, speeds, accelerations = path.motion(path.stop)
-    ahead = path.stop - now.given_at
-    found = []
-    for axis, x, v, a in zip(now.motion[:3], places, speeds, accelerations, strict=False):
-        place, speed = quintic.extrapolate(axis[0], axis[1], axis[2], ahead)
-        found.append((abs(place - x), abs(speed - v), abs(a - axis[2])))
-    misfits = tuple(larger(larger(x, y), z) for x, y, z in zip(*found, strict=True))
-    given_y, given_vy, given_ay = now.motion[1]
-    y, _ = quintic.extrapolate(given_y, given_vy, given_ay, ahead)
-    c0, c1, c2 = path.coefficients[1][:3]
-    # of the acceleration, linear through the two given last, in the middle of the step
-    given = now.motion[1][2] + (now.motion[1][2] - now.asked[1]) * (ahead / h - 0.5)
-    order = where(trusted <= 0, 0.0, where(abs(trusted - 2) < 0.5, 3.0, 2.0))
-    lags = order * (now.motion[1][2] - now.asked[1]) / (h * rates.estimate)
-    lag = now.lag + (1.0 - exp(-rates.estimate * h)) * (lags - now.lag)
-    added = (speeds[1] - c1) / h - given - lag
-    bent = speeds[1] - c1 - 0.5 * h * (2.0 * c2 + accelerations[1])
-    shifted = places[1] - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + accelerations[1]) - 0.5 * h * bent
+    (_, place, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
+    off = missed(path, now)
+    misfits = [reduce(larger, map(abs, sizes)) for sizes in zip(*off[:3], strict=True)]
+    c0, c1, c2, c3, c4, c5 = path.coefficients[1]
+    # of the acceleration, linear through the two given last
+    grows = (now.motion[1][2] - now.asked[1]) / h
+    order = where(manner.acceleration > 0, 0.0, where(manner.speed > 0, 2.0, 3.0))
+    lags = order * grows / manner.estimate
+    lag = now.lag + (1.0 - exp(-manner.estimate * h)) * (lags - now.lag)
+    # its rates at the step's start
+    begin = now.motion[1][2] + grows * (path.start - now.given_at) + lag
+    added = 2.0 * c2 - begin, 6.0 * c3 - grows, 24.0 * c4, 120.0 * c5
+    bent = speed - c1 - 0.5 * h * (2.0 * c2 + acceleration)
+    shifted = place - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent
     wave, of_leg = _swung(now.wave, added, rope, leg, h)
     of_place = STEP_SPEED * sqrt(rope.Qa * rope.mass_per_length) * shifted / h
-    drift = now.drift + (1.0 - exp(-rates.observer * h)) * (y - places[1] - now.drift)
-    position, speed, acceleration = misfits
+    drift = now.drift + (1.0 - exp(-manner.observer * h)) * (off[1][0] - now.drift)
     accounted: Following = now._replace(
         asked=tuple(axis[2] for axis in now.motion),
         time=now.time + h,
-        position=larger(now.position, position),
-        speed=larger(now.speed, speed),
-        acceleration=larger(now.acceleration, acceleration),
+        position=larger(now.position, misfits[0]),
+        speed=larger(now.speed, misfits[1]),
+        acceleration=larger(now.acceleration, misfits[2]),
         squares=tuple(sum_ + h * (size * size) for sum_, size in zip(now.squares, misfits, strict=True)),
         wave=wave,
         lag=lag,
@@ -64,14 +59,23 @@ def follow_account(now: Any, path: Any, rates: Any, rope: Any, trusted: Any, leg
 
 
 def _swung(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any]:
-    """The leg's slowest axial wave, m/s^2, after a step with the acceleration ``added``, and the end force (N) then."""
+    """The leg's slowest axial wave, m/s^2, after a step with an acceleration, and the end force (N) then.
+
+    ``added`` are the acceleration and its three rates at the step's start.  A wave that swings along with a cubic is
+    that less its second rate over omega^2; what is missing of it at the start swings freely.
+    """
     omega = axial_frequency(rope, leg)
     lasts = memory(rope, omega)
     fades = lasts / (lasts + h)
-    c, s = fades * cos(omega * h), fades * sin(omega * h)
-    off = wave[0] - added
-    swung = added + c * off + s * wave[1], c * wave[1] - s * off
-    return swung, rope.mass_per_length * leg * (SWINGING * swung[0] + (1.0 - SWINGING) * added)
+    c, s = cos(omega * h), sin(omega * h)
+    a, b, d, e = added
+    x, x_t = a - d / omega**2, (b - e / omega**2) / omega
+    y = a + h * (b + 0.5 * h * (d + h * e / 3.0)) - (d + h * e) / omega**2
+    y_t = (b + h * (d + 0.5 * h * e) - e / omega**2) / omega
+    free = fades * (c * wave[0] + s * wave[1]), fades * (c * wave[1] - s * wave[0])
+    swung = free[0] + (y - c * x - s * x_t), free[1] + (y_t - c * x_t + s * x)
+    mean = a + 0.5 * h * (b + h * (d / 3.0 + h * e / 12.0))
+    return swung, rope.mass_per_length * leg * (SWINGING * swung[0] + (1.0 - SWINGING) * mean)
 
 
 def with_misfit(error: Any, sums: Any, left: Any, right: Any) -> Any:

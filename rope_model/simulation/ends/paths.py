@@ -50,13 +50,6 @@ class EndMotion:
     yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
     yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
 
-    def extrapolate(self, h: float) -> EndMotion:
-        """The motion ``h`` seconds later if the accelerations stay as they are."""
-        x, vx = quintic.extrapolate(self.x, self.vx, self.ax, h)
-        y, vy = quintic.extrapolate(self.y, self.vy, self.ay, h)
-        z, vz = quintic.extrapolate(self.z, self.vz, self.az, h)
-        return EndMotion(x, y, z, vx, vy, vz, *self.acceleration, self.yaw + self.yaw_rate * h, self.yaw_rate)
-
     def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
         """The motion ``after`` so many seconds, on quintics to a motion ``h`` seconds later."""
         starts = *zip(self.position, self.velocity, self.acceleration, strict=True), (self.yaw, self.yaw_rate, 0.0)

@@ -127,6 +127,13 @@ def input_misfit(side: str, name: str, misfit: float, unit: str, bound: float) -
     )
 
 
+def motions_of_another_time(given_at: float, earliest: float, t: float) -> str:
+    return (
+        f"the ends' motions are of t = {given_at:.9g} s: they must be of {earliest:.9g} s (inputs.hold_max before the "
+        f"step) to {t:.9g} s, where it ends; give the instant at which they were read"
+    )
+
+
 def inputs_frozen(side: str, held: float, bound: float) -> str:
     return (
         f"the inputs of the {side} end have not changed for {held:.3g} s while they say that it moves "

@@ -32,7 +32,7 @@ HALF_A_TURN = math.pi
 YAWED_FAR = math.pi / 6
 #: s: steps beyond it are too long for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
 LONGEST_EXTRAPOLATION = 0.02
-#: samples of an end that moves from which rounding can be told
+#: samples of an end that moves from which rounding can be told: the first of a trip lie on every grid
 FEWEST_SAMPLES = 20
 #: m: positions rounded to less do no harm
 COARSEST_ROUNDING = 0.99e-4

@@ -1,4 +1,4 @@
-"""Derivatives of the end loads at the end of a step to one number of an end's motion there.
+"""Derivatives of the end loads at the end of a step to one number of an end's motion, given for its start or end.
 
 The rope is linearised about the present state, and one generalized-alpha step as long as the last carries the change;
 rope_load_derivative in rope_model/csrc is its C port.
@@ -14,6 +14,7 @@ import numpy as np
 from ...parameters import Scene
 from ...physics.frame import conveyance_load
 from ..ends.ends import YAW_SENSE, HangingEnds, Phase
+from ..ends.following import manner_of, sample_moves
 from ..ends.paths import SIDES, EndMotion, ends_at
 from ..messages import messages
 from ..rigid import tension_change
@@ -39,17 +40,19 @@ class Linearised(Protocol):
     def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]: ...
 
 
-def load_derivative(rope: Linearised, side: int, name: str) -> Array:
-    """(12,): of LOADS to the field ``name`` of an end's EndMotion."""
+def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = True) -> Array:
+    """(12,): of LOADS to the field ``name`` of an end's EndMotion; 0 where inputs.given does not trust it."""
     state, place = rope.state, _NAMES.index(name)
     kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE)
-    # friction does not know the yaw, nor does the rigid rope
-    if dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid"):
-        return np.zeros(12)
-    size, change = _SIZES[kind], np.zeros(3)
-    change[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
+    h, size, sample = state.last_interval, _SIZES[kind], [0.0, 0.0, 0.0]
+    sample[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
     if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
-        change[2] = change[1] / state.last_interval
+        sample[2] = sample[1] / h
+    change = np.array(sample_moves(manner_of(rope.scene), h, 0.0 if at_step_end else h, sample))
+    # friction does not know the yaw, nor does the rigid rope
+    unfelt = dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid")
+    if unfelt or not change.any():
+        return np.zeros(12)
     derivative: Array = _change_of_loads(rope, side, dof, change) / size
     if not np.isfinite(derivative).all():
         raise ValueError(messages.no_finite_derivative())
