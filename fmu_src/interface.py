@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from rope_model.parameter_table import numeric_bounds, parameters_of
 from rope_model.parameters import ROPE_CASES, Level, RopeCase, Scene
 from rope_model.scene_names import Value, named_parameters, with_values
+from rope_model.scene_names import Variable as Variable
 from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.outputs.signal_table import SIGNALS
 
-Causality = Literal["parameter", "input", "output"]
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 
 #: start values by name that are put in place of a case's
@@ -41,20 +41,6 @@ RATES = {
     for side in SIDES
     for of, rate in (("yaw", "yaw_rate"), *((x, f"v{x}") for x in "xyz"), *((f"v{x}", f"a{x}") for x in "xyz"))
 }
-
-
-class Variable(NamedTuple):
-    """One FMI variable; ``start`` is None for outputs, ``unit`` empty where there is none."""
-
-    name: str
-    causality: Causality
-    variability: Literal["fixed", "tunable", "continuous", "discrete"]
-    kind: Kind
-    unit: str
-    start: Value | None
-    description: str
-    minimum: float | None = None
-    maximum: float | None = None
 
 
 def variables(case: RopeCase) -> tuple[Variable, ...]:

@@ -6,39 +6,41 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
+from . import parameters
 from .parameter_table import Parameter, numeric_bounds, parameters_of
-from .parameters import (
-    CHOICES,
-    SEGMENTS,
-    Accuracy,
-    Inputs,
-    Layout,
-    Mesh,
-    Model,
-    Rope,
-    Scene,
-    Solver,
-    Stations,
-    Swivel,
-)
+from .parameters import CHOICES, SEGMENTS, Mesh, Scene, Swivel
 from .shaft_parameters import PARTS
 
 Value = float | int | bool | str
 
 #: group of the interface -> the data class that has its parameters
 GROUPS: dict[str, type[Any]] = {
-    "rope": Rope,
-    "layout": Layout,
+    "rope": parameters.Rope,
+    "layout": parameters.Layout,
     "left.swivel": Swivel,
     "right.swivel": Swivel,
     "mesh": Mesh,
-    "accuracy": Accuracy,
-    "solver": Solver,
-    "model": Model,
-    "inputs": Inputs,
-    "station": Stations,
+    "accuracy": parameters.Accuracy,
+    "solver": parameters.Solver,
+    "model": parameters.Model,
+    "inputs": parameters.Inputs,
+    "station": parameters.Stations,
     **PARTS,
 }
+
+
+class Variable(NamedTuple):
+    """One FMI variable; ``start`` is None for outputs, ``unit`` empty where there is none."""
+
+    name: str
+    causality: Literal["parameter", "input", "output"]
+    variability: Literal["fixed", "tunable", "continuous", "discrete"]
+    kind: Literal["Real", "Integer", "Boolean", "String"]
+    unit: str
+    start: Value | None
+    description: str
+    minimum: float | None = None
+    maximum: float | None = None
 
 
 class NamedParameter(NamedTuple):

@@ -47,7 +47,8 @@ hoist_demo.drive: .parameters rope_model.numerics
 hoist_demo.control: .parameters rope_model.physics
 hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control
-hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table rope_model.texts
+hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table
+    rope_model.scene_names rope_model.texts
 hoist_demo.cases: .parameters .control rope_model.parameters
 hoist_demo.cosimulation.schemes: rope_model
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
@@ -79,7 +80,7 @@ casadi: rope_model.physics.element rope_model.physics.air_element rope_model.phy
     rope_model.codegen.formulas rope_model.codegen.tables
     hoist_demo.design hoist_demo.drive
     hoist_demo.drive_fmu.kernels
-scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling
+scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
     hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description

@@ -17,7 +17,7 @@ from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.metrics import Arrival
 from hoist_demo.study.reading import StudyError
 from hoist_demo.study.run import build
-from hoist_demo.study.sampling import Range, latin_hypercube
+from hoist_demo.study.tuning import Range, latin_hypercube
 
 Read = Callable[..., Study]
 

@@ -9,7 +9,7 @@ ropes each has vertical forces of its own, behind its name; the drive adds them 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
@@ -19,6 +19,7 @@ from hoist_demo.parameters import GRAVITY, Hoist, start_heights
 from hoist_demo.parameters.quantity import fmi_unit, units_of
 from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
+from rope_model.scene_names import Variable as Variable
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
@@ -65,20 +66,6 @@ class Tail(NamedTuple):
     name: str
     mass_per_length: float  # kg/m
     length: float  # m
-
-
-class Variable(NamedTuple):
-    """One FMI variable; ``start`` is None for outputs, ``unit`` empty where there is none."""
-
-    name: str
-    causality: Literal["parameter", "input", "output"]
-    variability: Literal["fixed", "tunable", "continuous", "discrete"]
-    kind: Literal["Real", "Boolean", "String"]
-    unit: str
-    start: float | None
-    description: str
-    minimum: float | None = None
-    maximum: float | None = None
 
 
 def force_inputs(tails: Sequence[Tail]) -> tuple[str, ...]:

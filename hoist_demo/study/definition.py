@@ -40,8 +40,7 @@ from hoist_demo.study.reading import (
     with_file,
 )
 from hoist_demo.study.run import Probe, RunData, build_trip
-from hoist_demo.study.sampling import Range, grid, latin_hypercube
-from hoist_demo.study.tuning import Tuning, read_tuning, seed_of, whole_number
+from hoist_demo.study.tuning import Range, Tuning, grid, latin_hypercube, read_tuning, seed_of, whole_number
 from rope_model.texts import printable
 
 METHODS = ("grid", "latin-hypercube")

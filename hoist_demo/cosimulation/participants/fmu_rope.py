@@ -135,7 +135,10 @@ class FmuRope:
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
         }
-        return RopeData(model, self._parameters(), {name: p.unit for name, p in parameters.items()}, self._reason())
+        units, reason = {name: p.unit for name, p in parameters.items()}, ""
+        with suppress(CallError):  # where the FMU still answers
+            reason = self._text("status.fidelity_reason")
+        return RopeData(model, self._parameters(), units, reason)
 
     def save(self) -> Any:
         """A handle of the FMU's state; None when it cannot save."""
@@ -210,12 +213,6 @@ class FmuRope:
     def _text(self, name: str) -> str:
         """A String output; "" where there is none."""
         return self._fmu.text(self._variables[name])() if name in self._variables else ""
-
-    def _reason(self) -> str:
-        """Return the reason for the present fidelity, if the FMU still answers."""
-        with suppress(CallError):
-            return self._text("status.fidelity_reason")
-        return ""
 
     @property
     def _tag(self) -> bytes:
