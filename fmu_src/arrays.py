@@ -12,14 +12,14 @@ from .interface import Variable
 
 #: descriptions of the arrays as a whole
 DESCRIPTIONS = {
-    "mesh.counts": "numbers of elements of the segments II to VI, kind 0 only",
+    "mesh.counts": "numbers of elements of the segments II to VI, kind 0",
     **{f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop" for axis in "xyz"},
     "shape.s": "places of these points along the rope, from its left end",
     "shape.tension": "tension at these points",
-    "shape.bending": "nominal bending stress at these points, 32 EI kappa / (pi d^3), never above stress.bending_max",
-    "shape.torsion": "nominal torsional stress at these points, 16 M / (pi d^3), never above stress.torsion_max",
-    "station.tension": "tension at places that stay in the rope, evenly from station.first to station.last",
-    "station.curvature": "curvature at these places, root mean square along an element",
+    "shape.bending": "nominal bending stress at these points",
+    "shape.torsion": "nominal torsional stress at these points",
+    "station.tension": "tension at places that stay in the rope",
+    "station.curvature": "curvature at these places, RMS along an element",
     "station.torque": "torque about the tangent at these places",
 }
 

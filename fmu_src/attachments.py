@@ -1,4 +1,4 @@
-"""What lies in an FMU beside description and code: documentation, licences, icons, terminals, reference results."""
+"""Files of an FMU beside description and code: documentation, licences, icons, terminals, reference results."""
 
 from __future__ import annotations
 

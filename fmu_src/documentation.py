@@ -23,94 +23,73 @@ X points from the left to the right suspension point, Y up, and Z = X x Y out of
 points lie at x = -spacing/2 and +spacing/2, z = 0. The inputs `x` and `z` count from there; `y` is the height in
 the shaft, from any origin that both ends share. Yaw is positive about Y. Twist and torque are positive about the
 rope's tangent, which is -Y at the left end and +Y at the right end. Forces and moments are those of the rope on the
-conveyance. A run starts from rest. Give `y`, `vy` and `ay` of one smooth motion: the rope refuses an end that would
-have to accelerate by more than 100 m/s^2 within a step.
+conveyance. A run starts from rest. Give `y`, `vy` and `ay` of one smooth motion.
 """
 _ERRORS = """\
-A call that fails returns *error*. Its message, which `status.message` repeats, names value, bound and cure. After
-an error in a step, during initialisation or in setting a value, restore a state or reset the FMU; the state is that
-before the step. After a failed initialisation the real outputs are NaN.
+A call that fails returns *error*. Its message, which `status.message` repeats, names value, bound and cure. Then
+restore a state or reset the FMU; a step that fails leaves the state as it was. After a failed initialisation the
+real outputs are NaN.
 
 Directional derivatives relate the end forces and moments at the end of a step to the inputs of that step. The step
 is as long as the last one, or `solver.step_max` before the first. With `inputs_at_step_end` = false they include
 the extrapolation. Inputs that `inputs.given` does not trust have the derivative 0.
 """
 _STRUCTURE = """\
-No output depends on an input of the same instant: an input set after a step takes effect with the next step. So
-there are no algebraic loops at communication points, and the dependencies in ModelStructure are empty. During
-initialisation all outputs follow all inputs and parameters at once.
+An input set after a step takes effect with the next step. So there are no algebraic loops, and the dependencies in
+ModelStructure are empty. During initialisation all outputs follow all inputs and parameters at once.
 
-The rope ignores the relative tolerance that a host may pass at set-up, because its error control knows lengths and
-angles; use `accuracy.end_force`, `accuracy.loop` or `solver.tolerance`. DefaultExperiment states the start value of
-`accuracy.end_force`, in newtons.
+The rope ignores the relative tolerance that a host may pass at set-up: use `accuracy.end_force`, `accuracy.loop` or
+`solver.tolerance`. DefaultExperiment states the start value of `accuracy.end_force`, in newtons.
 """
 _ALONG = """\
-`shape.tension` follows from the balance of momentum between the left end and the point. It therefore meets the end
-forces and includes waves and damping; in a loop wider than its suspension it can be negative. `shape.bending` and
-`shape.torsion` are those of the elements (bending as root mean square along each), linear between their middles;
-the bend at a clamped end is sharper. Models without torsion have no torsional stress. The rigid model gives the
-tension of its closed form and the bending of its half circle. The points of `shape` move along the rope with its
-loop. `station` stands at places fixed in the rope, for wear and fatigue; `station.first` and `station.last` choose
-the part.
+`shape.tension` follows from the balance of momentum between the left end and the point. It includes waves and
+damping; in a loop wider than its suspension it can be negative. `shape.bending` (root mean square along each element)
+and `shape.torsion` are linear between the middles of elements; the bend at a clamped end is sharper. The points of
+`shape` move along the rope with its loop. `station` stands at even places in the rope, for wear and fatigue, from
+`station.first` to `station.last`.
 """
 _ADDED_MASS = """\
 `added_mass` serves hosts that step heavy coupling implicitly. It is the growth of the end's pull with an upward
-acceleration a held over the last communication step H, together with the speed a H and the travel a H^2/2. In
-directional derivatives at the step's end (`inputs_at_step_end` = true) it is -(dfy/day + H dfy/dvy + H^2/2 dfy/dy);
-dfy/day alone holds `y` and `vy` and is far smaller. With `inputs_at_step_end` = false, dfy/day includes the
-extrapolation and equals -added_mass.
+acceleration a held over the last communication step H; speed grows by a H, travel by a H^2/2. In directional
+derivatives at the step's end (`inputs_at_step_end` = true) it is -(dfy/day + H dfy/dvy + H^2/2 dfy/dy); dfy/day
+alone is far smaller. With `inputs_at_step_end` = false it is -dfy/day.
 """
 _STEPS = """\
 A communication step may be as short as the host likes. In a step below 1e-9 s nothing moves and doStep succeeds;
 the next step makes up for the time. (Loops with `h = min(H, T - t)` end with such a remainder.)
 
-Inputs at the start of a step are extrapolated with constant acceleration, so at its end the rope's path misses the
-motion by j H^3/6 at a jerk j. The next path corrects what the change of the acceleration explains; the rest is drawn
-in slowly (`inputs.bandwidth`). With jerks of at most j and no step longer than H the path stays within 0.26 j H^3,
-0.51 j H^2 and 2.9 j H of the motion's position, speed and acceleration in even steps, within 1.2, 1.2 and 5.9 of these
-in any order of steps (tests/test_master_paths.py). The end force errs by up to twice the leg's mass times the error of
-the acceleration. Inputs at the step's end (`inputs_at_step_end` = true) are met exactly where they fit.
+Inputs at the start of a step are extrapolated with constant acceleration: at its end the rope's path misses the
+motion by j H^3/6 at a jerk j. With jerks up to j the path stays within 0.26 j H^3, 0.51 j H^2 and 2.9 j H of the
+motion's position, speed and acceleration. In uneven steps up to H the factors are 1.2, 1.2 and 5.9
+(tests/test_master_paths.py). The end force errs by up to twice the leg's mass times the error of the
+acceleration. With `inputs_at_step_end` = true motions that fit are met exactly.
 
-*Motions that do not fit.* Position, speed and acceleration of tables, sensors and slower parts need not be of one
-motion. The rope's ends follow the given acceleration and draw position and speed in like a critically damped observer.
-`inputs.misfit.*` tell what is left, `status.end_force_error` contains its effect on the end forces, and
-`status.warning` names the likely cause. `inputs.given` says what to trust. Trusted inputs of a moving end that are the
-same as before to the last bit are no new sample: the motion is extrapolated on, and `inputs.repeated` counts the steps.
+[Give it your motion](../howto/motion.md) covers motions that do not fit.
 """
 _WARNINGS = """\
 `status.warning` holds warnings about valid results for as long as they apply; the log has each of them once
-(category logStatusWarning). `status.valid` stays true:
+(category logStatusWarning). `status.valid` stays true. They tell of
 
-- *The rope has struck a body of its shaft* or *was pressed into* it: contact held it; the text gives time, depth
-  and place.
-- *The rope has passed into a body of its shaft*: without contact (`contact.stiffness` = 0) no real rope could do
-  what follows.
-- *The legs have passed through each other, or one of them through what hangs above the other* (`loop.crossings`),
-  with the time and height of the first passage. This also happens at rest: a long rope with the default `rope.Qb`
-  and `rope.Qc` and locked swivels turns its loop over during initialisation. `loop.clearance` may stay large: on a
-  deep rope the long leg swings through the short side's conveyance and head ropes.
-- *The rope is turned around itself*: `loop.turns` exceeds half a turn.
-- *Its legs have touched or pressed each other*, with time, depth and height (`loop.overlap`), from then on.
-- *The loop hangs yawed by more than 30 degrees at rest*, with the parameter that turns it most: the coupling
-  `rope.Qb`, `rope.Qc`, `rope.installed_twist`, or the ends. The published coupling turns a rope of several hundred
-  metres that far; real ropes are made to turn less.
-- *The audit fails*: over each communication step the rope compares the change of its momentum and angular momentum
-  with end forces, end moments and weight (`audit.momentum` above 0.1 % of the largest end force, `audit.moment`
-  above 0.5 % of that times `layout.spacing`). It also checks that its time steps follow the waves of an abrupt
-  change of an end force (`audit.force_change` above 5 % and `audit.steps_per_period` below 3) and its elements the
-  sharpest bend (`audit.elements_per_bend` below 4). Each is the worst so far; the rigid model has no audit and
-  gives 0.
-- *Accuracy was given up*: a communication step wanted more work than `solver.work_max` allows (`status.given_up`,
-  `status.given_up_since`).
-- *The model has no torsion*, although the rope carries torque; the outputs it leaves out are 0 (below).
-- *A guard sees nothing*: the model does not compute the quantity that it watches.
-- *The inputs do not fit*: positions look rounded or interpolated in a coarse table, samples come again, or position,
-  speed and acceleration are not of one motion (`inputs.misfit.*`, `inputs.repeated`).
-- *A communication step above 20 ms with extrapolated inputs*: in the 90 m winding, end forces are off by up to 2 %
-  of the largest at 50 ms and 0.1 % at 20 ms; in an emergency stop by 20 % and 4 %.
-
-The table states what each fidelity computes (`status.fidelity`). All other outputs are 0, which is exact only for a
-rope without torque:
+- *bodies of the shaft*: the rope has struck one, was pressed into it by more than its diameter, or has passed into it
+  without contact (`contact.stiffness` = 0);
+- *legs* that have touched or pressed each other (`loop.overlap`), passed through each other, a conveyance or its head
+  ropes (`loop.crossings`), or turned about each other by more than half a turn (`loop.turns`).
+  `loop.clearance` may stay large: on a deep rope the long leg swings through the short side's conveyance;
+- *a loop yawed by more than 30 degrees at rest*, with the parameter that turns it most. The published coupling turns a
+  rope of several hundred metres that far, or over; real ropes are made to turn less;
+- *the audit*. The change of momentum over a communication step contradicts end forces and weight: `audit.momentum` is
+  above 0.1 % of the largest end force, or `audit.moment` above 0.5 % of that times `layout.spacing`. Or steps do not
+  follow an abrupt change of an end force: `audit.force_change` is above 5 % and `audit.steps_per_period` below 3. Or
+  elements do not follow the sharpest bend: `audit.elements_per_bend` is below 4. The rigid model has no audit;
+- *accuracy given up* for the bound `solver.work_max` (`status.given_up`);
+- *a model without torsion* of a rope that carries torque, and a guard that the model cannot serve;
+- *inputs that do not fit*: rounded, interpolated, repeated, or of more than one motion (`inputs.misfit.*`);
+- *communication steps above 20 ms with extrapolated inputs*. In the 90 m winding, end forces are off by 2 % of the
+  largest at 50 ms and 0.1 % at 20 ms; in an emergency stop by 20 % and 4 %.
+"""
+_FIDELITIES = """\
+The table states the outputs of each fidelity (`status.fidelity`). All others are 0, which is exact only for a rope
+without torque:
 """
 #: the fidelities that compute the outputs of each effect, from the lowest
 _COMPUTED = {
@@ -132,8 +111,8 @@ _COMPUTED_BY = (
 _GROUPS = f"""\
 `balance-rope export --outputs GROUP ...` chooses the outputs that the model description shows: `all`, or groups.
 {" and ".join(f"`{group}`" for group in ALWAYS)} are always there. The default leaves out
-{", ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT)}, which the demo's report draws. Results and value
-references do not depend on the choice; outputs that are not shown are not computed.
+{" and ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT)}, which the demo's report draws.
+Results and value references do not depend on the choice.
 """
 _SHAPES = """\
 FMI 3.0 has the arrays `shape.x` ... `shape.torsion` (81) and `mesh.counts` (5), and enumerations for the choices,
@@ -166,12 +145,17 @@ _STYLE = (
     "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
     "td,th{border:1px solid #ccc;padding:.15em .5em;text-align:left;vertical-align:top}code{white-space:nowrap}"
 )
-#: parts of names and of descriptions in which the rows of the page that share a line differ, and what stands for these
+#: differing parts of names and descriptions of rows that share a line, and the words for both
 _SHARED = (
     (re.compile(r"(?<=`)(left|right)(?=\.)"), re.compile(r"\b(left|right)[. ]"), ""),
     (re.compile(r"(?<=`divider_)\d"), re.compile(r"(?!)"), ""),
     (re.compile(r"(?<=`mesh\.counts)\[\d\]"), re.compile(r"segment \w+"), "segments II to VI"),
     (re.compile(r"(?<=`nearest\.)\w+"), re.compile(r"nearest\.\w+\.clearance|clearance\.\w+"), "that clearance"),
+    (re.compile(r"(?<=`contact\.)\w+(?=\.impulse)"), re.compile(r"contact\.\w+(?= since)"), "that pressure"),
+    (re.compile(r"(?<=`contact\.)\w+(?=`)"), re.compile(r"(?<=between rope and )\w+( ropes)?"), "such bodies"),
+    (re.compile(r"(?:shape|loop)\.[xyz](?=\[|`)"), re.compile(r"^[XYZ]\b"), "X, Y and Z"),
+    (re.compile(r"(?<=`guard\.)\w+(?=_delay)"), re.compile(r"(?!)"), ""),
+    (re.compile(r"(?<=`air\.v)[xz]"), re.compile(r"(?<=along )[XZ]\b"), "X and Z"),
 )
 _TITLES = (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs"))
 
@@ -183,6 +167,8 @@ def interface_page() -> str:
     lines += ["## Along the rope\n", _SHAPES, _ALONG, "## Added mass\n", _ADDED_MASS]
     lines += ["## Steps of any length\n", _STEPS, "## Warnings\n", _WARNINGS]
     lines += [
+        "## Fidelities\n",
+        _FIDELITIES,
         "| outputs | fidelities |",
         "|---|---|",
         *(f"| {outputs} | {fidelities} |" for outputs, fidelities in _COMPUTED_BY),
@@ -204,7 +190,14 @@ def index_html(described: Collection[Variable], native: bool) -> str:
     """documentation/index.html: how to use the FMU, the model, the variables."""
     parts = [_INTRODUCTION.replace(", start values of the 120 m rope", ""), _ERRORS]
     along = any(v.name.startswith("shape.") for v in described)
-    parts += [_STRUCTURE, _SHAPES if native and along else "", _ALONG if along else "", _ADDED_MASS, _WARNINGS]
+    parts += [
+        _STRUCTURE,
+        _SHAPES if native and along else "",
+        _ALONG if along else "",
+        _ADDED_MASS,
+        _WARNINGS,
+        _FIDELITIES,
+    ]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text)
     fidelities = "".join(f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in _COMPUTED_BY)
     body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>", _MODEL]

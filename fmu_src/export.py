@@ -1,10 +1,10 @@
 """Builds the FMU of the Python flavour; ``balance-rope export`` on the command line.
 
 pythonfmu's builder makes the FMU: it asks the class in slave.py for the model description and packs the resources,
-which are copies of rope_model and fmu_src, and the kernels for what acts on the rope of the start values, interpreted
-for every platform and compiled for the exporting one.  Its library is replaced: pythonfmu's answers all calls but
-doStep with OK, whatever became of them, and has no way to do otherwise.  Ours is the native flavour's, with Python
-behind it (native/python_model.c).  The importing host needs Python with numpy and casadi.
+which are copies of rope_model and fmu_src, and the kernels for the start values: interpreted for every platform,
+compiled for the exporting one.  Its library is replaced: pythonfmu's answers all calls but doStep with OK, whatever
+became of them, and has no way to do otherwise.  Ours is the native flavour's, with Python behind it
+(native/python_model.c).  The importing host needs Python with numpy and casadi.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from .native.table import c_table, start_values
 from .profile import Profile
 
 SOURCES = ("rope_model", "fmu_src")
-#: what the FMU needs not: parts of the export, and of the native flavour
+#: not needed by the FMU: parts of the export, and of the native flavour
 _LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py", "terminals.py"}
 _LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "public.py", "engine.py", "native", "codegen"}
 

@@ -70,7 +70,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         "Boolean",
         "",
         False,
-        "false: inputs are the motion at the start of a step and are extrapolated (FMI's reading; steps up to 20 ms); "
+        "false: inputs are the motion at the start of a step, extrapolated (steps up to 20 ms); "
         "true: at its end, for hosts that step the drive first (recommended, any step)",
     )
 
@@ -93,11 +93,13 @@ def _outputs() -> Iterator[Variable]:
         least = 0 if name.startswith(_NOT_NEGATIVE) else None
         yield Variable(name, "output", variability, kind, unit, None, signal.description, least)
     yield Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded")
-    yield Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty")
+    yield Variable(
+        "status.message", "output", "discrete", "String", "", None, "cause and cure of a failure; else empty"
+    )
     yield Variable(
         "status.fidelity", "output", "discrete", "String", "", None, "fidelity of the model that is computed"
     )
-    yield Variable("status.fidelity_reason", "output", "discrete", "String", "", None, "why this fidelity")
+    yield Variable("status.fidelity_reason", "output", "discrete", "String", "", None, "reason for this fidelity")
     yield Variable(
         "status.warning", "output", "discrete", "String", "", None, "warnings about valid results; else empty"
     )

@@ -17,22 +17,22 @@ DESCRIPTION = (
 )
 STEP = 0.01  # s, communication step of the default experiment
 LOG_CATEGORIES = {
-    "logStatusError": "why a call failed, and what to do",
+    "logStatusError": "cause and cure of a failed call",
     "logStatusWarning": "warnings about valid results, once each",
     "logAll": "all messages",
 }
-#: of outputs that follow all inputs and parameters while they are initialised
+#: dependencies of outputs that follow all inputs and parameters during initialisation
 ALL_FOLLOWED: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
 class Build(NamedTuple):
-    """What the model description says of the FMU itself.
+    """Facts of the FMU itself for the model description.
 
-    ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make
-    a native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the
-    model's own error control, where it has one. A model other than the rope gives its ``name`` and ``description``,
-    and one without directional derivatives says so; ``initial`` names what some of its outputs follow while it is
-    initialised, the others follow all.
+    ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make a
+    native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the model's own
+    error control, where it has one. A model other than the rope gives its ``name`` and ``description``, and one without
+    directional derivatives says so; ``initial`` names the variables that some outputs follow during initialisation; the
+    others follow all.
     """
 
     token: str
@@ -51,8 +51,8 @@ class Build(NamedTuple):
 def model_description(described: Mapping[int, Variable], build: Build) -> Element:
     """The root element, of the variables by value reference.
 
-    Outputs depend on no input of their instant: a step alone changes them. While the model is initialised they follow
-    what ``build.initial`` lists; no list of dependencies means all inputs and parameters.
+    Outputs depend on no input of their instant: a step alone changes them. During initialisation they follow the list
+    in ``build.initial``; no list of dependencies means all inputs and parameters.
     """
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": build.token, **facts(build)})
     _add_interface(root, build, any(v.causality == "input" and v.name in RATES for v in described.values()))
@@ -77,7 +77,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
 
 
 def initial_dependencies(build: Build, name: str, numbers: Mapping[str, int]) -> dict[str, str]:
-    """The attribute of an output's ``InitialUnknown``; ``numbers`` are what the standard calls variables by."""
+    """The attribute of an output's ``InitialUnknown``; ``numbers`` identify variables in the standard."""
     if (follows := build.initial.get(name)) is None:
         return {}
     return {"dependencies": " ".join(str(numbers[other]) for other in follows)}

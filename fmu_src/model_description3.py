@@ -81,7 +81,7 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
 
 
 def build_description(build: Build, fmi: int) -> Element:
-    """sources/buildDescription.xml: what ``fmpy compile`` and other tools need to compile the sources."""
+    """sources/buildDescription.xml, which ``fmpy compile`` and other tools need."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     files = SubElement(
         SubElement(root, "BuildConfiguration", modelIdentifier=build.name), "SourceFileSet", language="C99"

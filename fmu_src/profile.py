@@ -1,4 +1,4 @@
-"""How an FMU presents itself: the outputs that it describes, arrays or scalars, the length of its default run.
+"""Presentation of an FMU: its described outputs, arrays or scalars, the length of its default run.
 
 The code inside is the same for all profiles, as are the value references: outputs that are not described are not
 asked for, and so not computed.
@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 from .interface import Variable
 
-#: group of outputs -> what it holds
+#: group of outputs -> its contents
 GROUPS = {
     "ends": "forces and moments on the conveyances, mean vertical forces, added masses; `contact.*` and `audit.*`",
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
     "loop": "place, yaw and clearance of the loop, turns of the legs about each other",
     "stress": "largest nominal stresses; twist at the ends and in the loop",
-    "energy": "energies, works and the energy balance",
+    "energy": "energies; works and dissipation since the start; the energy balance",
     "count": "time steps, iterations, transformations, swivel events",
     "shape": "points along the rope, with tension and stresses there: 567 numbers",
     "station": "tension, curvature and torque at places that stay in the rope: 243 numbers",
@@ -29,7 +29,7 @@ GROUPS = {
 }
 #: groups that every FMU describes
 ALWAYS = ("ends", "status")
-#: what an FMU describes unless told otherwise
+#: groups that an FMU describes by default
 DEFAULT = tuple(group for group in GROUPS if group not in ("shape", "station"))
 ALL = tuple(GROUPS)
 

@@ -77,7 +77,7 @@ def _round(x: float) -> str:
 
 
 def _table(columns: Sequence[str], rows: Rows, text: Callable[[float], str]) -> bytes:
-    """As text, the first column a time."""
+    """The table as text, the first column a time."""
     lines = [",".join(f'"{column}"' for column in columns)]
     for row in rows:
         t, *values = (row[column] for column in columns)

@@ -1,13 +1,13 @@
 """The rope as native/python_model.c calls it: the functions of model.h, over RopeSimulator.
 
 The FMI functions, and all rules about values, modes and states, are those of the native flavour (native/fmi2.c and
-native/component.c).  What is left here is the model: entries to scene and end motions, signals to outputs.  Entries
-come as finite numbers, choices in range.  A method that returns False leaves the rope as it was, and tells why in
+native/component.c).  The rest is the model: entries to scene and end motions, signals to outputs.  Entries come as
+finite numbers, choices in range.  A method that returns False leaves the rope as it was, with the reason in
 ``message``.
 
-The export copies this file into the FMU under a name that carries the build's hash, and the packages it imports
-under another, because modules of the same name from two FMUs would be one module in the host's process.  It must
-define one class, which pythonfmu's builder and python_model.c both find by that.
+The export copies this file and the packages that it imports into the FMU under names with the build's hash: modules of
+the same name from two FMUs would be one module in the host's process.  It must define one class, which pythonfmu's
+builder and python_model.c both find by that.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ P = ParamSpec("P")
 
 
 def _report_failure(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any, P], bool]:
-    """``call`` as a method that returns whether it went well, with the text of what it raised as ``message``."""
+    """Make ``call`` a method that returns whether it succeeded, and keeps the text of its exception as ``message``."""
 
     def method(self: Any, /, *arguments: P.args, **named: P.kwargs) -> bool:
         try:
@@ -96,19 +96,19 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def initialize(self, t: float) -> None:
-        """At rest at the time ``t`` between the ends' positions."""
+        """Hang the rope at rest at the time ``t`` between its ends."""
         _require(self._rope.initialize(t, *self._motions()))
 
     @_report_failure
     def do_step(self, current_time: float, step_size: float) -> None:
-        """Advanced by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
+        """Advance by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
         stop = current_time + step_size
         given_at = stop if self._at_step_end() else current_time
         _require(self._rope.advance_to(stop, *self._motions(), given_at))
 
     @_report_failure
     def retune(self) -> None:
-        """On with other tunable parameters."""
+        """Go on with other tunable parameters."""
         self._rope.retune(self._scene())
 
     def time(self) -> float:
@@ -135,7 +135,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return text
 
     def note(self) -> str:
-        """What was set up, for the log."""
+        """Notes of the set-up, for the log."""
         state, kernels = self._rope.state, self._rope.model.kernels
         return (
             f"model: {state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}; kernels: {self._rope.form}"

@@ -1,8 +1,8 @@
 """A system of FMUs as an SSP archive (System Structure and Parameterization 1.0, ssp-standard.org).
 
 An output and an input of the same name in two different FMUs are connected, and an input with an output of which it has
-the name behind that of the output's component, as `lively.left.fy_mean` with `left.fy_mean` of `lively`. That the files
-are what they should be is the FMUs' own business: their model descriptions are read, nothing else.
+the name behind that of the output's component, as `lively.left.fy_mean` with `left.fy_mean` of `lively`. The FMUs
+themselves answer for their files: their model descriptions are read, nothing else.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Catalogue of round wire ropes: what is known of a construction before anybody has measured the rope.
+"""Catalogue of round wire ropes: properties of a construction before anybody has measured the rope.
 
 Every datum is a range with its status and its source.  A rope of diameter d has
 
@@ -8,8 +8,8 @@ Every datum is a range with its status and its source.  A rope of diameter d has
     torque factor     c1 = Qc / (Qa d): the torque of a tension T is c1 d T while nothing turns
     torsional stiffness at constant tension           D = Qd - Qb Qc / Qa: what a torsion test of a loaded sample shows
 
-Bending and torsion lie between n equal wires that slide freely, the least that n wires of this area can have, and a
-section without any slip, whose metal fills the circle evenly:
+Bending and torsion have two bounds: n equal wires of this area that slide freely, and a section without slip, whose
+metal fills the circle evenly:
 
     EI from E A^2 / (4 pi n) to E A d^2 / 16          D from 2 (G / E) times the first to 2 (G / E) times the second
 
@@ -40,11 +40,11 @@ SHEAR = 0.5 / (1 + POISSON)
 class Datum:
     """Range of a number, with its unit, its status and its source."""
 
-    low: float
-    high: float
-    unit: str
-    status: DatumStatus
-    source: str
+    low: float  #: lower end
+    high: float  #: upper end
+    unit: str  #: unit of both
+    status: DatumStatus  #: published, derived or assumed
+    source: str  #: reference
 
     @property
     def middle(self) -> float:
@@ -53,17 +53,17 @@ class Datum:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether shares of the range are ratios."""
+        """Whether the range is divided logarithmically."""
         return self.low > 0
 
     def at(self, share: float) -> float:
-        """The value at a share between 0 and 1 of the range."""
+        """Return the value at a share between 0 and 1 of the range."""
         if self.logarithmic:
             return self.low * math.exp(share * math.log(self.high / self.low))
         return self.low + share * (self.high - self.low)
 
     def share(self, value: float) -> float:
-        """The share of the range at which ``value`` lies, the inverse of ``at``."""
+        """Return the share of the range at ``value``, the inverse of ``at``."""
         if self.logarithmic:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
@@ -87,24 +87,21 @@ PROPERTIES = {
 }
 
 _EN = (
-    "EN 12385-4, factors for fibre and steel core, as listed in K. Feyrer, Wire Ropes, table 1.9; "
+    "EN 12385-4, fibre and steel core, in K. Feyrer, Wire Ropes, table 1.9; "
     "http://what-when-how.com/Tutorial/topic-1297r4j9i2h/Wire-Ropes-Tension-Endurance-Reliability-51.html"
 )
 _STEEL_AREA = "area of EN 12385-4 and the steel's modulus, see rope_model/catalogue.py"
-_SIX_STRANDS = (
-    "EA of wire rope with fibre and steel core, as listed in "
-    "https://github.com/ddjokic/Mooring-Line-Properties (moorwire.py), over the area of 6x19"
-)
+_SIX_STRANDS = "EA of 6x19 in moorwire.py of https://github.com/ddjokic/Mooring-Line-Properties, over its area"
 _SETTLED = f"lower end: {_SIX_STRANDS}; upper end: ours, for a rope that has settled"
-_LAY = "ours: strands at d / 3, lays of 6 to 8 d, of which wires in ordinary lay give back up to a third"
-_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails; rope-120 of docs/theory has 0.044"
-_THREE_LAYERS = "ours: three layers, balanced but for what tolerance and load leave; the maker measures it"
-_BENT = "lower end: wires that slide freely; upper end: ours, 16 times that, for what friction holds of them"
+_LAY = "ours: strands at d / 3, lays of 6 to 8 d, less up to a third by wires in ordinary lay"
+_TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails"
+_THREE_LAYERS = "ours: three layers, balanced within tolerance; the maker measures it"
+_BENT = "lower end: wires that slide freely; upper end: ours, 16 times that, with friction"
 
 
 @dataclass(frozen=True)
 class Construction:
-    """A construction: factors of EN 12385-4, number of wires, and what the lay decides."""
+    """A construction: factors of EN 12385-4, number of wires, modulus and torque factor."""
 
     description: str
     mass: tuple[float, float]  # kg per 100 m and mm^2
@@ -137,7 +134,7 @@ _SINGLE_LAYER = Datum(0.07, 0.12, "1", "assumed", _LAY)
 _OF_SIX_STRANDS = Datum(9.0e10, 9.6e10, "N/m2", "derived", _SIX_STRANDS)
 _OF_MORE_LAYERS = Datum(9.0e10, 1.3e11, "N/m2", "assumed", _SETTLED)
 
-#: constructions whose factors a source states; 35x6, 35x7 and ropes of 16 outer strands are left out for want of one
+#: constructions with a source of their factors; 35x6, 35x7 and ropes of 16 outer strands have none
 CONSTRUCTIONS = {
     "34x7": Construction(
         "three layers of strands, the non-rotating rope of deep shafts",
@@ -156,7 +153,7 @@ CONSTRUCTIONS = {
         Datum(0.02, 0.05, "1", "assumed", _TWO_LAYERS),
     ),
     "6x19": Construction(
-        "one layer of strands: it turns, no balance rope but with its ends held and short",
+        "one layer of strands, a head rope; as a balance rope it turns its loop",
         (0.359, 0.400),
         (0.384, 0.449),
         6 * 19,
@@ -164,7 +161,7 @@ CONSTRUCTIONS = {
         _SINGLE_LAYER,
     ),
     "6x36": Construction(
-        "one layer of strands, a head rope: hung as a balance rope it turns its loop",
+        "one layer of strands, a head rope, as 6x19",
         (0.367, 0.409),
         (0.393, 0.460),
         6 * 36,
@@ -172,7 +169,7 @@ CONSTRUCTIONS = {
         _SINGLE_LAYER,
     ),
     "8x36": Construction(
-        "one layer of eight strands, a head rope, as 6x36",
+        "one layer of eight strands, a head rope, as 6x19",
         (0.348, 0.417),
         (0.357, 0.468),
         8 * 36,
@@ -205,11 +202,11 @@ BEARINGS = {
 class KnownRope:
     """A rope with a range of each property; ``rope`` takes one value of each."""
 
-    construction: str
-    diameter: float  # m
-    length: float = Rope.length  # m
-    lay: Lay = "right-hand"
-    data: Mapping[str, Datum] = field(default_factory=dict)  # by the names of PROPERTIES
+    construction: str  #: one of CONSTRUCTIONS
+    diameter: float  #: m
+    length: float = Rope.length  #: m
+    lay: Lay = "right-hand"  #: sense of the lay
+    data: Mapping[str, Datum] = field(default_factory=dict)  #: ranges by property
 
     @property
     def middle(self) -> Rope:
@@ -241,7 +238,7 @@ class KnownRope:
 
 
 def rope(construction: str, diameter: float, length: float = Rope.length, lay: Lay = "right-hand") -> KnownRope:
-    """Return the catalogue's ranges for a rope; ``rope("34x7", diameter=0.046).middle`` has parameters of a scene.
+    """Return the catalogue's ranges for a rope, as in ``rope("34x7", diameter=0.046)``.
 
     Parameters
     ----------

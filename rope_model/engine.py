@@ -58,7 +58,7 @@ _FIDELITY_NAMES = get_args(FidelityChoice)
 
 
 def _event(event: EventStructure) -> Event:
-    """As RopeSimulator tells it."""
+    """The event in RopeSimulator's words."""
     side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
     words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
     return Event(event.t, words[event.what], event.kinetic, event.potential)
@@ -120,7 +120,7 @@ class NativeRope(BalanceRope):
     def __init__(self, scene: Scene) -> None:
         self._lib = self._library()
         memory = _memory()
-        self._text = ctypes.create_string_buffer(MESSAGE)  # what the library says
+        self._text = ctypes.create_string_buffer(MESSAGE)  # message of the library
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
             raise ValueError(self._text.value.decode())
@@ -231,7 +231,7 @@ class NativeRope(BalanceRope):
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
         kept = data.kept if isinstance(data, Snapshot) else None
         packed = kept if isinstance(kept, bytes) else _pack(state_in(data))
-        # a rope whose wires do not rub yet has room for what they will remember
+        # a rope whose wires do not rub yet has room for their memory
         packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
         if not (status := self.restore_native(packed)).valid:
             raise ValueError(status.message)
@@ -257,7 +257,7 @@ class NativeRope(BalanceRope):
         return data.raw
 
     def restore_native(self, data: bytes) -> Status:
-        """Go on from what ``native_state`` gave."""
+        """Go on from a ``native_state``."""
         return self._done(self._lib.rope_restore(self._rope, data, len(data)))
 
     def _require_state(self) -> None:
@@ -274,7 +274,7 @@ class NativeRope(BalanceRope):
 
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
-    """As rope.h has them, and the places, which stay where they are as long as they are kept."""
+    """The forces and their places in the form of rope.h; both stay in place as long as they are kept."""
     places = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
     return _PointForces(forces.s.size, forces.start, forces.stop, places.ctypes.data), places
 

@@ -1,4 +1,4 @@
-"""The table of parameters: what is known of each field of a data class stands in the field itself.
+"""The table of parameters: each field of a data class carries its own facts.
 
 `parameter` and `choice` make such fields.  All who need the facts take them from here: the checks of the data classes,
 the C structures and checks (codegen.tables), the FMU's interface, its documents, studies and reports.
@@ -18,13 +18,13 @@ _TURN = 6.2832
 
 
 class Parameter(NamedTuple):
-    """What is known of a parameter but its name and default value, which are the field's."""
+    """Facts of a parameter; its name and default value are the field's."""
 
     unit: str  # as FMI writes it, "1" of a pure number, "" of a count or a choice
     description: str  # [assumed] marks data that are ours
     lower: float | str | None = None  # least value, or the name of the field that holds it
     upper: float | str | None = None  # largest value, likewise
-    cure: str = ""  # what to do about a value out of bounds
+    cure: str = ""  # advice for a value out of bounds
     tunable: bool = False  # may change between steps
     choices: Mapping[str, str] = {}  # words and their meanings; a word's place is its code
 
@@ -71,7 +71,7 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
     return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
 
 
-#: of the data classes asked for so far
+#: tables of data classes read so far
 _KNOWN: dict[Any, dict[str, Parameter]] = {}
 
 
@@ -83,7 +83,7 @@ def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
 
 
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
-    """The parameters in the order in which they are checked: choices first, what another field bounds last."""
+    """The parameters in the order of the checks: choices first, those bounded by another field last."""
     return tuple(sorted(parameters_of(kind).items(), key=lambda item: (not item[1].choices, bool(item[1].other))))
 
 

@@ -19,7 +19,7 @@ KernelForm = Literal["auto", "compiled", "portable"]
 FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 Trusted = Literal["all", "position_speed", "position", "speed"]
 
-#: what must be above 0 is at least this, so that the bound can be told to tools, which know no open intervals
+#: least value of parameters above 0, because tools know no open intervals
 LEAST = 1e-15
 #: more elements would be a mistake in the unit of their length
 MOST_ELEMENTS = 20000
@@ -100,7 +100,7 @@ class Rope:
     length: float = parameter(
         120.0,
         "m",
-        "length of the rope between its two swivels",
+        "length between the two swivels",
         lower=LEAST,
         upper=1e4,
         cure="give it in metres, as the rope's data sheet does",
@@ -120,15 +120,14 @@ class Rope:
     EI_stick: float = parameter(
         0.0,
         "N.m2",
-        "bending stiffness while no wire slides on another, above EI, which then holds for wires that slide; "
-        "0: no friction between the wires",
+        "bending stiffness while wires stick, above EI, that of wires that slide; 0: no friction between wires",
         lower=0.0,
         cure="use 0 for no friction between the wires",
     )
     slip_moment: float = parameter(
         1.0,
         "N.m",
-        "moment of the friction between all wires of the slack rope [assumed]",
+        "moment of the friction between wires of the slack rope [assumed]",
         lower=LEAST,
         cure="use a small one where only the tension presses the wires together",
     )
@@ -150,7 +149,7 @@ class Rope:
     c2: float = parameter(
         0.0,
         "1",
-        "growth of the torsional stiffness with tension, over the diameter's square: c2 d^2 T",
+        "growth of torsional stiffness with tension: c2 d^2 T",
         lower=0.0,
         upper=10.0,
         cure="use 0 where it is not known",
@@ -163,33 +162,16 @@ class Rope:
         cure="use 0 for no material damping",
     )
     torsion_damping: float = parameter(
-        1.0,
-        "1",
-        "damping of torsion over that of stretch, both relative to stiffness [assumed]",
-        lower=0.0,
-        upper=1e6,
-        cure="use 1 for beta_K",
+        1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", lower=0.0, upper=1e6, cure="use 1 for beta_K"
     )
     bending_damping: float = parameter(
-        1.0,
-        "1",
-        "damping of bending over that of stretch, both relative to stiffness [assumed]",
-        lower=0.0,
-        upper=1e6,
-        cure="use 1 for beta_K",
+        1.0, "1", "damping of bending as a multiple of beta_K [assumed]", lower=0.0, upper=1e6, cure="use 1 for beta_K"
     )
-    diameter: float = parameter(
-        0.044,
-        "m",
-        "rope diameter, for nominal stresses and clearance [assumed]",
-        lower=LEAST,
-        upper=1.0,
-        cure="give it in metres",
-    )
+    diameter: float = parameter(0.044, "m", "rope diameter [assumed]", lower=LEAST, upper=1.0, cure="give it in metres")
     installed_twist: float = parameter(
         0.0,
         "rad",
-        "angle of the turns put in at the right end before it was fastened, 6.2832 for each",
+        "twist put in at the right end before it was fastened",
         lower=-1e3,
         upper=1e3,
         cure="give it in radians: a turn is 6.2832",
@@ -197,13 +179,13 @@ class Rope:
     initial_curvature: float = parameter(
         0.0,
         "1/m",
-        "permanent curvature, as a reel leaves it: that of the rope where nothing bends it; 0: straight",
+        "permanent curvature, as a reel leaves it; 0: straight",
         lower=0.0,
         upper=10.0,
         cure="take a part of 1/R of the reel of radius R, and turn its direction for the other sense",
     )
     initial_curvature_angle: float = direction(
-        "direction of that curvature in the cross-section at the left end, about the tangent; 0: as the loop bends"
+        "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
 
     def __post_init__(self) -> None:
@@ -236,7 +218,7 @@ class Layout:
         lower=LEAST,
         cure="give the distance between the conveyances",
     )
-    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", lower=LEAST, cure="the rope must hang")
+    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", lower=LEAST, cure="use 9.81")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -254,18 +236,14 @@ class Swivel:
         "choose how the end is held",
     )
     mean_diameter: float = parameter(
-        0.090,
-        "m",
-        "mean diameter of the {side} swivel's bearing [assumed]",
-        lower=LEAST,
-        cure="take the bearing's d_m",
+        0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", lower=LEAST, cure="take the bearing's d_m"
     )
     mu_static: float = parameter(
         0.0018,  # a healthy rolling bearing
         "1",
         "coefficient of static friction of the {side} swivel [assumed]",
         lower="mu_kinetic",
-        cure="a swivel that slips more easily than it slides cannot stick",
+        cure="raise it, or lower mu_kinetic",
         tunable=True,
     )
     mu_kinetic: float = parameter(
@@ -273,25 +251,25 @@ class Swivel:
         "1",
         "coefficient of kinetic friction of the {side} swivel [assumed]",
         lower=0.0,
-        cure="friction takes energy, never gives",
+        cure="use 0 for no friction",
         tunable=True,
     )
     seal_moment: float = parameter(
         0.0,
         "N.m",
-        "friction of the {side} swivel that does not depend on the tension [assumed]",
+        "friction moment of the {side} swivel at any tension [assumed]",
         lower=0.0,
-        cure="friction takes energy",
+        cure="use 0 for none",
         tunable=True,
     )
     inertia: float = parameter(
         0.05,
         "kg.m2",
-        "inertia of what turns with the rope's {side} end [assumed]",
+        "inertia that turns with the rope's {side} end [assumed]",
         lower=LEAST,
-        cure="without inertia a release is a jump in spin: give the rotor's (0.05 is typical)",
+        cure="give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin",
     )
-    release_time: float = parameter(0.0, "s", "the {side} swivel is locked before")
+    release_time: float = parameter(0.0, "s", "time until which the {side} swivel is locked")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -299,12 +277,11 @@ class Swivel:
 
 @dataclass(frozen=True)
 class Mesh:
-    """EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.
+    """Partition of the rope into elements.
 
-    Without elements in III and V the loop's, in IV, are l/4, without II and VI too l/2.
-
-    auto: the TMN-ETM that the rope's own lengths and the accuracy ask for, EEM on a short or stiff rope; see
-    simulation.mesh.partition.fit_mesh.  ``end_levels`` = 0 is the source's mesh.
+    EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.  Without
+    elements in III and V those of the loop, in IV, are l/4 long, without II and VI too l/2.  auto: the TMN-ETM that the
+    rope's own lengths and the accuracy ask for, EEM on a short or stiff rope.  ``end_levels`` = 0 is the source's mesh.
     """
 
     kind: MeshKind = choice(
@@ -315,26 +292,26 @@ class Mesh:
             "EEM: elements of equal length",
             "fitted to the rope: TMN-ETM, or EEM on a short or stiff rope",
         ),
-        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted: 0, or 1 on a short or stiff rope",
+        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted to the rope",
         "choose one",
     )
     elements: int = parameter(
-        600, "", "number of elements, kind 1 only", lower=2, upper=MOST_ELEMENTS, cure="use fewer or more"
+        600, "", "number of elements, kind 1", lower=2, upper=MOST_ELEMENTS, cure="use fewer or more"
     )
     coarse_length: float = parameter(
         2.0,
         "m",
-        "element length of segments I and VII, kind 0 only; the loop's are 1/8 of it, without III and V 1/4",
+        "element length of segments I and VII, kind 0; in the loop 1/8 of it, without III and V 1/4",
         lower=LEAST,
         cure="2 m suits a 120 m rope",
     )
     counts: tuple[int, int, int, int, int] = parameter(
-        (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0 only"
+        (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0"
     )
     end_levels: int = parameter(
         2,
         "",
-        "how often the outermost elements are halved towards the clamped ends, kind 0 only",
+        "how often the outermost elements are halved, kind 0",
         lower=0,
         upper=8,
         cure="2 resolves the clamped ends",
@@ -342,7 +319,7 @@ class Mesh:
     grading_length: float = parameter(
         0.0,
         "m",
-        "largest (element length)^2 in I and VII over distance from the loop, kind 0 only; 0: all l",
+        "largest (element length)^2 in I and VII over distance from the loop, kind 0; 0: all l",
         lower=0.0,
         upper=1e4,
         cure="1 m suits a 1000 m rope",
@@ -350,7 +327,7 @@ class Mesh:
     loop_error: float = parameter(
         0.0,
         "m",
-        "error of the loop's place that the mesh may bring, kind 2 only; 0: half of accuracy.loop",
+        "error of the loop's place by the mesh, kind 2; 0: half of accuracy.loop",
         lower=0.0,
         upper=1.0,
         cure="0 suits most studies",
@@ -363,23 +340,18 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Error that a run may have: mesh and steps follow from it, see physics.accuracy and simulation.mesh.partition."""
+    """Allowed error of a run: mesh and steps follow from it."""
 
     end_force: float = parameter(
         1e-3,
         "1",
-        "error of the end forces, root mean square over a run, relative to the largest",
+        "RMS error of the end forces over a run, relative to the largest",
         lower=1e-6,
         upper=1.0,
         cure="1e-3 suits most studies",
     )
     loop: float = parameter(
-        0.01,
-        "m",
-        "largest error of the loop's place",
-        lower=1e-5,
-        upper=1.0,
-        cure="0.01 m suits most studies",
+        0.01, "m", "largest error of the loop's place", lower=1e-5, upper=1.0, cure="0.01 m suits most studies"
     )
 
     def __post_init__(self) -> None:
@@ -408,7 +380,7 @@ class Solver:
     tolerance: float = parameter(
         1.0,
         "1",
-        "largest local error of a step over what the accuracy allows; 1e6: no step is shortened for it",
+        "largest local error of a step over that allowed; 1e6: no step is shortened for it",
         lower=LEAST,
         upper=1e6,
         cure="use 1",
@@ -420,7 +392,7 @@ class Solver:
         "error that Newton's method may leave, in m and rad",
         lower=LEAST,
         upper=1e-3,
-        cure="use 3e-6; less changes no digit that matters",
+        cure="use 3e-6",
         tunable=True,
     )
     rho_inf: float = parameter(
@@ -429,12 +401,12 @@ class Solver:
         "spectral radius of generalized-alpha at infinite frequency",
         lower=0.0,
         upper=1.0,
-        cure="0.6 damps what the mesh cannot resolve",
+        cure="0.6 damps waves that the mesh cannot resolve",
     )
     work_max: int = parameter(
         0,
         "",
-        "Newton iterations that a communication step may take; wanting more it gives up accuracy; 0: any number",
+        "Newton iterations of a communication step beyond which it gives up accuracy; 0: any number",
         lower=0,
         upper=100_000,
         cure="60 serves steps of 10 ms",
@@ -454,7 +426,7 @@ class Solver:
 
 @dataclass(frozen=True)
 class Model:
-    """Fidelity of the model: the fidelities are described in physics.element and simulation.rigid."""
+    """Fidelity of the model."""
 
     fidelity: FidelityChoice = choice(
         "auto",
@@ -475,7 +447,7 @@ class Model:
         "relative error of the end forces that auto may trade for speed",
         lower=0.0,
         upper=1.0,
-        cure="with 0 nothing is left out",
+        cure="use 0 to leave nothing out",
     )
 
     def __post_init__(self) -> None:
@@ -484,7 +456,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Inputs:
-    """What of the given motions is trusted, and how the rope's ends follow them: simulation.ends.following."""
+    """Trust in the given motions, and the way in which the rope's ends follow them."""
 
     given: Trusted = choice(
         "all",
@@ -495,14 +467,13 @@ class Inputs:
             "position alone; speed and acceleration are estimated",
             "speed alone; it is integrated, and the acceleration estimated",
         ),
-        "what is trusted of the motions: 0 all, 1 position and speed, 2 position alone, 3 speed alone",
+        "trusted inputs: 0 all, 1 position and speed, 2 position alone, 3 speed alone",
         "'all' is exact where it can be had",
     )
     bandwidth: float = parameter(
         0.0,
         "rad/s",
-        "how fast positions and speeds that do not fit the accelerations are drawn in; "
-        "0: sqrt(accuracy.end_force gravity / accuracy.loop), 1 rad/s as a rule",
+        "rate at which a misfit is drawn in; 0: sqrt(accuracy.end_force gravity / accuracy.loop), some 1 rad/s",
         lower=0.0,
         upper=100.0,
         cure="0 suits most hosts",
@@ -510,7 +481,7 @@ class Inputs:
     estimate_bandwidth: float = parameter(
         0.0,
         "rad/s",
-        "bandwidth of the estimate of what is not given; 0: a third of the slowest axial wave of the whole rope",
+        "bandwidth of estimated inputs; 0: a third of the rope's slowest axial wave",
         lower=0.0,
         upper=1e3,
         cure="0 suits most ropes",
@@ -518,23 +489,23 @@ class Inputs:
     misfit_max: float = parameter(
         0.5,
         "m",
-        "largest misfit of a position, in m or rad, and of a speed, in m/s or rad/s, that is not refused",
+        "largest misfit of a position (m, rad) and of a speed (m/s, rad/s)",
         lower=LEAST,
         upper=1e4,
-        cure="0.5 lets pass what a rope can follow",
+        cure="0.5 admits motions that a rope can follow",
     )
     acceleration_max: float = parameter(
         100.0,
         "m/s2",
-        "largest acceleration of an end, in m/s2 or rad/s2, that is not refused",
+        "largest acceleration of an end, m/s2 or rad/s2",
         lower=LEAST,
         upper=1e6,
-        cure="100 is beyond what a hoist does",
+        cure="100 is beyond any hoist",
     )
     hold_max: float = parameter(
         1.0,
         "s",
-        "how long the sample of an end that moves may be repeated before it is refused as a frozen signal",
+        "how long the sample of a moving end may be repeated",
         lower=LEAST,
         upper=1e4,
         cure="1 s is beyond any slower part's step",
@@ -554,7 +525,7 @@ class Stations:
     first: float = parameter(
         0.0,
         "1",
-        "place of the first station, as a share of the rope's length from its left end",
+        "place of the first station over the rope's length, from its left end",
         lower=0.0,
         upper="last",
         cure=_WHERE,
@@ -567,7 +538,7 @@ class Stations:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything that does not change during a run."""
+    """Constant data of a run."""
 
     rope: Rope = field(default_factory=Rope)
     layout: Layout = field(default_factory=Layout)
@@ -582,7 +553,7 @@ class Scene:
     shaft: Shaft = field(default_factory=Shaft)
 
     def with_(self, **parts: Any) -> Scene:
-        """A copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
+        """Return a copy with some parts replaced, as in ``scene.with_(mesh=Mesh(kind="eem"))``."""
         return replace(self, **parts)
 
 
@@ -596,8 +567,8 @@ CHOICES = {
 }
 
 Level = Literal["draft", "standard", "reference"]
-#: what each level of accuracy asks for, checked in docs/accuracy.md.  A draft is for end forces: it may leave out
-#: torsion and what is out of plane, where that changes the forces by an estimated 0.2 % at most
+#: accuracy, solver and model of each level, checked in docs/accuracy.md. A draft is for end forces: it may leave out
+#: torsion and motion out of plane, where that changes the forces by an estimated 0.2 % at most
 LEVELS: dict[Level, dict[str, Any]] = {
     "draft": {
         "accuracy": Accuracy(end_force=1e-2, loop=0.1),
@@ -642,9 +613,9 @@ def at_level(scene: Scene, level: Level) -> Scene:
 class RopeCase:
     """Scene with a winding: the left end starts at height 0, the right end ``travel`` above it."""
 
-    scene: Scene
-    travel: float  # m
-    speed: float  # m/s
+    scene: Scene  #: data of the rope
+    travel: float  #: rise of the left end, m
+    speed: float  #: largest speed, m/s
 
 
 def rope_120(level: Level = "standard") -> RopeCase:
@@ -661,5 +632,5 @@ def rope_240(level: Level = "standard") -> RopeCase:
 
 ROPE_CASES = {"rope-120": rope_120, "rope-240": rope_240}
 
-#: by the group
+#: checks by data class
 JOINT_CHECKS: dict[type[Any], tuple[Joint, ...]] = {Rope: _OF_ROPE, Mesh: _OF_MESH}

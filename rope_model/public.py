@@ -1,22 +1,4 @@
-"""What a user of the rope needs, to be imported from ``rope_model``.
-
-rope        balance_rope makes a BalanceRope in a Form: auto, native or python; EndMotion goes in, Status and the
-            values of SIGNALS come out, each a Signal with unit and description
-            PointForces are what a host may put on it besides; Neighbours lets several ropes press each other, Contacts
-            is its state, with an Account of each two
-            FIDELITIES has the fidelities of the model; neglected_effects the Effects that one of them neglects: outputs
-            that are then 0 and no results, of which neglected_text warns
-data        Scene with its groups Rope, Layout, Swivel, Mesh, Solver, Model and Inputs; CHOICES has the words of some
-            Shaft has the bodies that a rope may come near: Lining, Conveyance, HeadRopes, Divider, Sump; Contact is how
-            they hold it, Air drags on it, Guard what trips when the loop moves too far, for one of GUARD_CAUSES.
-            BODIES are their kinds in words, FAR the clearance from what is not there
-catalogue   rope("34x7", diameter=0.046) makes a KnownRope: its middle is a Rope, its data a Datum per property,
-            the DatumStatus of which says where it is from;
-            CONSTRUCTIONS are those that are known, BEARINGS the friction of a swivel
-cases       rope_120 and rope_240 make a RopeCase (by name in ROPE_CASES) at a Level: draft, standard or reference;
-            at_level puts any scene on one
-analysis    RopeState, and RopeSimulator, the Python form, whose equations of motion can be looked at
-"""
+"""Public names of the rope, to be imported from ``rope_model``; docs/reference/python.md describes them."""
 
 from __future__ import annotations
 

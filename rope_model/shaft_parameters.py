@@ -1,4 +1,4 @@
-"""The shaft that the rope hangs in, and what stands or moves in it: bodies that the rope may come near, and air.
+"""The shaft that the rope hangs in: bodies that the rope may come near, and air.
 
 Sizes in m, heights as those of the conveyances, from the same origin.  All is absent unless it is given: without a
 width, a diameter or a size a body is not there.  `physics.shaft` makes the bodies of it.
@@ -35,11 +35,11 @@ def _rounding(default: float, description: str) -> float:
 class Lining:
     """The shaft's wall, seen from inside: a rectangle with rounded corners or, wholly rounded, a circle."""
 
-    width: float = _size(0.0, "width of the shaft in X, between its linings; 0: none")
+    width: float = _size(0.0, "width of the shaft in X; 0: none")
     depth: float = _size(0.0, "width of the shaft in Z")
-    rounding: float = _rounding(0.0, "radius of the lining's corners over half its smaller width; 1: round")
-    x: float = _place("X of the shaft's axis from midway between the suspension points")
-    z: float = _place("Z of the shaft's axis from the suspension points")
+    rounding: float = _rounding(0.0, "radius of the corners over half the smaller width; 1: round")
+    x: float = _place("X of the shaft's axis from midway between the ends")
+    z: float = _place("Z of the shaft's axis from the ends")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -52,7 +52,7 @@ class Conveyance:
     width: float = _size(0.0, "width of a conveyance in X; 0: none")
     depth: float = _size(0.0, "width of a conveyance in Z")
     height: float = _size(0.0, "height of a conveyance")
-    above: float = _size(0.0, "height of a conveyance's underside above the rope's end")
+    above: float = _size(0.0, "height of its underside above the rope's end")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -63,7 +63,7 @@ class HeadRopes:
     """Head ropes above each conveyance: an upright row, closed between its outermost ropes."""
 
     diameter: float = _size(0.0, "diameter of a head rope; 0: none")
-    row: float = _size(0.0, "distance of a conveyance's outermost head ropes, which stand in a row along Z")
+    row: float = _size(0.0, "distance of the outermost head ropes, in a row along Z")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -73,11 +73,11 @@ class HeadRopes:
 class Divider:
     """A horizontal beam from wall to wall, of square or round section."""
 
-    size: float = _size(0.0, "side or diameter of the divider's section; 0: none")
-    y: float = _place("height of the divider's axis, from the origin of left.y and right.y")
-    offset: float = _place("place of the divider's axis across it, X where it lies along Z")
-    direction: float = direction("yaw of the divider about Y, 0: along Z")
-    rounding: float = _rounding(1.0, "radius of the section's corners over half its side: 0 square, 1 round")
+    size: float = _size(0.0, "side or diameter of the section; 0: none")
+    y: float = _place("height of the axis, from the origin of left.y and right.y")
+    offset: float = _place("place of the axis across it, X where it lies along Z")
+    direction: float = direction("yaw about Y, 0: along Z")
+    rounding: float = _rounding(1.0, "radius of the corners over half the side: 0 square, 1 round")
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
@@ -90,7 +90,7 @@ class Sump:
     level: float = parameter(
         -FAR,
         "m",
-        "height of the sump's floor or water, from the origin of left.y and right.y; -1e6: none",
+        "height of floor or water, from the origin of left.y and right.y; -1e6: none",
         lower=-FAR,
         upper=REACH,
         cure="give it in metres, or -1e6 for none",
@@ -107,7 +107,7 @@ class Contact:
     stiffness: float = parameter(
         1e6,
         "N/m2",
-        "stiffness of the contact of rope and body, per length of rope; 0: bodies do not hold the rope [assumed]",
+        "contact stiffness of rope and body, per length; 0: bodies do not hold the rope [assumed]",
         lower=0.0,
         upper=1e9,
         cure="1e6 holds a falling rope within a diameter",
@@ -115,7 +115,7 @@ class Contact:
     damping: float = parameter(
         0.5,
         "s/m",
-        "part that the contact force grows by per speed of approach [assumed]",
+        "relative growth of the contact force per speed of approach [assumed]",
         lower=0.0,
         upper=100.0,
         cure="use 0 for a perfect rebound",
@@ -134,7 +134,7 @@ class Contact:
     rope_stiffness: float = parameter(
         0.0,
         "N/m2",
-        "stiffness of the contact of the rope with itself, per length; 0: its legs pass through each other",
+        "contact stiffness of the rope with itself, per length; 0: legs pass through each other",
         lower=0.0,
         upper=1e9,
         cure="1e7 holds a leg that swings across the other",
@@ -145,13 +145,12 @@ class Contact:
 
 
 def _threshold(unit: str, description: str, cure: str) -> float:
-    return parameter(0.0, unit, f"{description}; 0: no such guard", lower=0.0, upper=FAR, cure=cure)
+    return parameter(0.0, unit, f"{description}; 0: none", lower=0.0, upper=FAR, cure=cure)
 
 
-def _delay(what: str) -> float:
-    return parameter(
-        0.0, "s", f"how long {what} before the guard trips", lower=0.0, upper=REACH, cure="use 0 to trip at once"
-    )
+def _delay() -> float:
+    text = "delay before this guard trips"
+    return parameter(0.0, "s", text, lower=0.0, upper=REACH, cure="use 0 to trip at once")
 
 
 def _switch(description: str) -> float:
@@ -167,34 +166,30 @@ _OFF = "use 0 for no such guard"
 class Guard:
     """Guards of the loop: thresholds, delays, and heights of those that are switches: see physics.guard."""
 
-    rise: float = _threshold("m", "rise of the loop above which a guard trips", _OFF)
-    rise_delay: float = _delay("the loop is above it")
-    rise_y: float = _switch(
-        "height that the rise counts from, from the origin of left.y and right.y; -1e6: the loop's quasi-static place"
-    )
+    rise: float = _threshold("m", "rise of the loop that trips a guard", _OFF)
+    rise_delay: float = _delay()
+    rise_y: float = _switch("height from which the rise counts; -1e6: the loop's quasi-static place")
     window: float = _threshold(
-        "m", "horizontal distance of the loop from midway between the ends beyond which a guard trips", _OFF
+        "m", "horizontal distance of the loop from midway between the ends that trips a guard", _OFF
     )
-    window_delay: float = _delay("the rope is beyond it")
-    window_y: float = _switch(
-        "height at which the legs are seen, against straight below their ends; -1e6: the loop's lowest point is"
-    )
-    clearance: float = _threshold("m", "distance from any body of the shaft below which a guard trips", _OFF)
-    clearance_delay: float = _delay("the rope is nearer")
-    turns: float = _threshold("1", "turns of one side of the rope about the other beyond which a guard trips", _OFF)
-    turns_delay: float = _delay("it is turned further")
-    torque: float = _threshold("N.m", "moment of a swivel beyond which a guard trips", _OFF)
-    torque_delay: float = _delay("the moment is larger")
+    window_delay: float = _delay()
+    window_y: float = _switch("height at which the window watches the legs instead; -1e6: the loop's lowest point")
+    clearance: float = _threshold("m", "distance from a body of the shaft that trips a guard", _OFF)
+    clearance_delay: float = _delay()
+    turns: float = _threshold("1", "turns of one side of the rope about the other that trip a guard", _OFF)
+    turns_delay: float = _delay()
+    torque: float = _threshold("N.m", "moment of a swivel that trips a guard", _OFF)
+    torque_delay: float = _delay()
 
     def __post_init__(self) -> None:
         require_in_bounds(self)
 
 
-_ACROSS = ", within air.cross_height"
+_ACROSS = " within air.cross_height"
 
 
 def _velocity(axis: str, where: str) -> float:
-    text = f"velocity of the shaft's air along {axis}{where}; a host that changes it between steps makes gusts"
+    text = f"velocity of the air along {axis}{where}; changes between steps make gusts"
     return parameter(0.0, "m/s", text, lower=-100.0, upper=100.0, cure="give it in m/s", tunable=True)
 
 
@@ -205,7 +200,7 @@ class Air:
     density: float = parameter(
         0.0,
         "kg/m3",
-        "density of the air that drags on the rope; 0: none",
+        "density of the air; 0: none",
         lower=0.0,
         upper=100.0,
         cure="air at the surface has 1.2, 1000 m deeper 1.35",
@@ -213,7 +208,7 @@ class Air:
     drag: float = parameter(
         1.2,
         "1",
-        "drag coefficient of the rope across the flow, of its diameter [assumed]",
+        "drag coefficient of the rope across the flow [assumed]",
         lower=0.0,
         upper=10.0,
         cure="stranded ropes have 1.0 to 1.3",
@@ -221,11 +216,11 @@ class Air:
     vx: float = _velocity("X", _ACROSS)
     vy: float = _velocity("Y, upwards", "")
     vz: float = _velocity("Z", _ACROSS)
-    cross_y: float = _place("height of the middle of where the air blows across, from the origin of left.y and right.y")
+    cross_y: float = _place("height of the middle of a gallery that blows, from the origin of left.y and right.y")
     cross_height: float = parameter(
         FAR,
         "m",
-        "height over which the air blows across, from the floor of a gallery to its roof; 1e6: everywhere",
+        "height of that gallery, from floor to roof; 1e6: air blows everywhere",
         lower=0.1,
         upper=FAR,
         cure="give the height of the gallery's mouth, or 1e6 for air that moves as one",
@@ -233,15 +228,15 @@ class Air:
     buffet: float = parameter(
         0.0,
         "1",
-        "how fast a conveyance pushes the air aside at the leg beside it, share of its own speed; 0: not [assumed]",
+        "speed of the air that a passing conveyance pushes at the leg beside it, over its own; 0: none [assumed]",
         lower=0.0,
         upper=10.0,
-        cure="a conveyance of 3 m2 in the open moves air 2 m away at 0.06 of its speed, in a shaft at more",
+        cure="0.06 suits a conveyance of 3 m2 in the open, 2 m away; in a shaft it is more",
     )
     buffet_length: float = parameter(
         4.0,
         "m",
-        "height of a conveyance, from the tail that draws air to the bow that pushes it [assumed]",
+        "height of that conveyance, from tail to bow [assumed]",
         lower=0.1,
         upper=100.0,
         cure="give the height of the skip or cage",

@@ -10,9 +10,9 @@ import json
 import re
 import unicodedata
 
-#: what XML 1.0 has no way to write, not even as a reference
+#: characters that XML 1.0 cannot write, not even as a reference
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-#: what a C literal can hold as it stands: a backslash, quotation marks and what makes a trigraph it cannot
+#: characters that a C literal holds as they stand: no backslash, quotation mark or trigraph
 _PLAIN_C = frozenset(map(chr, range(0x20, 0x7F))) - frozenset('"\\?')
 #: where a spreadsheet takes a cell for a formula; some leave out blanks before it
 _FORMULA = re.compile(r"\s*[=+\-@]|\t")
@@ -30,12 +30,12 @@ def csv_cell(value: object) -> object:
     """Return a cell of a CSV table: a text that a spreadsheet would compute gets an apostrophe; numbers stay."""
     if not isinstance(value, str):
         return value
-    text = value.replace("\r", " ")  # which pandas does not quote, and begins a line with what follows
+    text = value.replace("\r", " ")  # which pandas does not quote; it would begin a line
     return f"'{text}" if _FORMULA.match(text) and not _is_number(text) else text
 
 
 def xml_text(text: str) -> str:
-    """Return the text without what XML cannot hold; the library that writes the document escapes the rest."""
+    """Return the text without characters that XML cannot hold; the library that writes it escapes the rest."""
     return _NO_XML.sub(REPLACEMENT, text)
 
 

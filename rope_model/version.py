@@ -6,5 +6,5 @@ from importlib.metadata import PackageNotFoundError, version
 
 try:
     __version__ = version("balance-rope")
-except PackageNotFoundError:  # this is the copy in an FMU, whose description tells the version
+except PackageNotFoundError:  # a copy in an FMU, whose description has the version
     __version__ = "unknown"

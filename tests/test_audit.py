@@ -94,7 +94,9 @@ def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatc
     assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
 
 
-@pytest.mark.parametrize(("elements", "told"), [(24, "sharpest bend"), (40, "sharpest bend"), (60, "as mesh was set")])
+@pytest.mark.parametrize(
+    ("elements", "told"), [(24, "sharpest bend"), (40, "sharpest bend"), (60, "too long for the bend")]
+)
 def test_elements_too_long_for_the_bend_are_told(elements: int, told: str) -> None:
     rope = NativeRope(SHORT.with_(mesh=Mesh("eem", elements=elements)))
     assert rope.initialize(0.0, *AT_REST).valid

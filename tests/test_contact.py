@@ -17,7 +17,7 @@ from rope_model.parameters import Mesh, Rope, Scene
 from rope_model.physics import hermite
 from rope_model.physics.contact import ONSET, SUMS, Touch, largest_motion, moved_by, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
-from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay
+from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay, length_for
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
 from rope_model.physics.rope_on_rope import places_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
@@ -226,9 +226,9 @@ def test_no_more_places_are_skipped_than_there_are(
     assert 0.0 <= places_skipped(distance, diameter, weight, float(number)) <= number
 
 
-def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_elements() -> None:
-    def error(longest: float) -> float:
-        sums, h = ContactSums(), 1e-3
+def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_delay() -> None:
+    def error(tau: float) -> float:
+        sums, h, longest = ContactSums(), 1e-3, length_for(Scene(), tau)
         for k in range(4000):
             pressures = (0.0, 0.0, 0.0, 50.0 * (1.0 - math.cos(2.0 * math.pi * k * h)), 0.0, 7.0)
             sums = add_contact(Scene(), sums, h, pressures, longest)
@@ -236,7 +236,14 @@ def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_elements() ->
         assert sums.impulses == pytest.approx((0.0, 0.0, 0.0, 200.0, 0.0, 28.0), rel=1e-3)
         return float(contact_error(sums))
 
-    assert math.log2(error(1.0) / error(0.5)) == pytest.approx(2.0, abs=0.1)
+    assert math.log2(error(0.02) / error(0.01)) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("EI", [1e-6, 300.0, 1e5])
+def test_the_length_of_a_delay_has_that_delay(EI: float) -> None:
+    scene = Scene(Rope(EI=EI))
+    assert delay(scene, length_for(scene, 0.01)) == pytest.approx(0.01, rel=1e-12)
+    assert delay(scene, 0.0) == 0.0
 
 
 @pytest.mark.parametrize("length", [30.0, 120.0, 1000.0])
@@ -248,7 +255,7 @@ def test_elements_that_a_divider_may_press_follow_its_pressure(length: float, of
     equal = mesh.kind == "eem"
     longest = max(partition(mesh, length, place * length).lengths.max() for place in ([0.5] if equal else [0.2, 0.5]))
     # whole numbers of elements make those of a pattern a little longer than asked for
-    assert longest * delay(scene) < 1.05 * BLOW
+    assert longest < 1.05 * length_for(scene, BLOW)
 
 
 @pytest.mark.parametrize(

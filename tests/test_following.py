@@ -151,6 +151,27 @@ def test_the_estimate_knows_what_a_misfit_does(truth: np.ndarray, given: Given) 
     assert 1 / 3 < told / np.sqrt((off**2).mean(axis=0)).max() < 3
 
 
+@pytest.mark.parametrize("step", [0.02, 0.05])
+def test_a_stop_whose_jerk_sets_in_within_a_long_step_is_no_misfit(step: float) -> None:
+    """Held against short steps.  Were the speed gained in the step a misfit, 4 and 14 times as much would be told."""
+    trip = s_curve(Winding(travel=40.0, speed=8.0, jerk=2.0, start_delay=0.0, emergency_at=4.0, emergency_jerk=30.0))
+
+    def run(h: float) -> tuple[np.ndarray, float]:
+        rope, found = balance_rope(SCENE), []
+        assert rope.initialize(0.0, EndMotion(), other_end(EndMotion())).valid
+        for k in range(1, round(8.0 / h) + 1):
+            p = trip.at(k * h)
+            end = EndMotion(y=p.position, vy=p.speed, ay=p.acceleration)
+            assert rope.advance_to(k * h, end, other_end(end)).valid
+            found.append([*rope.signals(["left.fy", "right.fy"]).values()])
+        told = rope.signals(["status.end_force_error"])["status.end_force_error"]
+        return np.array(found)[round(step / h) - 1 :: round(step / h)], told
+
+    (short, _), (long, told) = run(0.0025), run(step)
+    off = np.sqrt(np.mean(((long - short) / np.abs(short).max()) ** 2, axis=0)).max()
+    assert 0.5 < told / off < 2.0
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [

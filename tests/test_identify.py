@@ -132,7 +132,7 @@ def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: 
 def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = written(tmp_path, ROPE + WIDTH)
     assert main(["identify", str(source), "--out", str(tmp_path)]) == 0
-    assert "What the data do not tell" in capsys.readouterr().out
+    assert "Undetermined by the data" in capsys.readouterr().out
     report, made = (tmp_path / "report.html").read_text(encoding="utf-8"), tmp_path / "rope.toml"
     assert "loop width" in report
     assert "<script" not in report

@@ -10,7 +10,7 @@ import numpy as np
 from evidence.choice.page import choices
 from evidence.latency.page import latencies
 from evidence.machine import facts
-from evidence.promise.judging import completed, near, over_asked
+from evidence.promise.judging import ESTIMATES, completed, near, over_asked
 from evidence.promise.scenes import JUDGE
 from evidence.rendering import number, quantity, render
 from evidence.reproduction.costs import SOURCE_SAVED
@@ -59,9 +59,8 @@ def _promise(scenes: Table) -> dict[str, Any]:
     """Return how far the accuracy that is asked for is kept."""
     t = completed(scenes)
     over = over_asked(t)
-    estimates = (near(t[f"{x}, estimated{unit}"], t[f"{x}{unit}"]) for x, unit in (("end force", ""), ("loop", " [m]")))
-    of = {"number": len(scenes["kind"]), "seed": JUDGE, "within": float(np.mean(over <= 1)), "worst": over.max()}
-    return {**of, "near": [*estimates]}
+    of = {"number": len(over), "seed": JUDGE, "within": float(np.mean(over <= 1)), "worst": over.max()}
+    return {**of, "near": [near(t, estimate) for estimate in ESTIMATES]}
 
 
 def _reference(t: Table, coupling: str) -> dict[str, Any]:

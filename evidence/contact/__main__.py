@@ -2,42 +2,26 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
-from collections.abc import Sequence
 
-from evidence.options import add_out
+from evidence.claims import text
 from evidence.pages import PAGES, publish
+from evidence.rendering import DOCS
 from evidence.tables import write
 
-from .brushes import brushes_table
-from .checks import checks, elastica_table
+from .checks import CASES
 from .page import as_table
-from .plectoneme import plectoneme_table
-from .slack_rod import slack_table
-
-PAGE = PAGES["contact"]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """The command line."""
-    parser = argparse.ArgumentParser("python -m evidence.contact", description=__doc__)
-    add_out(parser)
-    options = parser.parse_args(arguments)
-    found = list(checks())
-    for case, m in found:
-        print(f"{'holds ' if m.holds else 'MISSES'} {case}: {m.what} {m.value:.3g} {m.relation} {m.bound:g}")
-    write(
-        {
-            "checks": as_table(found),
-            "slack": slack_table(),
-            "elastica": elastica_table(),
-            "plectoneme": plectoneme_table(),
-            "brushes": brushes_table(),
-        },
-        options.out / "data" / PAGE.data,
-    )
-    for path in publish(PAGE, options.out):
+def main() -> int:
+    """Run the command."""
+    found = []
+    for case, measure in CASES.items():
+        for m in measure():
+            print("holds " if m.holds else "MISSES", f"{case}: {m.what} {text(m)}", flush=True)
+            found.append((case, m))
+    write({"checks": as_table(found)}, DOCS / "data" / "contact")
+    for path in publish(PAGES["contact"]):
         print(path)
     return int(not all(m.holds for _, m in found))
 

@@ -1,54 +1,115 @@
-"""Fit the constants of physics.contact_error on trips past a divider that no page judges; a minute.
+"""Fit the constants of physics.contact_error on random trips past a divider, and judge them on others.
 
-python -m evidence.contact.estimates prints, of each trip on the fitted mesh against many equal elements, which
-constants its errors ask for, and their geometric means.
+``python -m evidence.contact.estimates``: two minutes.  Each trip is run on the fitted mesh and on that of the same rope
+without a divider, against 4 equal elements per metre and steps of 4 ms.  A constant is the geometric mean of what the
+errors of the first draw ask for where contact makes most of them.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rope_model.parameters import Scene
+from evidence.sampling import BENDING, MASS, SPACING, STIFFNESS, Draws
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import contact_error
-from rope_model.physics.contact_error import ContactSums, with_contact_of_place
+from rope_model.physics.contact_error import with_contact_at_ends, with_contact_of_place
+from rope_model.shaft_parameters import Contact, Divider, Shaft
+from rope_model.simulation.mesh.partition import fit_mesh
 
-from .brushed import STOP, Brushed, brushed
+from .brush import FITTED, Brush, Trip, brush, equal, errors
 
-#: m: offset and height of the divider; the last is too far to be touched
-TRIPS, FREE = ((-1.12, -30.0), (-1.05, -30.0), (-0.95, -30.0), (-0.93, -22.0)), (-0.3, -30.0)
-#: equal elements and steps (s) of the fine runs
-FINE = 480, 4e-3
+#: seeds of the trips that the constants are fitted to and judged on, so many of each
+FIT, JUDGE, NUMBER = 50, 51, 18
+#: N: trips that press less are left out
+LEAST = 5.0
+#: m/s^2, and how much larger the acceleration is than the rise over the square of its time
+ACCELERATION, FASTEST = (0.5, 2.5), 5.77
+NAMES = ("AT_ENDS", "OF_PLACE")
 
 
-def errors(offset: float, height: float) -> tuple[Brushed, float, float]:
-    """The trip on the fitted mesh; errors of its end forces (root mean square, N) and of the loop's place (m)."""
-    coarse, fine = brushed(offset=offset, height=height), brushed(*FINE, offset=offset, height=height)
-    forces: NDArray[np.float64] = np.sqrt(np.square(coarse.forces - fine.forces).mean(axis=1))
-    loop = np.linalg.norm(coarse.loop - fine.loop, axis=0)
-    return coarse, float(forces.max()), float(loop.max())
+class Asked(NamedTuple):
+    """An error, its estimate without contact, and what contact adds to that with a constant of 1."""
+
+    error: float
+    rest: float
+    contact: float
+
+    @property
+    def constant(self) -> float:
+        """The constant that makes the estimate equal the error; NaN where contact is the lesser part."""
+        return math.sqrt(self.error**2 - self.rest**2) / self.contact if self.error > 1.5 * self.rest else math.nan
+
+
+def draw(seed: int, number: int) -> Iterator[Trip]:
+    """Ropes of 60 to 150 m, and dividers that legs hang on, by up to 60 mm, or beside, by up to 30 mm."""
+    draws = Draws(seed)
+    evenly, in_logarithms = draws.evenly, draws.in_logarithms
+    for _ in range(number):
+        length, mass, spacing = in_logarithms((60.0, 150.0)), evenly(MASS), evenly(SPACING)
+        axial = mass * in_logarithms(STIFFNESS)
+        rope = Rope(length=length, mass_per_length=mass, EI=in_logarithms(BENDING), Qa=axial, Qb=0.0, Qc=0.0)
+        size, gap, side = evenly((0.03, 0.2)), evenly((-0.06, 0.03)), (-1.0, 1.0)[draws.one_of(2)]
+        offset = side * (0.5 * (spacing - size - rope.diameter) - gap)
+        divider = Divider(size=size, y=-length * evenly((0.12, 0.4)), offset=offset)
+        rise = length * evenly((0.15, 0.35))
+        moves = math.sqrt(FASTEST * rise / evenly(ACCELERATION))
+        shaft = Shaft(divider_1=divider, contact=Contact(stiffness=in_logarithms((3e5, 3e6))))
+        yield Trip(Scene(rope, Layout(spacing), shaft=shaft), rise, moves, moves + 1.0)
+
+
+class Judged(NamedTuple):
+    """The pressure's estimate over its error, and what end forces and place ask for."""
+
+    pressure: float
+    asked: tuple[Asked, Asked]
+
+
+def judge(trip: Trip) -> list[Judged]:
+    """On either mesh; nothing where the divider is hardly touched."""
+    fine = brush(trip, equal(round(4.0 * trip.scene.rope.length)), 4e-3)
+    free = fit_mesh(trip.scene.with_(mesh=FITTED, shaft=Shaft()))
+    return [_judged(trip, brush(trip, mesh), fine) for mesh in (free, FITTED)] if fine.peak > LEAST else []
+
+
+def _judged(trip: Trip, x: Brush, fine: Brush) -> Judged:
+    found = errors(x, fine)
+    force = float(np.linalg.norm(x.forces.reshape(-1, 2, 3), axis=2).max())
+    adds = with_contact_at_ends(0.0, x.sums, trip.stop, force), with_contact_of_place(trip.scene, 0.0, x.sums)
+
+    def asked(k: int) -> Asked:
+        added, told = float(adds[k]), x.told[k + 1]
+        one = added / float(getattr(contact_error, NAMES[k]))
+        return Asked(found[k + 1], math.sqrt(max(told**2 - added**2, 0.0)), one)
+
+    return Judged(x.told[0] / found[0], (asked(0), asked(1)))
+
+
+def _said(ratios: list[float]) -> str:
+    ratio = np.array(ratios)
+    near = " and ".join(f"{np.mean(np.abs(np.log(ratio)) < math.log(k)):.0%} within {k}" for k in (2, 3))
+    return f"{near}, {ratio.min():.2g} to {ratio.max():.2g} of {ratio.size}"
 
 
 def main() -> None:
-    """The command."""
-    # what the mesh misses without contact is not what these constants tell
-    _, force, place = errors(*FREE)
-    print(f"untouched: end forces {force:.3g} N, loop {1e3 * place:.3g} mm")
-    asked = []
-    for trip in TRIPS:
-        x, at_ends, of_place = errors(*trip)
-        more = [math.sqrt(max(a * a - b * b, 0.0)) for a, b in ((at_ends, force), (of_place, place))]
-        per_one = with_contact_of_place(Scene(), 0.0, ContactSums(square=x.square)) / contact_error.OF_PLACE
-        asked.append((more[0] / math.sqrt(x.square / STOP), more[1] / per_one))
-        print(
-            f"offset {trip[0]} m, height {trip[1]} m: AT_ENDS {asked[-1][0]:.3g}, OF_PLACE {asked[-1][1]:.3g}",
-            flush=True,
-        )
-    for name, column in zip(("AT_ENDS", "OF_PLACE"), zip(*asked, strict=True), strict=True):
-        mean = math.exp(sum(map(math.log, column)) / len(column))
-        print(f"{name} = {mean:.3g}, now {getattr(contact_error, name)}")
+    """Print the constants, and the estimates over the errors of both draws."""
+    with ProcessPoolExecutor(2) as pool:
+        found = {seed: list(chain(*pool.map(judge, draw(seed, NUMBER)))) for seed in (FIT, JUDGE)}
+    for seed, rows in found.items():
+        print(f"seed {seed}: pressure {_said([row.pressure for row in rows])}")
+    for k, name in enumerate(NAMES):
+        constants = np.array([row.asked[k].constant for row in found[FIT]])
+        constant = math.exp(np.nanmean(np.log(constants)))
+        print(f"{name} = {constant:.2g} of {np.isfinite(constants).sum()}, now {getattr(contact_error, name)}")
+        for seed, rows in found.items():
+            asked = [row.asked[k] for row in rows]
+            ratios = [math.hypot(x.rest, constant * x.contact) / x.error for x in asked]
+            print(f"  seed {seed}: {_said(ratios)}")
 
 
 if __name__ == "__main__":

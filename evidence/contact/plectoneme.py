@@ -31,13 +31,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.tables import Table, table
-from rope_model import BalanceRope, EndMotion
+from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.rope_on_rope import rope_touch
 from rope_model.shaft_parameters import Air, Contact, Shaft
 
-from .scenes import GRAVITY, made, smooth_step
+from .scenes import GRAVITY, follow, made, smooth_step
 from .turned import helix
 
 #: m, kg/m, N, N m^2, N m^2, m; heavy enough to hang down, and light against the tension
@@ -50,28 +49,21 @@ WOUND, WINDING, DRAWING, GROWN, GROWING, RESTING = 5.0, 20.0, 20.0, 1.5, 20.0, 1
 GIVE, FASTEST, WITHIN = 2e-3, 0.5, 0.2
 #: s, the host's step; m, heights between which the plectoneme is far from both its ends
 STEP, HEIGHTS = 0.02, (-2.3, -1.5)
-#: of a table of them
-COLUMNS = ("of", "tension", "torque", "nearer", "angle", "radius")
 
 
 class Plectoneme(NamedTuple):
-    """Tension (N), torque (N m), by how much a turn brings the ends nearer (m), angle (rad) and radius (m)."""
+    """A plectoneme under tension."""
 
-    tension: float
-    torque: float
-    nearer: float
-    angle: float
-    radius: float
+    tension: float  # N
+    torque: float  # N m
+    nearer: float  # m, by which a turn brings the ends nearer
+    angle: float  # rad
+    radius: float  # m
 
 
 def soft_rod(tension: float) -> Plectoneme:
     """The closed form of a rod that presses itself as ours does."""
     return _at_radius(tension, float(brentq(lambda R: _pressed(tension, R), 0.25 * DIAMETER, 0.5 * DIAMETER)))
-
-
-def hard_rod(tension: float) -> Plectoneme:
-    """The closed form of a rod that is not pressed in."""
-    return _at_radius(tension, 0.5 * DIAMETER)
 
 
 def _at_radius(tension: float, R: float) -> Plectoneme:
@@ -113,42 +105,40 @@ class Grown(NamedTuple):
 @cache
 def grown() -> Grown:
     """Ours, wound up and drawn, at rest before and after it grows."""
-    rope, rests, x, v = made(_scene(), EndMotion(), EndMotion()), [], 0.0, 0.0
+    rope = made(
+        Scene(
+            Rope(LENGTH, MASS, AXIAL, 0.0, 0.0, TORSION, EI=BEND, diameter=DIAMETER),
+            Layout(SPACING),
+            Swivel("locked"),
+            Swivel("locked"),
+            mesh=Mesh("eem", elements=ELEMENTS),
+            solver=Solver(step_max=STEP, tolerance=1e5),
+            shaft=Shaft(contact=_CONTACT, air=Air(density=100.0, drag=10.0)),
+        )
+    )
     read = rope.reader(("left.fx", "left.swivel.torque", "loop.turns", "loop.crossings"))
-    looks = [round(t / STEP) for t in (WINDING + DRAWING, WINDING + DRAWING + GROWING + RESTING)]
-    for k in range(1, looks[1] + 1):
-        t = k * STEP
-        a = _given_way(read()[0], v) if t > WINDING else 0.0
+    x = v = 0.0
+
+    def ends(t: float) -> tuple[EndMotion, EndMotion]:
+        """Either end, outwards where the rod pulls less than it is to; both together twist it."""
+        nonlocal x, v
+        wanted = np.clip(GIVE * (TENSION - read()[0]), -FASTEST, FASTEST) if t > WINDING else 0.0
+        a = float(np.clip(wanted - v, -FASTEST, FASTEST)) / WITHIN if t > WINDING else 0.0
         x, v = x + STEP * (v + 0.5 * STEP * a), v + STEP * a
         turns, rate = _turned(t)
-        _advance(rope, t, x, v, a, turns, rate)
-        if k in looks:
-            rests.append((turns, SPACING + 2.0 * x, *read()))
-    turns, wide, tension, torque, legs, crossings = np.array(rests).T
+        yaw = {"yaw": math.pi * turns, "yaw_rate": math.pi * rate}
+        left, right = (EndMotion(x=side * x, vx=side * v, ax=side * a, **yaw) for side in (-1.0, 1.0))
+        return left, right
+
+    stop = WINDING + DRAWING + GROWING + RESTING
+    course = follow(rope, STEP, stop, ends, lambda: (SPACING + 2.0 * x, *read()))
+    wide, tension, torque, legs, crossings = course[[round((WINDING + DRAWING) / STEP) - 1, -1]].T
     state = rope.state
     seen = helix(state.motion.q, state.partition.lengths, np.linspace(*HEIGHTS, 200))
-    nearer = float((wide[0] - wide[1]) / (turns[1] - turns[0]))
+    nearer = float((wide[0] - wide[1]) / (_turned(stop)[0] - _turned(WINDING + DRAWING)[0]))
     hangs = 0.5 * MASS * GRAVITY * (LENGTH - float(wide[1]))
     found = Plectoneme(float(tension[1]) - hangs, float(abs(torque[1])), nearer, seen.angle, seen.radius)
     return Grown(found, float(abs(legs[1])), float(crossings[1]))
-
-
-def _scene() -> Scene:
-    return Scene(
-        rope=Rope(LENGTH, MASS, AXIAL, 0.0, 0.0, TORSION, EI=BEND, diameter=DIAMETER),
-        layout=Layout(spacing=SPACING),
-        mesh=Mesh("eem", elements=ELEMENTS),
-        left=Swivel("locked"),
-        right=Swivel("locked"),
-        solver=Solver(step_max=STEP, tolerance=1e5),
-        shaft=Shaft(contact=_CONTACT, air=Air(density=100.0, drag=10.0)),
-    )
-
-
-def _given_way(pull: float, v: float) -> float:
-    """Acceleration (m/s^2) of an end that moves outwards with ``v`` (m/s) where the rod pulls so, N."""
-    wanted = min(max(GIVE * (TENSION - pull), -FASTEST), FASTEST)
-    return min(max(wanted - v, -FASTEST), FASTEST) / WITHIN
 
 
 def _turned(t: float) -> tuple[float, float]:
@@ -156,19 +146,3 @@ def _turned(t: float) -> tuple[float, float]:
     _, wound, winds, _ = smooth_step(t / WINDING)
     _, grown, grows, _ = smooth_step((t - WINDING - DRAWING) / GROWING)
     return WOUND * wound + GROWN * grown, WOUND * winds / WINDING + GROWN * grows / GROWING
-
-
-def _advance(rope: BalanceRope, t: float, x: float, v: float, a: float, turns: float, rate: float) -> None:
-    """To the time t, either end x outwards; both together twist the rod by so many turns."""
-    yaw, yaw_rate = math.pi * turns, math.pi * rate
-    left, right = (EndMotion(x=s * x, vx=s * v, ax=s * a, yaw=yaw, yaw_rate=yaw_rate) for s in (-1.0, 1.0))
-    status = rope.advance_to(t, left, right)
-    if not status.valid:
-        raise RuntimeError(status.message)
-
-
-def plectoneme_table() -> Table:
-    """Ours, and the closed forms at its tension."""
-    ours = grown().found
-    found = {"ours": ours, "closed form": soft_rod(ours.tension), "closed form, hard": hard_rod(ours.tension)}
-    return table(COLUMNS, [(name, *x) for name, x in found.items()])

@@ -10,9 +10,11 @@ is the same as it comes and as it goes: the rebound depends on the speed alone, 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from evidence.stability.chain import StaticBoundary
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
@@ -26,8 +28,7 @@ from rope_model.simulation.rope_system import RopeSystem, parameter_vector
 LENGTH, ELEMENTS, GAP = 2.0, 2, 0.01
 
 
-@dataclass(frozen=True)
-class Rebound:
+class Rebound(NamedTuple):
     """Speeds (m/s) and largest depth (m) of an impact, and its energy unexplained over the kinetic energy before."""
 
     speed: float
@@ -46,15 +47,9 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     lengths = np.diff(q[:, 0])
     boundary = StaticBoundary.without_supports(q)
     boundary.held[:, [2, 5, 6]] = True
-    system = RopeSystem(
-        RopeKernels(ELEMENTS, "portable", fidelity="planar"),
-        lengths,
-        parameter_vector(rope, 0.0),
-        boundary,
-        q,
-        around=around,
-        touching=lambda: RopeKernels(ELEMENTS, "portable", fidelity="planar", bodies=around.kinds),
-    )
+    kernels = partial(RopeKernels, ELEMENTS, "portable", fidelity="planar")
+    near, parts = partial(kernels, bodies=around.kinds), (lengths, parameter_vector(rope, 0.0), boundary, q)
+    system = RopeSystem(kernels(), *parts, around=around, touching=near)
     v = np.zeros_like(q)
     v[:, 1] = -speed
     motion, start = restart(system, 0.0, q, v, np.zeros_like(q))
@@ -71,15 +66,10 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
 
 
 def exact_speed(speed: float, damping: float) -> float:
-    """Of the rebound, m/s."""
-    if damping == 0:
-        return speed
+    """Speed of the rebound, m/s."""
 
     def integral(p_t: float) -> float:
         return p_t / damping - math.log1p(damping * p_t) / damping**2
 
-    low, high = 0.0, min(speed, (1.0 - 1e-12) / damping)
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if integral(-middle) < integral(speed) else (low, middle)
-    return low
+    most = min(speed, (1.0 - 1e-12) / damping)
+    return float(brentq(lambda x: integral(-x) - integral(speed), 0.0, most, xtol=1e-14))

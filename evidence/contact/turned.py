@@ -12,92 +12,72 @@ Source: Thompson, van der Heijden and Neukirch, Proc. R. Soc. A 458 (2002), for 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
-from rope_model import BalanceRope, EndMotion
+from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel
 from rope_model.physics.hermite import interpolate
 from rope_model.shaft_parameters import Air, Contact, Shaft
 
-from .scenes import WEIGHT, Array, made
+from .scenes import WEIGHT, Array, follow, made, unexplained
 
-#: m, m, elements; s that the ends turn, and by how many turns each
-LENGTH, SPACING, ELEMENTS = 10.0, 0.5, 40
-TIME, TURNS = 60.0, 4.0
-#: s: half of the time that they take where the legs strike each other
-FAST = 4.0
+#: m, m, elements; s that the ends turn, by how many turns each, and s, half of that where the legs strike each other
+LENGTH, SPACING, ELEMENTS, TIME, TURNS, FAST = 10.0, 0.5, 40, 60.0, 4.0, 4.0
 #: m: between these heights the ply is far from both its ends
 PLY = (-3.4, -2.2)
 
 
-@dataclass(frozen=True)
-class Turned:
+class Turned(NamedTuple):
     """Turns of the legs about each other and torque (N m) in the rope as they grow, from the first touch on.
 
-    ``angle`` is that of the helices where the ply is even, ``exact`` what the moments' balance gives; ``unexplained``
-    is energy over the work of the ends, ``crossings`` the times that the legs passed through each other.
+    ``angle`` is that of the helices where the ply is even, over what the moments' balance gives; ``unexplained`` is
+    energy over the work of the ends, ``crossings`` the times that the legs passed through each other.
     """
 
     turns: Array
     torque: Array
     angle: float
-    exact: float
     unexplained: float
     crossings: float
 
 
 def turned(friction: float) -> Turned:
     """The rope turned by ``TURNS`` at either end."""
-    air = Air(density=100.0, drag=10.0)
-    scene = _scene(Shaft(contact=Contact(rope_stiffness=1e7, friction=friction), air=air))
-    found, H = made(scene, EndMotion(), EndMotion()), 0.02
-    read, course = found.reader(("loop.turns", "left.swivel.torque", "contact.rope")), []
-    for k in range(1, round(TIME / H) + 1):
-        _advance(found, k * H, TIME)
-        course.append(np.abs(read()))
-    turns, torque, force = np.array(course).T
+    contact = Contact(rope_stiffness=1e7, friction=friction)
+    scene = _scene(Shaft(contact=contact, air=Air(density=100.0, drag=10.0)))
+    found = made(scene)
+    read = found.reader(("loop.turns", "left.swivel.torque", "contact.rope", "loop.crossings"))
+    turns, torque, force, crossings = np.abs(follow(found, 0.02, TIME, lambda t: 2 * (_end(t, TIME),), read)).T
     first = int(np.argmax(force > 0))
     ply = helix(found.state.motion.q, found.state.partition.lengths, np.linspace(*PLY, 200))
-    exact = _exact_angle(float(torque[-1]) / ply.radius, scene.rope.EI / ply.radius**2, 0.5 * WEIGHT * ply.below)
-    crossings = found.signals(["loop.crossings"])["loop.crossings"]
-    return Turned(turns[first:], torque[first:], ply.angle, exact, _unexplained(found), crossings)
+    moment, bending, n = float(torque[-1]) / ply.radius, scene.rope.EI / ply.radius**2, 0.5 * WEIGHT * ply.below
+
+    def missing(a: float) -> float:
+        return moment * math.cos(2.0 * a) - 2.0 * bending * math.sin(a) ** 3 * math.cos(a) - n * math.sin(a)
+
+    angle = ply.angle / float(brentq(missing, 0.0, 0.25 * math.pi))
+    return Turned(turns[first:], torque[first:], angle, unexplained(found), float(crossings[-1]))
 
 
 def struck_legs(stiffness: float) -> float:
     """Energy unexplained, of the work, where the rope is turned so fast that its legs strike and rebound."""
-    found, H = made(_scene(Shaft(contact=Contact(rope_stiffness=stiffness))), EndMotion(), EndMotion()), 0.01
-    for k in range(1, round(FAST / H) + 1):
-        _advance(found, k * H, 2.0 * FAST)
-    return _unexplained(found)
+    found = made(_scene(Shaft(contact=Contact(rope_stiffness=stiffness))))
+    follow(found, 0.01, FAST, lambda t: 2 * (_end(t, 2.0 * FAST),))
+    return unexplained(found)
 
 
 def _scene(shaft: Shaft) -> Scene:
-    locked = Swivel("locked")
-    return Scene(
-        rope=Rope(length=LENGTH, EI=200.0, Qb=0.0, Qc=0.0),
-        layout=Layout(spacing=SPACING),
-        mesh=Mesh("eem", elements=ELEMENTS),
-        left=locked,
-        right=locked,
-        shaft=shaft,
-    )
+    rope, locked = Rope(length=LENGTH, EI=200.0, Qb=0.0, Qc=0.0), Swivel("locked")
+    return Scene(rope, Layout(SPACING), locked, locked, mesh=Mesh("eem", elements=ELEMENTS), shaft=shaft)
 
 
-def _advance(rope: BalanceRope, t: float, time: float) -> None:
-    """Both ends turn at an even rate, which they come to within a second, by ``TURNS`` in this ``time`` (s)."""
+def _end(t: float, time: float) -> EndMotion:
+    """An end turns at an even rate, which it comes to within a second, by ``TURNS`` in this ``time`` (s)."""
     rate = 2.0 * math.pi * TURNS / (time - 1.0)
-    end = EndMotion(yaw=rate * (t - 1.0 + math.exp(-t)), yaw_rate=rate * (1.0 - math.exp(-t)))
-    status = rope.advance_to(t, end, end)
-    if not status.valid:
-        raise RuntimeError(status.message)
-
-
-def _unexplained(rope: BalanceRope) -> float:
-    energies = rope.state.energy_balance
-    return float(energies.residual / energies.work_ends)
+    return EndMotion(yaw=rate * (t - 1.0 + math.exp(-t)), yaw_rate=rate * (1.0 - math.exp(-t)))
 
 
 class Helix(NamedTuple):
@@ -109,7 +89,7 @@ class Helix(NamedTuple):
 
 
 def helix(q: Array, lengths: Array, heights: Array) -> Helix:
-    """Of the legs between the ``heights``, means."""
+    """Means of the legs between the ``heights``."""
     xi, place, below = np.linspace(0.0, 1.0, 21)[:-1], [], []
     for k, l in enumerate(lengths):
         place.append([interpolate(xi, l, *(q[n, i] for n in (k, k + 1) for i in (j, 3 + j)))[0] for j in range(3)])
@@ -125,13 +105,3 @@ def helix(q: Array, lengths: Array, heights: Array) -> Helix:
     turn = np.unwrap(np.arctan2(z, x))
     angle = math.atan(radius * abs(float(np.polyfit(heights, turn, 1)[0])))
     return Helix(angle, radius, float(between.mean()))
-
-
-def _exact_angle(moment: float, bending: float, n: float) -> float:
-    low, high = 0.0, 0.25 * math.pi
-    for _ in range(60):
-        angle = 0.5 * (low + high)
-        sine, cosine = math.sin(angle), math.cos(angle)
-        more = moment * math.cos(2.0 * angle) > 2.0 * bending * sine**3 * cosine + n * sine
-        low, high = (angle, high) if more else (low, angle)
-    return low

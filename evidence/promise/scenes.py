@@ -1,6 +1,6 @@
 """Ropes, swivels, trips and communication steps from a seed: one seed tunes, another judges.
 
-The published case has none of them.  Lengths, EI and jerk are drawn evenly in their logarithms.
+The published case has none of them.  Lengths, EI, jerk and friction are drawn evenly in their logarithms.
 """
 
 from __future__ import annotations
@@ -9,24 +9,30 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from evidence.sampling import ACCELERATION, BENDING, JERK, LENGTH, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
+from evidence.sampling import ACCELERATION, JERK, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Rope, Scene, Swivel, SwivelMode
 
 from .sine_stop import SineStop, sine_stop
 
-#: seeds; scenes of 31 and 33 showed what waves on the legs ask of the mesh, one of 32 what torsional waves ask of it
-TUNE, JUDGE = 30, 34
+#: seeds; scenes that are wound with the default, and how many of them with the other requests, too
+TUNE, JUDGE, SCENES, REQUESTED = 60, 271, 44, 30
+LENGTH, BENDING = (40.0, 1200.0), (40.0, 3000.0)  # m, N m^2
 #: of steel wire ropes: d^2 (m^2) per mass per length; Qd (N m^2) over EA d^2
 SECTION, TORSION = 2.42e-4, (0.008, 0.02)
 #: Qb and Qc over EA d, at most as published; and over sqrt(EA Qd), beyond which the energy is not positive
 COUPLING, MOST_COUPLED = 2.336e5 / (1.2e8 * 0.044), 0.8
-#: shares of trips with an emergency stop and with a release; when they begin, in parts of the trip's duration
-STOPPED, RELEASED, BEGIN = 0.35, 0.2, (0.2, 0.8)
-BRAKE = (2.0, 5.0)  # m/s^2
+#: shares of trips that are stopped, of those by a sine, of releases, of ropes twisted when they were installed
+STOPPED, BY_SINE, RELEASED, TWISTED = 0.4, 0.5, 0.2, 0.5
+#: when stop and release begin, in parts of the trip's duration
+BEGIN = (0.2, 0.8)
+#: of an emergency stop, m/s^2 and m/s^3; of the rope, rad/m
+BRAKE, BRAKE_JERK, TWIST = (2.0, 5.0), (5.0, 50.0), (-0.002, 0.002)
 MODES: tuple[SwivelMode, ...] = ("locked", "free", "coulomb")
-STEPS = (0.005, 0.01, 0.02)  # s
+#: kinetic friction of swivels, from healthy to degraded bearings, and the static one over it
+FRICTION, STATIC = (0.0013, 0.08), 1.3
+STEPS = (0.005, 0.01, 0.02, 0.04, 0.05)  # s
 KINDS = ("smooth", "emergency stop", "release")
 
 
@@ -46,19 +52,10 @@ class Sample:
         return sine_stop(self.trip) if self.by_sine else s_curve(self.trip)
 
     @property
-    def is_stopped(self) -> bool:
-        """By the safety brake."""
-        return self.trip.emergency_at is not None
-
-    @property
-    def is_released(self) -> bool:
-        """One end's swivel, on the way."""
-        return self.scene.right.release_time > 0
-
-    @property
     def kind(self) -> str:
         """What happens on the way."""
-        return KINDS[1 if self.is_stopped else 2 if self.is_released else 0]
+        stopped, released = self.trip.emergency_at is not None, self.scene.right.release_time > 0
+        return KINDS[1 if stopped else 2 if released else 0]
 
 
 def draw(seed: int, number: int) -> Iterator[Sample]:
@@ -80,17 +77,24 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
             Qd=torsion,
             rhoJ=mass * diameter**2 / 8,
             diameter=diameter,
+            installed_twist=evenly(TWIST) * length if evenly() < TWISTED else 0.0,
         )
-        layout, mode = Layout(evenly(SPACING)), MODES[draws.one_of(len(MODES))]
-        travel = length * (1 - 2 * evenly(NEAR))
-        speed, acceleration, jerk = evenly(SPEED), evenly(ACCELERATION), in_logarithms(JERK)
-        trip = Trip(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
-        stopped, released = evenly() < STOPPED, evenly() < RELEASED
-        begin, brake, interval = evenly(BEGIN) * s_curve(trip).duration, evenly(BRAKE), STEPS[draws.one_of(len(STEPS))]
+        layout, modes = Layout(evenly(SPACING)), [MODES[draws.one_of(len(MODES))] for _ in ("left", "right")]
+        trip = Trip(
+            travel=length * (1 - 2 * evenly(NEAR)),
+            speed=evenly(SPEED),
+            acceleration=evenly(ACCELERATION),
+            jerk=in_logarithms(JERK),
+            start_delay=0.0,
+        )
+        stopped, by_sine, released = evenly() < STOPPED, evenly() < BY_SINE, evenly() < RELEASED
+        begin, brake, jerk = evenly(BEGIN) * s_curve(trip).duration, evenly(BRAKE), in_logarithms(BRAKE_JERK)
+        interval = STEPS[draws.one_of(len(STEPS))]
         if stopped:
-            trip = replace(trip, emergency_at=begin, emergency_deceleration=brake)
+            trip = replace(trip, emergency_at=begin, emergency_deceleration=brake, emergency_jerk=jerk)
+        friction = in_logarithms(FRICTION)
+        swivel = Swivel(mu_static=STATIC * friction, mu_kinetic=friction, inertia=max(0.05 * mass / 8, 1e-3))
+        left, right = (replace(swivel, mode=mode) for mode in modes)
         if released and not stopped:
-            mode = "free" if mode == "locked" else mode
-        swivel = Swivel(mode=mode, inertia=max(0.05 * mass / 8, 1e-3))
-        right = replace(swivel, release_time=begin) if released and not stopped else swivel
-        yield Sample(k, Scene(rope, layout, swivel, right), trip, interval)
+            right = replace(right, mode="free" if right.mode == "locked" else right.mode, release_time=begin)
+        yield Sample(k, Scene(rope, layout, left, right), trip, interval, stopped and by_sine)

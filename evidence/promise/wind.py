@@ -1,8 +1,8 @@
-"""A scene wound with an accuracy, and what it errs by against a much finer run."""
+"""A scene wound with an accuracy, and its errors against a much finer run."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,44 +15,38 @@ from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
 from .scenes import Sample
 
 Array = NDArray[np.float64]
-SETTLE, EVERY = 3.0, 0.02  # s
-#: what is asked: the defaults; and those before, with steps by the places of the nodes alone, 1 mm in a step
-ASKED = Accuracy()
-BEFORE: dict[str, Any] = {
-    "accuracy": Accuracy(end_force=1.0, loop=1.0),
-    "mesh": Mesh("auto", loop_error=5e-3),
-    "solver": Solver(tolerance=0.1, newton_tolerance=1e-7),
-}
-#: the run that judges
+#: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely
+SETTLE, EVERY = 3.0, 0.02
+#: what is asked: the default, and a tenth and ten times as much of it
+REQUESTS = {"default": Accuracy(), "tight": Accuracy(1e-4, 1e-3), "loose": Accuracy(1e-2, 1e-1)}
+#: the run that judges, and how often that communicates, s: its ends follow the trip itself
 FINE: dict[str, Any] = {
-    "accuracy": Accuracy(end_force=1e-4, loop=1e-3),
-    "mesh": Mesh("auto", loop_error=2e-4),
+    "accuracy": Accuracy(end_force=2e-5, loop=5e-4),
+    "mesh": Mesh("auto", loop_error=5e-5),
     "solver": Solver(step_max=1.25e-3),
 }
+FINE_STEP = 1.25e-3
 _SIGNALS = tuple(
     [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")]
     + ["loop.x", "loop.y", "loop.z", "left.mz", "right.mz", "left.swivel.angle", "right.swivel.angle"]
 )
 COLUMNS = (
-    *("scene", "kind", "length [m]", "mass [kg/m]", "EI [N m2]", "swivel", "speed [m/s]", "interval [s]"),
-    *("end force", "horizontal force", "loop [m]", "clamp moment", "swivel angle [rad]"),
+    *("scene", "asked", "kind", "length [m]", "mass [kg/m]", "EI [N m2]", "left", "right", "speed [m/s]"),
+    *("interval [s]", "events", "end force", "horizontal force", "loop [m]", "clamp moment", "swivel angle [rad]"),
     *("end force, estimated", "loop, estimated [m]", "end force, of the fine run", "loop, of the fine run [m]"),
-    "work",
-    *("end force, before", "loop, before [m]", "work, before", "failure"),
+    *("work", "failure"),
 )
 
 
 @dataclass(frozen=True)
 class Run:
-    """Signals (instants, ...), estimated errors, elements times corrections, and why it ended early.
-
-    There are signals every EVERY s, or every communication step where those are longer.
-    """
+    """Signals (instants, ...), estimated errors, elements times corrections, swivel events, and why it ended early."""
 
     signals: Array
     end_force: float
     loop: float
     work: float
+    events: float
     failure: str = ""
 
 
@@ -60,7 +54,7 @@ def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] 
     """The scene on its trip, with parts of it changed."""
     scene: Scene = sample.scene.with_(**changes)
     trip, rope = sample.trajectory, build(scene)
-    every = max(round(EVERY / interval), 1)
+    every = max(round(max(EVERY, sample.interval) / interval), 1)
     status = rope.initialize(0.0, *ends_at(trip, sample.trip.travel, 0.0))
     read, rows = rope.reader(_SIGNALS), []
     for k in range(1, round((trip.duration + SETTLE) / interval) + 1) if status.valid else ():
@@ -70,10 +64,10 @@ def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] 
         if k % every == 0:
             rows.append(read())
     if not status.valid:
-        return Run(np.zeros((0, len(_SIGNALS))), np.nan, np.nan, np.nan, status.message)
-    told = rope.signals(("status.end_force_error", "status.loop_error", "count.newton"))
-    force, loop, corrections = told.values()
-    return Run(np.array(rows), force, loop, corrections * rope.elements)
+        return Run(np.zeros((0, len(_SIGNALS))), np.nan, np.nan, np.nan, np.nan, status.message)
+    told = rope.signals(("status.end_force_error", "status.loop_error", "count.newton", "count.swivel_events"))
+    force, loop, corrections, events = told.values()
+    return Run(np.array(rows), force, loop, corrections * rope.elements, events)
 
 
 def errors(run: Run, fine: Run) -> tuple[float, ...]:
@@ -96,17 +90,20 @@ def errors(run: Run, fine: Run) -> tuple[float, ...]:
     )
 
 
-def judge(sample: Sample, asked: Accuracy = ASKED) -> tuple[Any, ...]:
-    """A row of COLUMNS."""
-    fine = wind(sample, sample.interval, **FINE)
-    run, before = wind(sample, sample.interval, accuracy=asked), wind(sample, sample.interval, **BEFORE)
-    rope, failure = sample.scene.rope, "; ".join(filter(None, (fine.failure, run.failure, before.failure)))
-    found, then = errors(run, fine), errors(before, fine)
-    return (
-        *(sample.number, sample.kind, rope.length, rope.mass_per_length, rope.EI, sample.scene.left.mode),
-        *(sample.trajectory.peak_speed, sample.interval, *found),
-        *(run.end_force, run.loop, fine.end_force, fine.loop, run.work, then[0], then[2], before.work, failure),
+def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Rows of COLUMNS, one for each of the requests."""
+    fine, scene = wind(sample, FINE_STEP, **FINE), sample.scene
+    about = (
+        *(sample.kind, scene.rope.length, scene.rope.mass_per_length, scene.rope.EI, scene.left.mode, scene.right.mode),
+        *(sample.trajectory.peak_speed, sample.interval),
     )
+    rows = []
+    for request in asked:
+        run = wind(sample, sample.interval, accuracy=REQUESTS[request])
+        failure = "; ".join(filter(None, (fine.failure, run.failure)))
+        told = run.end_force, run.loop, fine.end_force, fine.loop, run.work, failure
+        rows.append((sample.number, request, *about, run.events, *errors(run, fine), *told))
+    return rows
 
 
 def _rms(x: Array) -> float:

@@ -33,7 +33,7 @@ def block(tables: Tables) -> str:
         found = [k for k in shown if t["signal"][k] == signal.name and t["rope"][k] in {trip.name for trip in TRIPS}]
         cells = [" / ".join(quantity(t[name][k], "%", ".2g") for name in ("RMS", "largest", "told")) for k in found]
         said = next((str(t["warning"][k]) for k in found if str(t["warning"][k]) not in ("", "nan")), "")
-        rows.append((signal.name, *cells, said))
+        rows.append((signal.name, *cells, said.partition(":")[0]))
     head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "the rope says")
     m = tables["multirate"]
     tools = [

@@ -80,8 +80,9 @@ def _contact(t: Table) -> Iterator[Row]:
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
         over = [_part(*x) for x in zip(r["value"], r["relation"], r["bound"], strict=True)]
-        what = f"{len(r['case'])} checks, the largest part of an acceptance"
-        kind: Literal["code", "theory"] = "code" if any("PyElastica" in x for x in r["what"]) else "theory"
+        n = len(r["case"])
+        what = f"{n} check{'s' * (n > 1)}, the largest part of an acceptance"
+        kind: Literal["code", "theory"] = "code" if any("the chain's" in x for x in r["what"]) else "theory"
         yield Row(f"K-{k}", kind, f"contact: {case}", what, max(over), "1", 1.0, "make contact")
 
 

@@ -30,12 +30,12 @@ _PACKAGE = Path(__file__).resolve().parent
 CURE = "ziglang builds for all: pip install 'balance-rope[compiler]'"
 
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s")
-#: of an FMU nothing is seen but the functions of FMI
+#: an FMU shows the functions of FMI alone
 _HIDDEN = "-fvisibility=hidden"
 
 
 def available_platforms() -> tuple[str, ...]:
-    """What can be had here: all with ziglang, the host's with another C compiler, and what the package brings."""
+    """Platforms of this machine: all with ziglang, the host's with another C compiler, and those of the package."""
     return tuple(name for name in PLATFORMS if name in _compilable() | prebuilt_platforms(_PACKAGE))
 
 
@@ -46,7 +46,7 @@ def _compilable() -> set[str]:
 
 
 def choose_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
-    """Those that are asked for, all that can be had if None; ValueError when there is none."""
+    """Choose the platforms asked for, or all with None; ValueError when there is none."""
     chosen = available_platforms() if asked is None else tuple(asked)
     if not chosen:
         raise ValueError(f"no platform to build for: install a C compiler; {CURE}")
@@ -85,7 +85,7 @@ def library(sources: Mapping[str, str], identifier: str, name: str, version: str
 
 
 def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
-    """As ``library``, but for ctypes: all functions of the sources are seen."""
+    """Return ``library`` for ctypes, which shows all functions of the sources."""
     return _build(sources, identifier, name, "")
 
 
@@ -118,7 +118,7 @@ def _compiler() -> tuple[str, ...]:
 
 
 def _flags(name: str) -> tuple[str, ...]:
-    """Those of the platform."""
+    """Compiler flags of the platform."""
     target = ("-target", PLATFORMS[name].target) if importlib.util.find_spec("ziglang") is not None else ()
     position = () if name.endswith("windows") else ("-fPIC",)
     return (*target, *FLAGS, *position, *(("-Wl,--build-id=none",) if name.endswith("linux") else ()))

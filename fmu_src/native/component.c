@@ -157,7 +157,7 @@ int component_allows(Component *c, const char *function, int modes) {
     case TERMINATED:
         return refuse(c, "%s is not allowed after termination; reset the FMU first", function);
     default:
-        return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; what failed: %s",
+        return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; the failure: %s",
                       function, c->status);
     }
 }

@@ -73,7 +73,7 @@ def export_native(
 
 
 def native_table(case: RopeCase) -> tuple[Variable, ...]:
-    """The interface table; what only the Python flavour can do is said."""
+    """The interface table, with marks on variables of the Python flavour alone."""
     return tuple(
         v._replace(description=f"of no effect here, the code is compiled; Python flavour: {v.description}")
         if v.name == "solver.kernels"
@@ -83,7 +83,7 @@ def native_table(case: RopeCase) -> tuple[Variable, ...]:
 
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
-    """Everything between rope.h and the FMI functions but start.c."""
+    """All sources between rope.h and the FMI functions but start.c."""
     written = shell(fmi, "rope_model.c", "rope_table.h")
     return {**written, "variables.c": c_table(table, fmi), "places.c": c_places(table, fmi)}
 

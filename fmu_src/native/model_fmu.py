@@ -24,7 +24,7 @@ _HERE = Path(__file__).resolve().parent
 
 
 class ExportedModel(Protocol):
-    """What is exported; without arrays and directional derivatives.
+    """A model to export, without arrays and directional derivatives.
 
     Its outputs at an instant depend on no input of that instant (after initialisation).
     """
@@ -41,7 +41,7 @@ class ExportedModel(Protocol):
 
     @property
     def variables(self) -> Sequence[tuple[Any, ...]]:
-        """Rows of the table: each what makes a Variable."""
+        """Rows of the table: the values of a Variable each."""
 
     @property
     def sources(self) -> Mapping[str, str]:
@@ -53,11 +53,11 @@ class ExportedModel(Protocol):
 
     @property
     def duration(self) -> float:
-        """Of its default run, s."""
+        """Duration (s) of the default run."""
 
     @property
     def initial(self) -> Mapping[str, Sequence[str]]:
-        """What its outputs follow while it is initialised, see Build."""
+        """Dependencies of the outputs during initialisation, see Build."""
 
 
 def export_model(destination: Path, model: ExportedModel, platforms: Sequence[str] | None = None, fmi: int = 2) -> Path:

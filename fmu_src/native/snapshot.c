@@ -26,8 +26,8 @@ static Snapshot *with_room(Component *c, const Allocator *allocator, size_t byte
 int snapshot_given(Component *c, const Snapshot *snapshot) {
     if (!component_given(c, snapshot)) return 0;
     if (snapshot->mark == &OURS) return 1;
-    return component_refuse(c,
-                            "this is no state of this FMU, or it was freed; give what the call that gets a state gave");
+    return component_refuse(
+        c, "this is no state of this FMU, or it was freed; give a pointer from the call that gets a state");
 }
 
 int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {

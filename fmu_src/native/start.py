@@ -1,9 +1,9 @@
-"""What one export has and another has not, as ``start.c`` of the sources and written into finished libraries.
+"""Values that differ between exports, as ``start.c`` of the sources and written into finished libraries.
 
 Token, start values and the way that arrays are shown lie in one block of the library, behind MAGIC.  It is read at run
 time (volatile), so it can be written after the compiler is done: one library per platform and version of FMI serves
-every export.  It is the same, byte by byte, as one compiled from the export's own sources, but for the linker's mark of
-its contents (the time stamp of Windows' libraries, macOS's UUID).
+every export.  Its bytes are those of one compiled from the export's own sources, but for the linker's mark (the time
+stamp of Windows' libraries, macOS's UUID).
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Start(NamedTuple):
     arrays: bool = True
 
     def block(self) -> bytes:
-        """As it lies in a library."""
+        """The values as they lie in a library."""
         token = self.token.encode()
         if len(token) >= TOKEN_ROOM:
             raise ValueError(f"the token {self.token} has {len(token)} bytes: it must have less than {TOKEN_ROOM}")

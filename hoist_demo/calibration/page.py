@@ -22,9 +22,9 @@ def summary(found: Identified) -> list[SummaryRow]:
     """Return the text for the terminal."""
     group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
     rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(found)]
-    rows += [SummaryRow("What the data do not tell", text, "") for text in _open(found)]
-    rows += [SummaryRow("Told together rather than apart", *row) for row in _pairs(found)]
-    group = "What to measure next, and the error that it leaves"
+    rows += [SummaryRow("Undetermined by the data", text, "") for text in _open(found)]
+    rows += [SummaryRow("Determined only together", *row) for row in _pairs(found)]
+    group = "Best next measurement, and its remaining error"
     unit = _wanted_unit(found)
     rows.append(SummaryRow(group, f"now: {found.measured.wanted.signal}, {number(found.wanted)} {unit}", _error(found)))
     rows += [SummaryRow(group, c.measurement.name, c.error, unit) for c in found.candidates[:3]]
@@ -73,13 +73,13 @@ def write_page(found: Identified, path: Path) -> Path:
     ]
     left = [(c.measurement.name, f"{number(c.error)} {_wanted_unit(found)}") for c in found.candidates]
     title, data = data_table(found.provenance())
-    pairs, alone = _pairs(found), ["None: each is told by itself."]
+    pairs = _pairs(found)
     notes = [text for text in (misfit(found), *found.warnings) if text]
     parts = [
         ("", paragraphs(notes) + grid(head, known)),
         (
-            "Where the values lie in what was known",
-            paragraphs(["Axis: the range known before, from its lower to its upper end. Grey: the data do not tell."])
+            "Values in the ranges known before",
+            paragraphs(["Axis: the range known before, from its lower to its upper end. Grey: undetermined."])
             + bars(ranges, [(0.0, "lower end"), (0.5, "middle"), (1.0, "upper end")], "intervals in the ranges"),
         ),
         (
@@ -87,10 +87,10 @@ def write_page(found: Identified, path: Path) -> Path:
             paragraphs(["In standard errors."]) + bars(residuals, steps, "residuals in standard errors"),
         ),
         ("Measured and fitted", grid(("measurement", "measured", "fitted", "sigma", "unit"), fitted)),
-        ("What the data do not tell", paragraphs(_open(found) or ["Every property is told."])),
-        ("Told together rather than apart", grid(("properties", "correlation"), pairs) if pairs else paragraphs(alone)),
+        ("Undetermined by the data", paragraphs(_open(found) or ["None."])),
+        ("Determined only together", grid(("properties", "correlation"), pairs) if pairs else paragraphs(["None."])),
         (
-            f"What to measure next, for {found.measured.wanted.signal}",
+            f"Best next measurement of {found.measured.wanted.signal}",
             paragraphs([f"It is {number(found.wanted)} {_wanted_unit(found)}, its standard error {_error(found)}."])
             + grid(("measurement", "standard error that it leaves"), left),
         ),
@@ -107,7 +107,7 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
         factor, unit = _unit(found, name)
         value, low, high = (number(factor * x) for x in (found.value(name), datum.low, datum.high))
         if not found.told(name):
-            text = f"not told: {low} to {high} as before"
+            text = f"undetermined: {low} to {high} as before"
         elif found.fit.contradicted:
             text = f"{value} as a compromise, contradicted: {low} to {high} as before"
         else:

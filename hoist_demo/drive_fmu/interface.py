@@ -119,7 +119,7 @@ def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Vari
         *_inputs(case, tails),
         *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
         Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
-        Variable("status.message", "output", "discrete", "String", "", None, "why not, and what to do; else empty"),
+        Variable("status.message", "output", "discrete", "String", "", None, "cause and cure of a failure; else empty"),
     )
 
 

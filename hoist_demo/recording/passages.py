@@ -22,7 +22,7 @@ PASSAGE_SIGNALS = frozenset(
     | {_DISSIPATED}
 )
 
-PASSED = "passed"  #: In what ``passages`` tells of what holds no rope: nothing after that is what a real rope does.
+PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
 
 
 def passages(recording: Recording, rope: str = "the rope") -> str:

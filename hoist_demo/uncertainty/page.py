@@ -42,7 +42,7 @@ def _unshown(found: Spread) -> str:
     none = [name for name in found.asked.measures if found.completed and not found.wound(name).any()]
     return (
         f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = torsional), "
-        "or what it tells did not happen"
+        "or its event did not happen"
         if none
         else ""
     )
@@ -54,8 +54,8 @@ def _untold(found: Spread) -> str:
     counts = {name: int(found.wound(name).sum()) for name in found.asked.measures}
     few = [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]
     return (
-        f"no causes are told of {', '.join(few)}: {len(found.asked.data)} data that vary need {need} windings that end "
-        f"and 64 for a first look; raise samples = {found.asked.samples}"
+        f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed windings, "
+        f"64 for a first look; raise samples = {found.asked.samples}"
         if few
         else ""
     )
@@ -65,8 +65,8 @@ def _spoiled(found: Spread) -> str:
     """Return the results whose shares contradict one another."""
     spoiled = [f"{name} {number(times)}" for name in found.asked.measures if (times := found.spoiled(name))]
     return (
-        f"no causes are told of {', '.join(spoiled)}: so many times their spread the shares of the data would add up "
-        f"to, as {found.asked.samples} windings are too few to tell the data apart; raise samples"
+        f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their spread; "
+        f"{found.asked.samples} windings are too few to separate the data; raise samples"
         if spoiled
         else ""
     )

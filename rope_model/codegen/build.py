@@ -28,7 +28,7 @@ NAME = "rope"
 
 @cache
 def sources() -> dict[str, str]:
-    """Text by file name: what is written by hand, and what is generated."""
+    """Return the text of all written and generated files, by file name."""
     return {path.name: path.read_text(encoding="utf-8") for path in _written()} | _generated()
 
 
@@ -38,7 +38,7 @@ def _written() -> list[Path]:
 
 
 def lay_out(folder: Path) -> None:
-    """Put all C into ``folder`` for an editor: links to what is written, what is generated, compile_commands.json."""
+    """Put all C into ``folder`` for an editor: links to written files, generated files, compile_commands.json."""
     folder = folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     for name in sources():
@@ -88,7 +88,7 @@ def generate() -> dict[str, str]:
 
 
 def generated_file(package: Path) -> Path:
-    """Where the generated files are as JSON, if ``package``, a folder rope_model, brings them for its Python text."""
+    """Return the JSON of the generated files, if ``package``, a folder rope_model, has it for its Python text."""
     return package / "csrc" / "prebuilt" / f"generated-{text_hash(package)}.json"
 
 

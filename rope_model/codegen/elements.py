@@ -1,7 +1,7 @@
 """C text of the element: every function of physics.element as straight-line code that serves several elements at once.
 
 The type V holds one number each of LANES elements (see lanes.h); the text is the same for all widths.  A quotient
-becomes a product with the reciprocal, which is computed once for each divisor: division is what costs most.
+becomes a product with the reciprocal, which is computed once for each divisor: division costs most.
 """
 
 from __future__ import annotations

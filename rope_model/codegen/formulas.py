@@ -214,7 +214,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "StepLimits step_limits(const Scene *scene, const ErrorSums *sums, double bottom, double apart, "
     "double error_constant)": (accuracy.step_limits),
     "ErrorSums add_errors(const Scene *scene, const ErrorSums *sums, double bottom, double apart, double h, "
-    "const double c[3], const double strains[2], double place, double force)": accuracy.add_errors,
+    "double constant, const double paces[2], double place, double force)": accuracy.add_errors,
     "double step_error(const StepLimits *limits, double h, double place, double strain)": accuracy.step_error,
     "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
     "double calm_since)": accuracy.next_step,
@@ -248,7 +248,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Audit audit_after_interval(const Audit *audit, double h, double mass, double gravity, const double sums[9], "
     "const double about[3], double residual, double bend)": audit.after_interval,
 }
-#: what they return: structures that C has from here
+#: results: structures that C has from here
 DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
     inextensible.Pull,
@@ -265,7 +265,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     wire_friction.Slid,
     following.Manner,
 )
-#: what a formula may take or return whole
+#: structures that a formula may take or return
 STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
@@ -298,7 +298,6 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "TWIST_STEP": hang.TWIST_STEP,
     "LEAST_TWIST_STEP": hang.LEAST_TWIST_STEP,
     "MOST_TURN": hang.MOST_TURN,
-    "MOST_LOST": hang.MOST_LOST,
     "MOST_CORRECTIONS": hang.MOST_CORRECTIONS,
     "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "ACCEPT_BELOW": accuracy.ACCEPT_BELOW,
@@ -404,12 +403,12 @@ class _Text(NamedTuple):
 
     text: str
     binds: int
-    #: of elementary.where, which is the sum of two parts: condition and value of the one, value of the other
+    #: parts of elementary.where, a sum of two: condition and value of the one, value of the other
     condition: str = ""
     value: str = ""
 
     def within(self, least: int) -> str:
-        """As an operand of what binds ``least``."""
+        """Return the text as an operand of an operator that binds ``least``."""
         return self.text if self.binds >= least else f"({self.text})"
 
 
@@ -443,13 +442,14 @@ def _lengths(hint: Any) -> str:
 
 
 def function_code(prototype: str, formula: Callable[..., Any]) -> str:
+    """The C function of a formula."""
     match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
     assert match, prototype
     result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
     given = arguments[:-1] if result == "void" else arguments
     with no_simplification():
         symbols = [symbols_of(argument) for argument in given]
-        inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep what the formula computes
+        inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep results of the formula
         traced = ca.Function("formula", inputs, _numbers(formula(*symbols)))
         lines, texts = statements(traced)
     if result == "void":
@@ -465,13 +465,14 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
 
 
 def argument_of(text: str) -> Argument:
+    """The argument that a prototype declares by ``text``."""
     match = re.fullmatch(r"(const )?(\w+) \*?(\w+)((?:\[\d+\])*)", text)
     assert match, text
     return Argument(bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4])))
 
 
 def symbols_of(argument: Argument) -> Any:
-    """What the formula is called with: symbols with the names that the numbers have in C."""
+    """Arguments of the formula: symbols with the names that the numbers have in C."""
     if argument.kind != "double":
         return structure_at(STRUCTURES[argument.kind], f"{argument.name}->")
     return _array(argument.name, argument.shape)
@@ -484,7 +485,7 @@ def _array(name: str, shape: tuple[int, ...]) -> Any:
 
 
 def structure_at(kind: type[Any], prefix: str) -> Any:
-    """An object of ``kind``, its numbers replaced by symbols; what is no number is left out."""
+    """An object of ``kind``, its numbers replaced by symbols, without its other members."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
         if hint is float:
@@ -508,13 +509,13 @@ def _numbers(x: Any) -> list[ca.SX]:
 
 
 def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
-    """The same as ``statements`` of expressions of symbols."""
+    """Return ``statements`` of expressions of symbols."""
     expressions = [ca.SX(value) for value in values]
     return statements(ca.Function("values", ca.symvar(ca.vertcat(*expressions)), expressions))
 
 
 def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[str]]:
-    """Lines that name what is used more than once, and the expressions of the results.
+    """Lines that name repeated terms, and the expressions of the results.
 
     Numbers are of the type ``kind``: of vectors V a quotient is a product with the reciprocal, computed once for each
     divisor, as division is what costs most.
@@ -567,7 +568,7 @@ def is_number(text: str) -> bool:
 
 
 def _uses(f: ca.Function) -> Counter[int]:
-    """How often the result of each instruction is used."""
+    """Number of uses of the result of each instruction."""
     made_by: dict[int, int] = {}
     uses: Counter[int] = Counter()
     for k in range(f.n_instructions()):
@@ -598,7 +599,7 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
     if left.value and right.value:
         return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
     sign, binds = _OPERATORS[operation]
-    # what stands on the right is computed first
+    # the right side is computed first
     return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)
 
 

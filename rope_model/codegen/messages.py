@@ -53,7 +53,7 @@ def _function(node: ast.FunctionDef) -> str:
 
 
 def _conversion(part: ast.expr | None, kinds: dict[str, str]) -> tuple[str, str]:
-    """What stands in printf's format for a part of a text, and the argument that it takes, if any."""
+    """Return printf's format for a part of a text, and the argument that it takes, if any."""
     if isinstance(part, ast.Constant):
         return str(part.value).replace("%", "%%"), ""
     assert isinstance(part, ast.FormattedValue)

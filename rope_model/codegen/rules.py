@@ -1,7 +1,7 @@
-"""C text of what asks scene and state: tables of rules and conditions in rules.h, signals in state_signals.h.
+"""C text of formulas of scene and state: tables of rules and conditions in rules.h, signals in state_signals.h.
 
 A formula is called with symbols that stand for the facts its parameters name, as in codegen.formulas; but a fact is a
-whole structure, of which integers and choices are known too, and only what the formula looks at becomes text.
+whole structure, with integers and choices, and only members that the formula reads become text.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from .formulas import statements, texts_of
 from .state_structures import PatternStructure, StateStructure
 from .tables import Word, constant
 
-#: tables behind warnings, and others, by what they are called in C behind tell_: each gives whether a case applied
+#: tables by their name in C behind tell_: each gives whether a case applied
 BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}
 BY_NUMBERS["extrapolation"] = warning_rules.LONG_EXTRAPOLATION
 TABLES: dict[str, Rules] = BY_NUMBERS | {
@@ -78,7 +78,7 @@ _HEAD = """\
 #include "formulas.h"
 #include "messages.h"
 """
-#: facts that are structures, and what C calls these where it has another name
+#: facts that are structures, and their names in C where these differ
 _STRUCTURES: dict[str, type[Any]] = {
     "scene": Scene,
     "shaft": Shaft,
@@ -95,7 +95,7 @@ _MEMBERS = {"left": "swivels[LEFT]", "right": "swivels[RIGHT]"}
 
 
 class _Fact(NamedTuple):
-    """A parameter in C, and what a formula is called with."""
+    """A parameter in C, and the symbols that a formula takes for it."""
 
     declared: str
     symbols: Any
@@ -147,7 +147,7 @@ def _fact(name: str) -> _Fact:
 
 
 def _symbols(kind: type[Any], prefix: str) -> Any:
-    """An object like one of ``kind``; what C has in another form is left out."""
+    """An object like one of ``kind``, without members that have another form in C."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
         place = prefix + (_MEMBERS.get(name, name) if kind is Scene else name)
@@ -211,6 +211,6 @@ def _rule(message: Callable[..., str], formula: Callable[..., tuple[Any, ...]], 
 
 
 def _texts(values: list[Any]) -> tuple[list[str], list[str]]:
-    """Lines that name what is used more than once, and the expressions of the values."""
+    """Lines that name repeated terms, and the expressions of the values."""
     shared = ca.cse(ca.vertcat(*values))
     return statements(ca.Function("case", ca.symvar(shared), ca.vertsplit(shared)))

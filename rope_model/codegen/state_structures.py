@@ -1,4 +1,4 @@
-"""How the state lies in memory, for ctypes and for C: structures, and the arrays behind them.
+"""Layout of the state in memory, for ctypes and for C: structures, and the arrays behind them.
 
 A class is the structure; its docstring becomes the comment in C.  The header state.h is printed from here.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import Structure, c_char, c_double, c_int, c_int64
+from inspect import cleandoc
 from itertools import pairwise
 from typing import Any
 
@@ -23,9 +24,9 @@ from ..simulation.state import Counts, Crossing, EnergyBalance, Nearest
 from ..simulation.wires import NO_MEMORY
 
 MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
-#: what an event tells of
+#: kinds of events
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
-#: of the nodes, 7 numbers each; behind them the lengths of the elements and the arc lengths of the nodes
+#: arrays of the nodes, 7 numbers each; behind them the lengths of the elements and the arc lengths of the nodes
 ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 _NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t", c_char: "char"}
 
@@ -36,37 +37,37 @@ def _array_type(zero: Any) -> Any:
 
 
 class PathStructure(Structure):
-    """a quintic in s = t - start for each of x, y, z and yaw; held from stop on"""
+    """A quintic in s = t - start for each of x, y, z and yaw; held from stop on."""
 
     _fields_ = (("start", c_double), ("stop", c_double), ("coefficients", c_double * 6 * len(PATH)))
 
 
 class FollowingStructure(Structure):
-    """rope_model.simulation.ends.following.Following"""
+    """rope_model.simulation.ends.following.Following."""
 
     _fields_ = tuple((name, _array_type(zero)) for name, zero in Following()._asdict().items())
 
 
 class SwivelStructure(Structure):
-    """angle: relative angle b while it holds; sign: of b_t while it slips"""
+    """State of a swivel: relative angle b while it holds, sign of b_t while it slips."""
 
     _fields_ = (("angle", c_double), ("sign", c_double), ("phase", c_int), ("unused", c_int))
 
 
 class EnergyStructure(Structure):
-    """rope_model.simulation.state.EnergyBalance"""
+    """rope_model.simulation.state.EnergyBalance."""
 
     _fields_ = tuple((name, c_double) for name in EnergyBalance._fields)
 
 
 class ErrorStructure(Structure):
-    """rope_model.physics.accuracy.ErrorSums"""
+    """rope_model.physics.accuracy.ErrorSums."""
 
     _fields_ = tuple((name, _array_type(zero)) for name, zero in ErrorSums()._asdict().items())
 
 
 class ContactStructure(Structure):
-    """rope_model.physics.contact_error.ContactSums"""
+    """rope_model.physics.contact_error.ContactSums."""
 
     _fields_ = tuple(
         (name, c_double * len(zero) if isinstance(zero, tuple) else c_double)
@@ -75,37 +76,37 @@ class ContactStructure(Structure):
 
 
 class AuditStructure(Structure):
-    """rope_model.simulation.outputs.audit.Audit"""
+    """rope_model.simulation.outputs.audit.Audit."""
 
     _fields_ = tuple((name, _array_type(zero)) for name, zero in Audit()._asdict().items())
 
 
 class NearestStructure(Structure):
-    """rope_model.simulation.state.Nearest"""
+    """rope_model.simulation.state.Nearest."""
 
     _fields_ = tuple((name, c_double) for name in Nearest._fields)
 
 
 class CrossingStructure(Structure):
-    """rope_model.simulation.state.Crossing"""
+    """rope_model.simulation.state.Crossing."""
 
     _fields_ = tuple((name, c_double) for name in Crossing._fields)
 
 
 class GuardStructure(Structure):
-    """rope_model.physics.guard.GuardState"""
+    """rope_model.physics.guard.GuardState."""
 
     _fields_ = tuple((name, _array_type(zero)) for name, zero in GuardState()._asdict().items())
 
 
 class CountsStructure(Structure):
-    """rope_model.simulation.state.Counts"""
+    """rope_model.simulation.state.Counts."""
 
     _fields_ = tuple((name, c_int64) for name in Counts._fields)
 
 
 class PatternStructure(Structure):
-    """the pattern of TMN-ETM; coarse = 0 for EEM"""
+    """The pattern of TMN-ETM; coarse = 0 for EEM."""
 
     _fields_ = (
         ("coarse", c_double),
@@ -116,16 +117,18 @@ class PatternStructure(Structure):
 
 
 class EventStructure(Structure):
-    """which: side of the swivel, or the new fidelity"""
+    """An event; which: side of the swivel, or the new fidelity."""
 
     _fields_ = (("t", c_double), ("kinetic", c_double), ("potential", c_double), ("what", c_int), ("which", c_int))
 
 
 class StateStructure(Structure):
-    """Everything that influences the future, and what happened in the last advance; the arrays lie behind it.
+    """Complete state, and events of the last advance; the arrays lie behind it.
+
     rubs: whether the wires rub on each other, and remember z.
-    switchings: instants of the last swivel events of this advance, newest first.  switched and event_count go up to the
-    room there is for them."""
+    switchings: instants of the last swivel events of this advance, newest first.  switched and event_count end with the
+    room for events.
+    """
 
     _fields_ = (
         *(
@@ -197,7 +200,7 @@ def state_structures() -> str:
 def structure_code(kind: type[Structure], name: str, names: dict[Any, str]) -> str:
     """The definition in C of a structure; ``names`` has those of the structures in it."""
     members = "".join(f"    {_member(field, of, names)};\n" for field, of in kind._fields_)  # type: ignore[misc]
-    comment = f"/* {kind.__doc__} */\n" if kind.__doc__ else ""
+    comment = f"/* {cleandoc(kind.__doc__)} */\n" if kind.__doc__ else ""
     return f"{comment}typedef struct {{\n{members}}} {name};\n"
 
 

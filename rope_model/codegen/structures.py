@@ -57,13 +57,13 @@ GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(_KINDS)}
 
 
 class ShaftStructure(ctypes.Structure):
-    """rope_model.shaft_parameters.Shaft"""
+    """rope_model.shaft_parameters.Shaft."""
 
     _fields_ = tuple((name, GROUPS[kind]) for name, kind in PARTS.items())
 
 
 class SceneStructure(ctypes.Structure):
-    """all that a rope is made of"""
+    """All parameters of a rope."""
 
     _fields_ = (
         ("rope", GROUPS[Rope]),
@@ -80,7 +80,7 @@ class SceneStructure(ctypes.Structure):
 
 
 class EndStructure(ctypes.Structure):
-    """motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y"""
+    """Motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y."""
 
     _fields_ = tuple((field.name, ctypes.c_double) for field in fields(EndMotion))
 

@@ -1,4 +1,4 @@
-"""What the native rope takes from the Python one when it is built."""
+"""Tables that the native rope takes from the Python one when it is built."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .state_structures import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
-#: what a code's name has behind the word where that alone would not do
+#: suffix of a code's name where the word alone would not do
 _SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
 
@@ -130,7 +130,7 @@ def _structure(kind: type[Any]) -> str:
 
 
 def _bounds(kind: type[Any]) -> str:
-    """check_rope and so on: what require_in_bounds of rope_model.parameter_table does."""
+    """check_rope and so on: require_in_bounds of rope_model.parameter_table in C."""
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
     calls = [_choice(name, p) for name, p in table if p.choices]
@@ -163,7 +163,7 @@ def _joint_checks(kind: type[Any]) -> str:
 
 
 def _joint(kind: type[Any], joint: Joint) -> str:
-    """A block that refuses what does not hold; numbers from whole ones alone are written as whole ones."""
+    """A block that refuses values which break a joint check; numbers from integers alone are written as integers."""
     x = structure_at(kind, "x->")
     vars(x).update({name: Word(f"x->{name}", name) for name, _ in _choices(kind)})
     holds, value, *number = joint.formula(x)
@@ -187,7 +187,7 @@ def _joint(kind: type[Any], joint: Joint) -> str:
 
 
 def _groups_of_scene() -> Iterator[tuple[str, str, type[Any]]]:
-    """Of each group its name for hosts, its place in C's Scene, and its data class."""
+    """Name of each group for hosts, its place in C's Scene, and its data class."""
     kinds: dict[Any, type[Any]] = {structure: kind for kind, structure in GROUPS.items()}
     for member, of in SceneStructure._fields_:
         if member == "swivels":

@@ -166,7 +166,11 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const double moved_by = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom = model_bottom(rope, state, state->t), speed = apart(&m);
-    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], c[3], force = 0;
+    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const size_t at = (side ? size - DOF : 0) + SLOPE + 1;
+        paces[side] = (now->v[at] - m.v[at]) / h;
+    }
     /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
        integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
     for (size_t i = 0; i < size; i++) {
@@ -185,8 +189,8 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     state->t = s.time = trial->t, state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    newton_coefficients(&method, trial->h, c);
-    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, c, trial->strains, trial->error, force);
+    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, local_error(&method, 1, 1), paces,
+                               trial->error, force);
     model_powers(rope, state);
     if (!trial->near) s.around = NULL;
     set_energies(energy, trial->balance, &s, m.q, m.v);

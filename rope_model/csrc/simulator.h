@@ -38,8 +38,9 @@ struct Simulator {
     unsigned known; /* bit g: the values of group g are those of the state */
     LoopBottom bottom;
     int bottom_known;
-    int64_t work_end;        /* number of Newton iterations beyond which the present advance gives up accuracy */
-    int corrections, turned; /* of the latest search of an equilibrium: how many, and whether it turned too far */
+    int64_t work_end;    /* number of Newton iterations beyond which the present advance gives up accuracy */
+    int64_t corrections; /* of all searches of an equilibrium since the start began */
+    int turned;          /* whether the latest search turned too far */
     char message[MESSAGE];
 };
 

@@ -1,0 +1,1 @@
+"""Methods: time integration, Newton's method, chains of elements, kernels."""

@@ -11,8 +11,8 @@ Array = NDArray[np.float64]
 def solve_banded(band: Array, b: Array) -> Array:
     """x of A x = b for a positive definite A: (rows, columns), as ``b``.
 
-    ``band`` (rows, width + 1) holds the diagonal of A and the entries right of it, nearest first; what lies outside of
-    A is not looked at.
+    ``band`` (rows, width + 1) holds the diagonal of A and the entries right of it, nearest first; entries outside of A
+    are not read.
     """
     rows, width = band.shape[0], band.shape[1] - 1
     rest, x = band.tolist(), b.copy()

@@ -8,11 +8,11 @@ Forward elimination carries the Schur complement of everything to the left, back
     x_n = -z_n,         x_i = -z_i - W_i x_{i+1}
 
 There is no pivoting beyond the block: the matrices of a time step and of pseudo-transient continuation are nearly
-symmetric and positive definite.  Rows and columns of degrees of freedom that are not free are replaced by those of
-the identity, so their correction is zero and their residual is the reaction.
+symmetric and positive definite.  Rows and columns of prescribed degrees of freedom are those of the identity.  So their
+correction is zero and their residual is the reaction.
 
-Everything is built from CasADi functions of one element; this module does not know what the element is.  What is done
-for each element is the same in chains of any length, and is compiled but once: ``chain_parts``.
+Everything is built from CasADi functions of one element; this module knows nothing of the element.  The work for each
+element is the same in chains of any length, and is compiled once: ``chain_parts``.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class ElementSource(Protocol):
 
 
 class ChainParts(NamedTuple):
-    """What a chain calls for each of its elements; m degrees of freedom of a node, as the element knows them.
+    """Functions that a chain calls for each element; m degrees of freedom of a node, as the element knows them.
 
     residual ... transport: the element's own
     eliminate:   (D, q, v, a, l, F, free, mass, P, cq, cv, ca) -> next D, factors of D, W, L: one step
@@ -115,7 +115,7 @@ class ChainFunctions(NamedTuple):
 
 
 def chain_parts(element: ElementSource) -> ChainParts:
-    """What chains of this element have in common."""
+    """Functions that all chains of this element share."""
     m = element.residual.size1_in(0) // 2
     own = (element.residual, element.balance, element.losses, element.strains, element.momentum)
     return ChainParts(*own, element.reference, element.transport, *_elimination(element.tangent, m), *_substitution(m))
@@ -212,7 +212,7 @@ def _widen(
 ) -> ca.Function:
     """The function with ``dof`` rows wherever it has those ``kept``.
 
-    What is left out is ignored; in a result it is zero, or what came in where the result is one of ``carried``.
+    Other degrees of freedom are ignored; in a result they are zero, or unchanged where it is one of ``carried``.
     """
     narrow = ca.Function(name, [*inputs.values()], [*outputs.values()])
     if kept == tuple(range(dof)):

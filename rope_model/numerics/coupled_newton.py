@@ -1,9 +1,9 @@
 """Newton's method for a chain with forces between nodes far apart: (J + C) x = -R.
 
-J is the chain's block tridiagonal matrix, which the chain solves; C has the tangents of what couples far nodes,
-symmetric and positive semidefinite.  Conjugate gradients find x, preconditioned with J: as J^-1 C has rank r, in exact
-arithmetic they end after r + 1 steps, and each takes one solution with J, which need not be multiplied with: J p
-follows p.  Rounds of a factorization and corrections with it are those of numerics.newton, judged alike.
+J is the chain's block tridiagonal matrix, which the chain solves; C has the tangents of forces between far nodes,
+symmetric and positive semidefinite.  Conjugate gradients find x, preconditioned with J: J^-1 C has rank r, so that
+exact arithmetic ends after r + 1 steps.  Each takes one solution with J and no product: J p follows p.  Rounds of a
+factorization and corrections with it are those of numerics.newton, judged alike.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .newton import NewtonReport, Rules, initial_progress, judge, report
 
 Array = NDArray[np.float64]
 
-#: of the first square of the error, in J's norm, what is left
+#: share of the first square of the error, in J's norm, that is left
 LEFT = 1e-16
 #: steps of conjugate gradients at most
 STEPS = 200
@@ -34,7 +34,7 @@ class Iterate(NamedTuple):
 
 
 class Coupled(NamedTuple):
-    """What is solved; see ``newton``.
+    """A coupled system for ``newton``.
 
     factorized: iterate -> a function that solves J x = -R for x
     coupling:   iterate -> a function that multiplies with C, None where C = 0

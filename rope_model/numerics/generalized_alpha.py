@@ -38,7 +38,7 @@ LARGEST_GROWTH = 5.0
 
 @dataclass(frozen=True)
 class Motion:
-    """Everything the method needs to go on; arrays have the shape (nodes, degrees of freedom per node).
+    """Complete state of the method; arrays have the shape (nodes, degrees of freedom per node).
 
     ``a_rate`` is (a_n - a_{n-1}) / h; ``h`` is the step that led here, 0 after a restart.  ``reaction`` is the
     residual: zero where free, the force the surroundings put in where prescribed.
@@ -55,7 +55,7 @@ class Motion:
 
 
 class Assessed(Protocol):
-    """What a system tells of an instant: at least its residual."""
+    """A system's evaluation of an instant: at least its residual."""
 
     @property
     def reaction(self) -> Array:
@@ -71,9 +71,9 @@ def _whole(change: Array) -> Array:
 
 @dataclass(frozen=True)
 class Solution(Generic[B]):
-    """What Newton's method found: q, v, a, their evaluation, and how it ended.
+    """Result of Newton's method: q, v, a, their evaluation, and its status.
 
-    ``resolve``: of a change of the accelerations what the method resolves, J^-1 c[2] M times it; or all of it.
+    ``resolve``: the resolved part of a change of the accelerations, J^-1 c[2] M times it; or all of it.
     """
 
     q: Array
@@ -85,7 +85,7 @@ class Solution(Generic[B]):
 
 
 class System(Protocol[B]):
-    """What is integrated.  ``reaction`` is the last known one, for loads that depend on it (friction)."""
+    """A system to be integrated.  ``reaction`` is the last known one, for loads that depend on it (friction)."""
 
     @property
     def free(self) -> NDArray[np.bool_]:
@@ -108,7 +108,7 @@ class System(Protocol[B]):
         """R, and whatever else the system wants to tell of this instant."""
 
     def norm(self, x: Array) -> float:
-        """Size of a correction or error, in units of what counts as small."""
+        """Size of a correction or error, in the system's unit of small."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class Coefficients:
 
     @cached_property
     def shift(self) -> float:
-        """Where b lives, in steps from t_n."""
+        """Instant of b, in steps from t_n."""
         return self.alpha_m - self.alpha_f
 
     def newton(self, h: float) -> Array:
@@ -149,7 +149,7 @@ class Coefficients:
 
 
 def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
-    """By how much b is moved when a step ``h`` follows one of length ``before``."""
+    """Time by which b moves when a step ``h`` follows one of length ``before``."""
     return method.shift * (h - before)
 
 
@@ -159,7 +159,7 @@ def rate_known(h: float, before: float) -> bool:
 
 
 def recentring(method: Coefficients, h: float, before: float) -> float:
-    """By how much b is moved when a step ``h`` follows one of length ``before``, 0 after a restart."""
+    """Time by which b moves when a step ``h`` follows one of length ``before``, 0 after a restart."""
     return float(recentring_time(method, h, before)) if rate_known(h, before) else 0.0
 
 
@@ -170,7 +170,7 @@ def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
 
 
 def prediction_weights(method: Coefficients, h: Any, recentring: Any, ahead: Any) -> tuple[Any, ...]:
-    """What a brings to q and to v at the end of a step ``h``, what b brings, and what a_rate.
+    """Contributions of a, b and a_rate to q and to v at the end of a step ``h``.
 
     b is moved by ``recentring``; the acceleration goes on at its rate for the time ``ahead``.
     """
@@ -182,13 +182,13 @@ def prediction_weights(method: Coefficients, h: Any, recentring: Any, ahead: Any
 
 
 def auxiliary_weights(method: Coefficients, recentring: Any) -> tuple[Any, Any, Any, Any]:
-    """What a, b, a_rate at the start of a step and a at its end contribute to b at its end."""
+    """Contributions of a, b, a_rate at the start of a step, and of a at its end, to b at its end."""
     m, f = method.alpha_m, method.alpha_f
     return f / (1 - m), -m / (1 - m), -m * recentring / (1 - m), (1 - f) / (1 - m)
 
 
 def local_error(method: Coefficients, h: Any, change: Any) -> Any:
-    """Of q in a step ``h`` over which the acceleration changes by ``change``."""
+    """Local error of q in a step ``h`` over which the acceleration changes by ``change``."""
     return abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * change
 
 
@@ -196,7 +196,7 @@ def local_error(method: Coefficients, h: Any, change: Any) -> Any:
 class StepResult(Generic[B]):
     """A trial step: the motion reached and its evaluation (None when Newton failed), the report, the local error.
 
-    The error is in ``System.norm``.  ``a_rate`` is that of the motion but for what the method does not resolve.
+    The error is in ``System.norm``.  ``a_rate`` is that of the resolved part of the motion.
     """
 
     motion: Motion | None

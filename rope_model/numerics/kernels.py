@@ -1,8 +1,8 @@
 """CasADi functions made fast and portable: compiled where a C compiler is there, interpreted where it is not.
 
 The CasADi virtual machine is the reference and always works.  The compiled library is generated from the very same
-functions; it is cached on disk under the hash of the generated C, the compiler and its flags, so that a change of
-any of them compiles anew and nothing else does.
+functions; it is cached on disk under the hash of the generated C, the compiler and its flags, so that only a change of
+these compiles anew.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ KernelForm = Literal["auto", "compiled", "portable"]
 Build = Callable[[Sequence[str]], Path]
 
 log = logging.getLogger(__name__)
-#: what takes so long that a host seems to hang: at the level WARNING, which Python shows on stderr by default
+#: long waits of a host: at the level WARNING, which Python shows on stderr by default
 progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
@@ -112,7 +112,7 @@ def prepare(
 
 
 def last_words(error: Exception) -> str:
-    """What happened, with the last line that a compiler wrote."""
+    """Return the error's text, with the last line of the compiler."""
     said = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
     return f"{error} {said[-1]}" if said else str(error)
 
@@ -154,7 +154,7 @@ def build_library(
 ) -> Path:
     """Generate C, compile it into ``folder`` unless it is there already, and return the library's path.
 
-    ``objects`` hold what the functions call without bringing it along.
+    ``objects`` hold functions that these call.
     """
     sources = {"kernels.c": generate_c(tuple(functions))}
     return _compile(sources, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [*map(str, objects), "-lm"])
@@ -209,10 +209,9 @@ def make_once(made: Path, make: Callable[[], None]) -> Path:
 def object_files(
     sources: Mapping[str, str], compiler: Sequence[str], flags: Sequence[str], folder: Path
 ) -> dict[str, Path]:
-    """Where the object files of the C files among ``sources`` are, once ``compile_objects`` has made them.
+    """Return the object files, to be made by ``compile_objects``, of the C files among ``sources``.
 
-    The hash of a file, of what it includes, of the compiler and its flags goes into the name: libraries share what they
-    have in common.
+    The hash of a file, its includes, the compiler and its flags goes into the name: libraries share common files.
     """
     # wherever Python is: another one with the same ziglang compiles the same
     made_by = (compiler_version(tuple(compiler)), *compiler[compiler[0] == sys.executable :], *flags)
@@ -226,7 +225,7 @@ def object_files(
 
 def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects: Mapping[str, Path]) -> None:
     """Make those of the ``object_files`` that are not there, as many at a time as the machine has cores."""
-    # the longest first, with what it includes
+    # the longest first, includes counted
     missing = sorted(
         (file for file, made in objects.items() if not made.exists()),
         key=lambda file: -sum(len(sources[part]) for part in _included(file, sources)),
@@ -258,7 +257,7 @@ def _included(file: str, sources: Mapping[str, str]) -> list[str]:
 def _compile(
     sources: Mapping[str, str], command: Sequence[str], folder: Path, name: str, linked: Sequence[str]
 ) -> Path:
-    """What ``command`` makes of the sources and of what is ``linked`` with them; the hash of all goes into its name."""
+    """Run ``command`` on the sources and ``linked`` files; the hash of all is in the result's name."""
     with_flags = [*command, *FLAGS]
     parts = [part for file in sorted(sources) for part in (file, sources[file])]
     key = _key(*parts, compiler_version(tuple(command)), *with_flags, *(Path(file).name for file in linked))
@@ -284,20 +283,20 @@ def _run(command: Sequence[str], folder: Path) -> None:
 
 
 def _key(*parts: str) -> str:
-    """What goes into a file's name for all that it is made of."""
+    """Key in a file's name, from everything that the file is made of."""
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
 
 
 @cache
 def compiler_version(compiler: tuple[str, ...]) -> str:
-    """The first line of what the compiler says of itself."""
+    """First line of the compiler's answer to ``--version``."""
     said = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
     return said.partition("\n")[0]
 
 
 @lru_cache(maxsize=32)  # some 0.5 MB each
 def generate_c(functions: tuple[ca.Function, ...], prefix: str = "kernels") -> str:
-    """One C source holding the functions, with ``prefix`` before the names of what they share."""
+    """One C source with the functions, and ``prefix`` before the names of their shared parts."""
     generator = ca.CodeGenerator(prefix, {"with_header": False})
     for function in functions:
         generator.add(function)

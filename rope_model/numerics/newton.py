@@ -1,9 +1,9 @@
 """Newton's method as one CasADi function: a full correction, then cheap ones with the same factorization.
 
-The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms,
-error <= theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round
-begins with a new factorization and goes on with it while the contraction pays; a slow round is followed by another.
-The iterations are branches and loops of generated code: what is not needed is not evaluated.
+The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms, error <=
+theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round begins with a
+new factorization and goes on with it while the contraction pays; a slow round is followed by another. The iterations
+are branches and loops of generated code: only needed parts are evaluated.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import NamedTuple
 
 import casadi as ca
 
-#: what is larger is not a number of ours
+#: larger values are none of ours
 HUGE = 1e200
 
 
 class Rules(NamedTuple):
-    """How an iteration goes on."""
+    """Limits of an iteration."""
 
     #: factorizations at most, and corrections with each
     rounds: float
@@ -36,12 +36,12 @@ class Rules(NamedTuple):
 
 
 SMOOTH = Rules(8.0, 5.0, 0.1, 0.5, 8.0, 1.0)
-#: of equations with kinks: a factorization serves the side of the kink where it was made, and so does what it promises
+#: rules for equations with kinks: a factorization and its prediction serve the side of the kink where it was made
 KINKED = Rules(16.0, 1.0, 0.1, 0.2, HUGE, HUGE)
 
 
 class NewtonStatus(Enum):
-    """How an iteration ended; the text is what the user is told."""
+    """Outcome of an iteration; the text is the user's message."""
 
     TOO_MANY = 0, "Newton iteration did not converge within the allowed iterations"
     CONVERGED = 1, "Newton iteration converged"
@@ -57,7 +57,7 @@ _STATUS = {status.code: status for status in NewtonStatus}
 
 @dataclass(frozen=True)
 class NewtonReport:
-    """Status, corrections computed, and the estimated norm of what is left."""
+    """Status, number of corrections, and the estimated norm of the error left."""
 
     status: NewtonStatus
     iterations: int
@@ -79,7 +79,7 @@ def initial_progress() -> ca.DM:
 
 
 def report(progress: list[float]) -> NewtonReport:
-    """What a finished progress vector says."""
+    """Report of a finished progress vector."""
     return NewtonReport(_STATUS[int(progress[0])], int(progress[1]), progress[4])
 
 

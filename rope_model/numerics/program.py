@@ -1,7 +1,7 @@
 """A formula of numbers as a program of CasADi's virtual machine.
 
-It does what Python does with the formula's text, the same operations in the same order, and gives the same bits, some
-ten times as fast: for formulas of hundreds of operations in every step.
+It does Python's operations in the same order and gives the same bits, some ten times as fast: for formulas of hundreds
+of operations in every step.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def no_simplification() -> Iterator[None]:
 
 @cache
 def trace(formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> ca.Function:
-    """What ``formula`` makes of so many numbers."""
+    """Symbols for so many numbers, and the results of ``formula`` for them."""
     with no_simplification():
         symbols = [ca.SX.sym(f"x{k}") for k in range(numbers)]
         return ca.Function("formula", [ca.vertcat(*symbols)], [ca.vertcat(*formula(symbols))])

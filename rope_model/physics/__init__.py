@@ -1,0 +1,1 @@
+"""Laws of the rope, its ends, its contacts and the air."""

@@ -1,18 +1,18 @@
-"""How much a step may err, so that a run errs no more than asked; and how much it has erred.
+"""Error that a step may make for a run within the accuracy asked for, and estimates of the error made.
 
 Steps let the end forces err by the phase of longitudinal waves.  One of frequency omega and amplitude A (N) gains
 
     C (omega h)^3 A     in a step, C of the method, seen as the local error of the strain at the ends times Qa
 
-and what steps leave adds up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the
-longer leg, omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  So that its error stays below a share of
-the leg's weight a step may leave that share of it times h / memory.  A step resolves all waves well enough if it does
-so with one as large as braking makes.
+and the errors add up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the longer leg,
+omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  So that its error stays below a share of the leg's
+weight a step may leave that share of it times h / memory.  A step resolves all waves well enough if it does so with one
+as large as braking makes.
 
-The loop's place errs by what the nodes' places err in a step: it moves on, and forgets them.  Where the rope flows
-through it with speed v, each node turns by x = v h / w in a step, w the length of a bend, and the method gets the
-acceleration in the bend wrong by a part that goes with x^2.  Like rho v^2 that part of it is a tension, which is not
-there, and the loop is off by some x^2 v^2 / g, held against its weight.
+The loop's place has the errors of the nodes' places in a step: it moves on, and forgets them.  Where the rope flows
+through it with speed v, each node turns by x = v h / w in a step, w the length of a bend.  The relative error of the
+acceleration in the bend goes with x^2.  Like rho v^2 that part is a false tension, and the loop is off by some x^2 v^2
+/ g, held against its weight.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from .elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
 from .estimates import axial_frequency, bending_length
 
-#: of what is asked, what a step may leave: `make promise` on the seed that tunes
+#: share of the error asked for that a step may leave: `make promise` on the seed that tunes
 FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
 AND_RATE = 2.0
@@ -32,20 +32,20 @@ LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
 #: 1 + SLIPPED times as much beyond x = SLIPS_FROM, and yawed by up to TURNED x (rad) beyond TURNS_FROM; the change goes
 #: with the power SLIPS_AT_ONCE (evidence.mesh_rule.coarse)
 SLIPPED, SLIPS_FROM, TURNED, TURNS_FROM, SLIPS_AT_ONCE = 1.8, 0.87, 0.033, 1.2, 12
-#: of the loop's place, by joined elements of the legs over grading_length times length, and by steps over the largest
-#: error of a node's place
+#: error of the loop's place by joined elements of the legs over grading_length times length, and by steps over the
+#: largest error of a node's place
 LEGS, STEPS = 4e-7, 12.0
-#: of the loop's place over x^2 v^2 / g, and what a step may take so of what is asked: `make promise`, seed that tunes
+#: error of the loop's place over x^2 v^2 / g, and the share of it that a step may take: `make promise`, seed that tunes
 FLOW, FLOW_SHARE = 0.13, 0.6
-#: what begins to slide or to stick changes the acceleration at once, whatever the step: what it leaves of place and
-#: strain, over what it may, goes with h^2 and h
+#: wires that begin to slide or stick change the acceleration at once, whatever the step: errors of place and strain
+#: over the allowed ones go with h^2 and h
 RUBBED_PLACE, RUBBED_STRAIN = 2.0, 4.0
 #: s, and steps: after so much of small errors steps grow.  The loop's place errs by a part that goes with the step's
 #: length, and every change of that sends a wave along the rope, which is the smaller the shorter the step
 CALM, CALM_STEPS = 0.2, 100.0
-#: a step that errs by more than what is allowed makes the next one half as long, and this many times that is rejected
+#: a step with more than the allowed error makes the next one half as long, and this many times that is rejected
 ACCEPT_BELOW = 2.0
-#: the step grows after errors that were below this part of what is allowed for as long as calm_needed says
+#: the step grows after errors below this part of the allowed one for the time of calm_needed
 GROW_BELOW = 0.05
 TINY = 1e-300
 #: part of the share that is left when all is used up
@@ -57,7 +57,7 @@ LONGEST_MEMORY, MOST_TURNED = 60.0, 400.0
 
 
 class StepLimits(NamedTuple):
-    """What a step may leave."""
+    """Allowed errors of a step."""
 
     place: float  # m, of a node's place
     strain_rate: float  # 1/s, of the strain at an end, over the step
@@ -68,10 +68,10 @@ class StepLimits(NamedTuple):
 
 
 class ErrorSums(NamedTuple):
-    """What the steps since the start have left.
+    """Errors of the steps since the start.
 
     ``waves``: of the slowest wave of the left and of the right leg, the error of the strain at its end, and the same a
-    quarter of a period later.
+    quarter of a period later.  ``paces``: mean accelerations of these strains in the latest step.
     """
 
     time: float = 0.0  # s
@@ -80,20 +80,21 @@ class ErrorSums(NamedTuple):
     force: float = 0.0  # N, largest end force
     waves: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     squares: tuple[float, float] = (0.0, 0.0)  # s, time integrals of the squares of the strains' errors
+    paces: tuple[float, float] = (0.0, 0.0)  # 1/s^2
 
 
 def memory(rope: Any, omega: Any) -> Any:
-    """How long a wave of a frequency lasts, s."""
+    """Duration (s) of a wave of a frequency."""
     least = larger(omega / MOST_TURNED, 1.0 / LONGEST_MEMORY)
     return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 * least)
 
 
 def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: Any) -> StepLimits:
-    """For a rope whose loop hangs at arc length ``bottom`` and whose ends move ``apart`` vertically, m/s.
+    """Limits for a rope whose loop hangs at arc length ``bottom`` and whose ends move ``apart`` vertically, m/s.
 
     The method errs by ``error_constant`` h^2 per change of a.
 
-    What has been used up of what was asked leaves less.
+    The allowance shrinks as it is used up.
     """
     rope, accuracy = scene.rope, scene.accuracy
     leg = larger(bottom, rope.length - bottom)
@@ -110,12 +111,13 @@ def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: 
 
 
 def add_errors(
-    scene: Any, sums: Any, bottom: Any, apart: Any, h: Any, c: Any, strains: Any, place: Any, force: Any
+    scene: Any, sums: Any, bottom: Any, apart: Any, h: Any, constant: Any, paces: Any, place: Any, force: Any
 ) -> ErrorSums:
-    """``sums`` after a step ``h`` that left ``strains`` and ``place``, with end forces of up to ``force`` now.
+    """``sums`` after a step ``h`` that left ``place``, with end forces of up to ``force`` now.
 
-    ``c`` are the derivatives of q, v and a with respect to q at the step's end.  The step's own equations take back
-    much of what is wrong with a stiff wave: of their tangent, (c0 + c1 beta_K) omega^2 + c2, the part c2 stays.
+    ``paces`` are the mean accelerations of the strains at the ends in the step, by their rates: unlike the
+    accelerations at its end they have none of what stiff waves leave there and no longer move.  The method errs by
+    ``constant`` h^2 per change of them; of a stiff wave, which follows the forces, by at most the change over omega^2.
     """
     rope = scene.rope
     waves, squares = [], []
@@ -125,21 +127,22 @@ def add_errors(
         fades, turns = lasts / (lasts + h), omega * h
         cosine, sine = fades * cos(turns), fades * sin(turns)
         now, later = sums.waves[2 * side], sums.waves[2 * side + 1]
-        stays = c[2] / (c[2] + (c[0] + c[1] * rope.beta_K) * (omega * omega))
-        waves += [cosine * now + sine * later + stays * strains[side], cosine * later - sine * now]
+        left = constant * (h * h) / (1.0 + constant * (turns * turns)) * (paces[side] - sums.paces[side])
+        waves += [cosine * now + sine * later + left, cosine * later - sine * now]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
     largest = larger(sums.place, place), larger(sums.flow, flow_error(scene, apart, h)), larger(sums.force, force)
-    return ErrorSums(sums.time + h, *largest, (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1]))
+    of_waves = (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1])
+    return ErrorSums(sums.time + h, *largest, *of_waves, (paces[0], paces[1]))
 
 
 def end_force_error(rope: Any, sums: Any) -> Any:
-    """Of the end forces, root mean square since the start, relative to the largest."""
+    """Error of the end forces, root mean square since the start, relative to the largest."""
     squares = larger(sums.squares[0], sums.squares[1])
     return AND_RATE * rope.Qa * sqrt(squares / larger(sums.time, TINY)) / larger(sums.force, TINY)
 
 
 def locking_error(scene: Any, fine: Any) -> Any:
-    """How much too high, m, the loop hangs on elements of length ``fine``."""
+    """Height (m) by which the loop hangs too high on elements of length ``fine``."""
     w, rope = bending_length(scene), scene.rope
     x = fine / w
     locked = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
@@ -147,18 +150,18 @@ def locking_error(scene: Any, fine: Any) -> Any:
 
 
 def mesh_error(scene: Any, fine: Any, grading_length: Any) -> Any:
-    """How far, m, the loop is from its place on elements of length ``fine``, with ``grading_length`` in the legs."""
+    """Error (m) of the loop's place on elements of length ``fine``, with ``grading_length`` in the legs."""
     slips = 1.0 + SLIPPED * _slips(scene, fine, SLIPS_FROM)
     return locking_error(scene, fine) * slips + LEGS * grading_length * scene.rope.length
 
 
 def turned_by_mesh(scene: Any, fine: Any) -> Any:
-    """How far, rad, elements ``fine`` m long turn the loop about the vertical."""
+    """Angle (rad) by which elements of length ``fine`` turn the loop about the vertical."""
     return TURNED * fine / bending_length(scene) * _slips(scene, fine, TURNS_FROM)
 
 
 def _slips(scene: Any, fine: Any, beyond: float) -> Any:
-    """Part from 0 to 1 of what the loop does ``beyond`` so many w."""
+    """Share, 0 to 1, of the loop's change over so many w ``beyond``."""
     power = smaller(fine / (beyond * bending_length(scene)), 10.0) ** SLIPS_AT_ONCE
     return power / (1.0 + power)
 
@@ -171,14 +174,14 @@ def length_for(scene: Any, error: Any) -> Any:
 
 
 def flow_error(scene: Any, apart: Any, h: Any) -> Any:
-    """How far, m, steps ``h`` put the loop from its place while its ends move ``apart``, m/s, and the rope flows."""
+    """Error (m) of the loop's place by steps ``h`` while its ends move ``apart`` (m/s) and the rope flows."""
     flow = 0.5 * apart
     turned = flow * h / bending_length(scene)
     return FLOW * (turned * turned) * (flow * flow) / scene.layout.gravity
 
 
 def step_error(limits: Any, h: Any, place: Any, strain: Any) -> Any:
-    """Of a step ``h`` that left ``place`` and ``strain``, over what it may leave there and by the flow.
+    """Error of a step ``h`` that left ``place`` and ``strain``, over the error allowed, and error by the flow.
 
     By the flow, and where wires rub, to powers for which twice the step is allowed where errors are small.
     """
@@ -196,7 +199,7 @@ def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
 
 
 def calm_needed(h: Any, step_next: Any) -> Any:
-    """How long errors have been small (s) at the end of a step ``h`` after which those of ``step_next`` may grow."""
+    """Time (s) for which errors must be small before a step ``h`` may grow to ``step_next``."""
     # half a step early: where a whole number of steps takes as long, rounding would decide
     return smaller(CALM_STEPS * step_next, CALM) - 0.5 * h
 
@@ -210,10 +213,10 @@ class NextStep(NamedTuple):
 
 
 def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any) -> NextStep:
-    """After a step ``h`` to ``t`` with this ``error``, over what is allowed; where that is too large, work ran out.
+    """Choose the step after one of length ``h`` to ``t`` with this ``error`` over the allowed one.
 
-    ``rejected``: whether longer ones were before.  An error above the tolerance halves the next step, small ones for as
-    long as calm_needed says double it.
+    Work ran out where it is too large.  ``rejected``: whether longer steps failed.  An error above the tolerance halves
+    the next step; small ones for the time calm_needed double it.
     """
     calm_since = where(either(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance

@@ -52,7 +52,7 @@ class AirLaw(NamedTuple):
     buffet: float
     height: float  # of a conveyance
     spacing: float
-    cross_y: float  # middle and height of what blows across
+    cross_y: float  # middle and height of the gallery
     cross_height: float
 
 
@@ -64,7 +64,7 @@ class Passing(NamedTuple):
 
 
 def air_law(air: Any, diameter: Any, spacing: Any) -> AirLaw:
-    """Of a rope of this diameter between suspensions so far apart, m; without air the factor is 0."""
+    """Law for a rope of this diameter between suspensions so far apart, m; without air the factor is 0."""
     velocity = air.vx, air.vy, air.vz
     factor, cross = 0.5 * air.density * air.drag * diameter, (air.cross_y, air.cross_height)
     return AirLaw(factor, velocity, air.buffet, air.buffet_length, spacing, *cross)

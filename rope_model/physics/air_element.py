@@ -24,7 +24,7 @@ from .elementary import cross, dot
 #: numbers of an AirLaw, and of it with both conveyances
 LAW_SIZE = 9
 AIR_SIZE = LAW_SIZE + 2 * 4
-#: what the balance of the element has beyond element.BALANCE
+#: entries of the balance beyond element.BALANCE
 AIR_BALANCE = (
     "given_to_air",  # W
     *("air_fx", "air_fy", "air_fz"),  # N, on the rope
@@ -33,7 +33,7 @@ AIR_BALANCE = (
 
 
 class AirFunctions(NamedTuple):
-    """What the air does to an element, ``A`` being the numbers of an AirLaw and of both Passing conveyances.
+    """Action of the air on an element; ``A`` has the numbers of an AirLaw and of both Passing conveyances.
 
     residual: (q, v, l, A) -> R (2 m,); tangent: (q, v, l, A, cv) -> J (2 m, 2 m); sums: (q, v, l, A) -> AIR_BALANCE.
     """
@@ -59,7 +59,7 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
         nodes = dict(_nodes(hermite.shares(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
         velocity = flow(law, conveyances, point, l)
-        if 2 not in kept:  # what blows across the plane does not act in a model of the plane
+        if 2 not in kept:  # wind across the plane does not act in a model of the plane
             velocity[2] = 0
         force, tangent = drag(law, velocity, slope, speed)
         w = weight * l

@@ -14,7 +14,7 @@ import casadi as ca
 from .element import BALANCE, ElementFunctions
 
 _BENDING = BALANCE.index("bending")
-#: of q, l, the other element's F, and the numbers behind it; the tangent's last argument is cq
+#: function of q, l, the other element's F, and the numbers behind it; the tangent's last argument is cq
 Part = Callable[..., Any]
 
 

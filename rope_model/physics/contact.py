@@ -11,7 +11,7 @@ within a depth b, damping that grows with the spring's force, and Coulomb fricti
 The spring's force is a gradient; damping and friction dissipate (N - s) (-n . w) + mu N |u|^2 / sqrt(|u|^2 + u0^2),
 which is never negative; a moving body works on the rope by f times its speed.
 
-The tangent -df/dr, -df/dv is symmetric: it leaves out what pressure does to friction, and the surface's curvature.
+The tangent -df/dr, -df/dv is symmetric: it leaves out the effect of pressure on friction, and the surface's curvature.
 
 Works on numbers and CasADi expressions; vectors have their components first.
 """
@@ -27,15 +27,15 @@ from .shaft import distance, normal
 ONSET = 0.05
 #: m of rope below a conveyance within which it and its head ropes are not looked at: they carry that rope
 OWN_LENGTH = 1.0
-#: m: what comes so near in Newton's iterations is looked after from the start
+#: m: bodies that come so near in Newton's iterations are checked from the start
 LOOK_AHEAD = 0.05
-#: what is summed along the rope: energy stored, power dissipated, power of a moving body on the rope, force on the rope
-#: and its moment about the origin, and last the pressure
+#: sums along the rope: energy stored, power dissipated, power of a moving body on the rope, force on the rope and its
+#: moment about the origin, and last the pressure
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")
 
 
 def largest_motion(longest: Any, q: Any, before: Any) -> Any:
-    """By how much (m) the rope's distance from a body or itself may have changed: the largest of all nodes' counts.
+    """Largest change (m) of the rope's distance from a body or itself: the largest of all nodes' counts.
 
     The node had the row r, r' ``before`` and has ``q``.  No place of an element moves by more than half of it, the
     node's elements being no longer than ``longest``, and no end with what it holds.
@@ -45,9 +45,7 @@ def largest_motion(longest: Any, q: Any, before: Any) -> Any:
 
 
 def moved_by(corrections: Any, longest: Any, shortest: Any) -> Any:
-    """Of ``largest_motion``, at most, by corrections that sum up to this in Newton's norm (m): there r' counts in units
-    of 1 / ``shortest``.
-    """
+    """Bound of ``largest_motion`` by the sum of corrections in Newton's norm (m): r' counts in 1 / ``shortest``."""
     return 6.0 * corrections + 2.25 * longest / shortest * corrections
 
 
@@ -60,7 +58,7 @@ class Touch(NamedTuple):
 
 
 def touch(contact: Any, diameter: Any, body: Any, moves: Any, point: Any, speed: Any, cq: Any, cv: Any) -> Touch:
-    """Of the rope's centre line at ``point`` with ``speed`` and a body that ``moves`` so, per length.
+    """Contact, per length, of the centre line at ``point`` with ``speed`` and a body that ``moves`` so.
 
     The tangent is that along (cq, cv) of place and speed.
     """

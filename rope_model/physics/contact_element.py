@@ -1,6 +1,6 @@
 """The beam element that touches bodies in the shaft: physics.element with the forces of physics.contact.
 
-Where the element is near a body, the force per length is integrated along what is pressed of the centre line
+Where the element is near a body, the force per length is integrated along the pressed part of the centre line
 (physics.contact_places):
 
     R -= int N^T f dx,   J += int N^T (-cq df/dr - cv df/dv) N dx
@@ -27,11 +27,11 @@ from .shaft import KINDS, Body
 #: numbers of the law, and of a body: those of shaft.Body and its speed
 LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")
 BODY_SIZE = 13
-#: what the balance of the element has beyond element.BALANCE
+#: entries of the balance beyond element.BALANCE
 CONTACT_BALANCE = (
     "contact",  # J, stored where bodies press the rope
     "contact_dissipated",  # W, never negative
-    "contact_moved",  # W, what moving bodies do on the rope
+    "contact_moved",  # W, power of moving bodies on the rope
     *("contact_fx", "contact_fy", "contact_fz"),  # N, on the rope
     *("contact_mx", "contact_my", "contact_mz"),  # N m, about the origin
     *KINDS,  # N, sums of the pressure
@@ -42,8 +42,8 @@ CONTACT_BALANCE = (
 def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
     """The functions of the ``plain`` element of a fidelity, with as many bodies as ``kinds``.
 
-    F has an entry more for each body, 1 where the element is near it, else 0; P those of LAW and of the bodies.
-    residual, tangent, balance and losses have what contact adds, the latter two in further entries.
+    F has an entry more for each body, 1 where the element is near it, else 0; P those of LAW and of the bodies. Contact
+    adds to residual, tangent, balance and losses, in further entries of the latter two.
     """
     m = len(ELEMENT_DOF[fidelity])
     frame, own, bodies = plain.residual.size1_in(4), plain.residual.size1_in(5), len(kinds)
@@ -156,7 +156,7 @@ def _pressed(stiff: bool) -> ca.Function:
 
 @cache
 def _integrated(stiff: bool) -> ca.Function:
-    """(probes (3, 3), rows, speeds, l, P) -> what ``_pressed`` has of a cell with these at its ends and turn."""
+    """(probes (3, 3), rows, speeds, l, P) -> sums of ``_pressed`` over a cell with these at its ends and turn."""
     probes, rows, speeds = ca.MX.sym("probes", 3, 3), ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
     l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []

@@ -1,15 +1,16 @@
-"""What contact has done so far: impulses, and how far the mesh lets its forces err.
+"""History of contact: impulses, and the error of its forces by the mesh.
 
 A body that meets the rope sends waves along it.  The mesh follows those that are longer than two of its elements,
-of length l where the body is near; with c the speed of waves across the rope half way up a leg of half its length
+of length l where the body is near; with the wave number k and the tension half way up a leg of half the rope's length
 
-    tau = l / (pi c),    c = sqrt(g L / 4)
+    tau = 1 / (k c),    k = pi / l,    c^2 = (T + EI k^2) / rho,    T = rho g L / 4
 
-What of the pressure P changes faster is not resolved: P minus what follows it with delay tau, taken twice,
+Faster changes of the pressure P are not resolved: P minus its delay by tau, taken twice,
 
     d = P - s1,  s1' = d / tau,      r = d - s2,  s2' = (d - s2) / tau
 
-falls with l^2.  Its root mean square is about that of the error; the end forces and the loop's place err in proportion.
+falls with tau^2.  Its root mean square is about that of the error, to which those of the end forces and of the loop's
+place are in proportion.
 
 Works on numbers and CasADi expressions.
 """
@@ -24,9 +25,8 @@ from .estimates import bending_length
 from .shaft import KINDS
 
 #: of the end forces over that of the pressure, root mean squares; of the loop's place, over the length of rope that
-#: weighs as much as the force that is not resolved while the loop swings once: trips past a divider 0.95, 1.05 and
-#: 1.12 m left of the middle, 30 m below the ends (rope-120), meshes of 2, 0.5 and 0.25 m against 0.125 m
-AT_ENDS, OF_PLACE = 2.5, 0.11
+#: weighs as much as the force that is not resolved while the loop swings once: evidence.contact.estimates fits them
+AT_ENDS, OF_PLACE = 1.8, 0.11
 TINY = 1e-300
 
 
@@ -45,7 +45,7 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
 
     ``longest`` (m) is the longest element that a body is near, 0 for none.
     """
-    part = h / (h + longest * delay(scene))
+    part = h / (h + delay(scene, longest))
     pressure = sum(pressures[: len(KINDS)], start=0.0)
     first, second = sums.followed
     first = first + part * (pressure - first)
@@ -61,13 +61,26 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
     )
 
 
-def delay(scene: Any) -> Any:
-    """tau over the length of the elements, s/m."""
-    return 1.0 / (math.pi * sqrt(0.25 * scene.layout.gravity * scene.rope.length))
+def delay(scene: Any, length: Any) -> Any:
+    """tau (s) of elements of this ``length`` (m)."""
+    rope, tension = scene.rope, _tension(scene)
+    stiff = tension * (length * length) + rope.EI * math.pi**2
+    return length * length / (math.pi * sqrt(larger(stiff / rope.mass_per_length, TINY)))
+
+
+def length_for(scene: Any, tau: Any) -> Any:
+    """Length (m) of the elements whose delay is ``tau`` (s)."""
+    rope, tension = scene.rope, _tension(scene)
+    bent = 4.0 * rope.EI * rope.mass_per_length / (tau * tau)
+    return math.pi * tau * sqrt((tension + sqrt(tension * tension + bent)) / (2.0 * rope.mass_per_length))
+
+
+def _tension(scene: Any) -> Any:
+    return 0.25 * scene.rope.mass_per_length * scene.layout.gravity * scene.rope.length
 
 
 def contact_error(sums: Any) -> Any:
-    """Of the bodies' pressure, root mean square while they press, relative to the largest."""
+    """Error of the bodies' pressure, root mean square while they press, relative to the largest."""
     return sqrt(sums.square / larger(sums.time, TINY)) / larger(sums.largest, TINY)
 
 

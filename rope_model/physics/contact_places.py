@@ -1,4 +1,4 @@
-"""Where along its curve an element is pressed by a body, and the places over which contact is integrated there.
+"""Pressed pieces of an element's curve, and the places over which contact is integrated there.
 
 An element is looked at in CELLS.  In a cell the depth p(xi) = d/2 - distance, d the rope's diameter, turns once at
 most: found by halving between slopes of different signs.  On either side of that it is monotone, and reaches 0 and the
@@ -22,7 +22,8 @@ from .elementary import dot, larger, less, sign, where
 from .hermite import GAUSS, interpolate
 from .shaft import distance, normal
 
-#: of an element, looked at one by one: the loop's elements turn by half a radian, those of the legs are nearly straight
+#: parts of an element, checked one by one: the loop's elements turn by half a radian, those of the legs are nearly
+#: straight
 CELLS = 4
 #: halvings to the place where the depth turns, which one step by its slopes follows; steps to where it has a value
 HALVINGS, STEPS = 10, 10
@@ -32,7 +33,7 @@ FOUND = 1e-12
 TINY = 1e-30
 #: levels of the depth, in diameters, at which a piece ends, from the deeper end on
 LEVELS = (ONSET, 0.0)
-#: of a piece: parts of it from its deeper end, and of its length
+#: Gauss points of a piece: places from its deeper end, and weights
 PARTS, WEIGHTS = tuple(x for x, _ in GAUSS), tuple(w for _, w in GAUSS)
 
 
@@ -52,7 +53,7 @@ def probe(place: Any, l: Any, a: Any, b: Any, diameter: Any, body: Any) -> Probe
 
 
 def turning(start: Any, stop: Any) -> Any:
-    """Where the depth turns between two probes whose rates have different signs: as if these changed evenly."""
+    """Place where the depth turns between two probes with rates of different signs, which change evenly."""
     return start.place + (stop.place - start.place) * (start.rate / nonzero(start.rate - stop.rate))
 
 

@@ -5,9 +5,9 @@
 Qe = c2 d^2 Qa is the middle term of the torque law M = c1 d T + c2 d^2 T w + c3 G d^4 w (w twist per length): under
 tension the rope is stiffer in torsion.  Its energy is 1/2 Qe e tau^2, so that the tension has its share.
 
-An elastic rope has Qb = Qc (Maxwell-Betti).  Published pairs differ by a few percent; the law is therefore split
-into a conservative part with Qs = (Qb + Qc) / 2, which has the energy ``strain_energy``, and a remainder with
-Qk = (Qb - Qc) / 2, which has none and whose power is ``nonconservative_power``.
+An elastic rope has Qb = Qc (Maxwell-Betti).  Published pairs differ by a few percent; the law is therefore split.  The
+conservative part with Qs = (Qb + Qc) / 2 has the energy ``strain_energy``.  The remainder with Qk = (Qb - Qc) / 2 has
+none; its power is ``nonconservative_power``.
 
 Works on anything with arithmetic: floats, numpy arrays, CasADi expressions.
 

@@ -1,16 +1,18 @@
-"""The beam element with the permanent curvature of physics.initial_curvature: physics.element with the energy
+"""The beam element with the permanent curvature of physics.initial_curvature.
+
+physics.element has the energy
 
     U0 = int EI (1/2 k0^2 - k0 k . d) dx
 
-beside that of bending.  While the element moves, the director d of a section goes from what it is in the frame's
+beside that of bending.  While the element moves, the director d of a section goes from its place in the frame's
 reference by the smallest rotation of the tangent and is turned about that by the gain of
 
     theta(x) - (turn of the frame from the left node to x) + x/l (turn of the frame to the right node)
 
-which is what the section turns where tau is uniform; so the energy stays when the present shape becomes the reference.
+which is the section's turn where tau is uniform; so the energy stays when the present shape becomes the reference.
 
-F has behind the frame's entries what the element is in the reference, (13,): d at the three Gauss points, theta at both
-nodes, k0 and EI.
+Behind the frame's entries F has numbers of the element in the reference, (13,): d at the three Gauss points, theta at
+both nodes, k0 and EI.
 """
 
 from __future__ import annotations
@@ -40,7 +42,7 @@ CURVED = 3 * len(POINTS) + 4
 
 
 class CurvedFunctions(NamedTuple):
-    """What permanent curvature adds to an element, ``C`` being its CURVED numbers.
+    """Terms that permanent curvature adds to an element; ``C`` has its CURVED numbers.
 
     residual: (q, l, F, C) -> R (14,); tangent: (q, l, F, C, cq) -> J (14, 14); energy: (q, l, F, C) -> J.
     """
@@ -62,7 +64,7 @@ def curved_functions() -> CurvedFunctions:
     z = [B_p @ relative @ q for B_p in B]
     turn, bend = _turn_function(), _bend_function()
     f, f_z, f_zz = zip(*(turn(*pair) for pair in zip(z, frames, strict=True)), strict=True)
-    # what of each point's turn is not the section's, and of which angle the section's gain is counted at the point
+    # turn of each point besides the section's, and the angle from which the section's gain counts there
     parts = [
         [l * (to - xi * w) for to, w in zip(row, WEIGHTS, strict=True)]
         for row, xi in zip(TO_POINTS, POINTS, strict=True)

@@ -17,14 +17,14 @@ The rate of k is the one seen by an observer who turns with the cross-section, s
 nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
 leave an hourglass mode in the axial strain.
 
-A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear, and by as much and more
-where tension and torsion are coupled, because e, which is continuous, cannot follow a tau that is not.  In Rayleigh's
-quotient with a wave that is exact at the nodes both are (k l)^2 (Qd / 12 - c^2 rhoJ_x), c the wave's own speed: the
-inertia rhoJ_x = Qd / (12 c^2) of theta's slope takes them away, and leaves an error of fourth order.  It is too
-much for the little torsion of a longitudinal wave, which runs too slow by 8e-4 (k l)^2 with the default rope.
+A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear.  Coupling adds as much
+and more, because e is continuous and cannot follow a tau that is not.  In Rayleigh's quotient with a wave that is exact
+at the nodes both are (k l)^2 (Qd / 12 - c^2 rhoJ_x), c the wave's own speed: the inertia rhoJ_x = Qd / (12 c^2) of
+theta's slope takes them away, and leaves an error of fourth order.  It is too much for the little torsion of a
+longitudinal wave, which runs too slow by 8e-4 (k l)^2 with the default rope.
 
-tau is uniform in the element: what the angles tell, the turn from node to node, over its length.  So the frame's
-reference (physics.frame) leaves energies and forces alone, but for the quadrature of that mean.
+tau is uniform in the element: the turn of the angles from node to node, over its length.  So the frame's reference
+(physics.frame) leaves energies and forces alone, but for the quadrature of that mean.
 
 The fidelities of the model are this one text with degrees of freedom left out:
 
@@ -86,11 +86,11 @@ BALANCE = (
     "damping_power",  # W, dissipated, never negative
     "nonconservative_power",  # W, taken up by the part of the Costello law that has no energy
 )
-#: what one element's momentum holds: of the translation, about the origin, and the mass times its place
+#: entries of one element's momentum: of the translation, about the origin, and the mass times its place
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
-#: what one element's strain output holds: mean over the element, and root mean square of k
+#: entries of one element's strains: mean over the element, and root mean square of k
 STRAINS = ("e", "tau", "k_rms")
-#: entries of what an element's frame is counted from
+#: entries of the reference of an element's frame
 FRAME = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
@@ -102,8 +102,8 @@ POINTS, WEIGHTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()), tuple((0.5 * _GAU
 class ElementFunctions:
     """The element as CasADi functions; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
 
-    ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` is what the frame is counted from: in its
-    reference, tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
+    ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` is the reference of the frame: in its reference,
+    tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
 
     residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, what external loads must balance
     tangent:   (q, v, a, l, F, P, cq, cv, ca) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da at rest, symmetric;
@@ -150,7 +150,7 @@ def element_functions(
     points = list(zip(weights, B, z, z_t, z_tt, frames, strict=True))
     point = _point_functions(frame_rate, torsional)
 
-    # what the element has as a whole: axial and torsional strain, their rates, the torque
+    # values of the element as a whole: axial and torsional strain, their rates, the torque
     means = sum((w * point["means"](z_p, v_p, F_p) for w, _, z_p, v_p, _, F_p in points), start=ca.SX.zeros(5))
     theta_x = ca.vertcat(-1 / l, 1 / l) if torsional else ca.SX.zeros(2)
     tau, tau_t = means[1] + ca.dot(theta_x, q[[6, 13]]), means[4] + ca.dot(theta_x, v[[6, 13]])
@@ -244,7 +244,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia is left out
     damping = ca.substitute(ca.jacobian(stress, e_t), *put)
     damping[:, 1] = 0
-    held = P[4] * tau * strain[0] + elastic * turning  # what torque and the tension without energy do as it bends
+    held = P[4] * tau * strain[0] + elastic * turning  # power of torque and of the tension without energy as it bends
     stiffness = ca.hessian(ca.substitute(U, *put) + held, z)[0]
     J = symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
@@ -302,7 +302,7 @@ def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """What is conjugate to tau, and the same without damping, from the means of e and tau and of their rates."""
+    """Moment conjugate to tau, with and without damping, from the means of e and tau and of their rates."""
     e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
     elastic = ca.gradient(U, e)[1] + ca.gradient(P_n, e_t)[1]

@@ -1,4 +1,4 @@
-"""What a formula needs beyond + - * /, of numbers, numpy arrays or CasADi expressions alike.
+"""Functions of formulas beyond + - * /, of numbers, numpy arrays or CasADi expressions alike.
 
 A formula written with these has one text: Python evaluates it, and C is printed from its expression
 (codegen.formulas).  Numbers go to the functions of libm, as in C.

@@ -1,6 +1,6 @@
 """Energies of the rope, and how they account for the work done on it, J.
 
-``energy_balance`` has the energies now, and by name what went in and out since the start.
+``energy_balance`` has the present energies, and by name those that went in and out since the start.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ def energies(balance: Any) -> tuple[Any, Any, Any]:
 
 
 def with_energies(energy_balance: Any, balance: Any, contact: Any) -> Any:
-    """The account with the energies of a state, from its balance and what ``contact`` stores."""
+    """The account with the energies of a state, from its balance and the energy in ``contact``."""
     kinetic, strain, gravity = energies(balance)
     return energy_balance._replace(kinetic=kinetic, strain=strain, gravity=gravity, contact=contact)
 
@@ -40,12 +40,12 @@ def after_step(energy_balance: Any, h: Any, before: Any, now: Any, losses: Any, 
 
 
 def total(energy_balance: Any) -> Any:
-    """Kinetic, strain and potential energy, and what contact stores."""
+    """Kinetic, strain, potential and contact energy."""
     return energy_balance.kinetic + energy_balance.strain + energy_balance.gravity + energy_balance.contact
 
 
 def residual(energy_balance: Any) -> Any:
-    """What the rest does not account for: what the integrator dissipated (negative) or put in."""
+    """Energy that the integrator has dissipated (negative) or created."""
     explained = (
         energy_balance.work_ends
         + energy_balance.transformations

@@ -1,4 +1,4 @@
-"""What leaving torsion, waves and bending out of the model costs: estimates from closed formulas.
+"""Errors of models without torsion, waves and bending: estimates from closed formulas.
 
 An error is that of the vertical end forces (root mean square over a winding, relative to the largest).  With W the
 width of the loop, l the length of a leg, kappa = Qs^2 / (Qa Qd), F = rho g l_long
@@ -38,7 +38,7 @@ LARGEST_YAW = 1.0
 
 
 class Travel(NamedTuple):
-    """What an estimate needs of a winding: its largest values."""
+    """Largest values of a winding's motion."""
 
     height_difference: float  # m
     speed: float  # m/s
@@ -46,12 +46,12 @@ class Travel(NamedTuple):
     jerk: float  # m/s^3
 
 
-#: what is expected at least; inputs do not tell the jerk, so it is taken to grow with the acceleration
+#: least motion to expect; inputs have no jerk, so it is taken to grow with the acceleration
 ASSUMED = Travel(0.0, 10.0, 1.0, 1.0)
 
 
 def travel_estimate(height_difference: Any, speed: Any, acceleration: Any) -> Travel:
-    """What to expect of ends that move like this now: at least what is ASSUMED."""
+    """Motion to expect of ends that move like this now: at least ASSUMED."""
     growth = larger(acceleration / ASSUMED.acceleration, 1.0)
     speed = larger(speed, ASSUMED.speed)
     return Travel(height_difference, speed, growth * ASSUMED.acceleration, growth * ASSUMED.jerk)
@@ -65,7 +65,7 @@ def longitudinal_error(scene: Any, travel: Any) -> Any:
 
 
 def axial_frequency(rope: Any, leg: Any) -> Any:
-    """Of the slowest longitudinal wave of a leg, rad/s."""
+    """Frequency (rad/s) of the slowest longitudinal wave of a leg."""
     return 0.5 * math.pi * sqrt(rope.Qa / rope.mass_per_length) / leg
 
 
@@ -79,7 +79,7 @@ def lean_error(scene: Any, travel: Any) -> Any:
 
 
 def held_error(scene: Any, travel: Any) -> Any:
-    """What leaving out the torsion of a rope with torque costs while its swivels hold."""
+    """Error of a model without torsion of a rope with torque while its swivels hold."""
     rope, psi = scene.rope, loop_yaw(scene)
     flow = travel.speed * travel.speed / (scene.layout.gravity * natural_width(scene))
     kappa = rope.Qs * rope.Qs / (rope.Qa * rope.Qd)

@@ -1,4 +1,4 @@
-"""Guards of the loop: what they see, and when they trip.
+"""Guards of the loop: their quantities, and when they trip.
 
 Five quantities are watched, each against a threshold of its own, 0 for none:
 
@@ -26,28 +26,28 @@ from typing import Any, NamedTuple
 
 from .elementary import hypot, less, smaller, where
 
-#: what trips; a cause's code is its place, counted from 1
+#: guards; a cause's code is its place, counted from 1
 CAUSES = ("rise", "window", "clearance", "turns", "torque")
 #: s: beyond any time
 NEVER = 1e30
 
 
 class GuardState(NamedTuple):
-    """What the guards remember."""
+    """Memory of the guards."""
 
-    rest: float = 0.0  # m, what loop_height was at rest
+    rest: float = 0.0  # m, loop_height at rest
     cause: float = 0.0  # of the trip; 0: none
     time: float = 0.0  # s, of the trip
     since: tuple[float, float, float, float, float] = (NEVER,) * 5  # s, from when on each is beyond its threshold
 
 
 def thresholds(guard: Any) -> tuple[Any, ...]:
-    """In the order of CAUSES."""
+    """Thresholds in the order of CAUSES."""
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
 def guarded(guard: Any) -> Any:
-    """More than 0 where there is any guard."""
+    """Number above 0 where there is any guard."""
     return sum(thresholds(guard)[1:], guard.rise)
 
 

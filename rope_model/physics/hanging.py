@@ -22,7 +22,7 @@ class Hanging(NamedTuple):
 
 
 def hanging_shape(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
-    """Of a rope of ``length`` (m) with its lowest point at arc length ``middle``, where elements are ``cell`` long."""
+    """Shape of a rope of ``length`` (m), its lowest point at arc length ``middle``, on elements of length ``cell``."""
     radius = larger(0.5 * width, smaller(4 * cell / math.pi, 0.25 * smaller(middle, length - middle)))
     left_leg, right_leg = middle - 0.5 * math.pi * radius, length - middle - 0.5 * math.pi * radius
     return Hanging(radius, left_leg, right_leg, radius - 0.5 * width)

@@ -39,7 +39,7 @@ def node_values(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
 
 
 def shares(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
-    """What the value takes of r1, s1, r2, s2."""
+    """Shares of r1, s1, r2, s2 in the value."""
     rest = 1 - xi
     return 1 - xi * xi * (3 - 2 * xi), xi * rest * rest * l, xi * xi * (3 - 2 * xi), xi * xi * (xi - 1) * l
 
@@ -52,7 +52,7 @@ def share_products(l: Any) -> tuple[Any, ...]:
 
 
 def missing_load(start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, old: Any, new: Any) -> tuple[Any, ...]:
-    """What ``new`` (14,) has less than ``old``, times the shares, integrated over arc lengths within both elements.
+    """Difference of ``old`` and ``new`` (14,) times the shares, integrated over arc lengths within both elements.
 
     Those begin at ``s`` and ``old_s``.  Shares of r1, s1, r2, s2 with three components each, then of theta's two nodes.
     """

@@ -45,12 +45,12 @@ class Pull(NamedTuple):
 
 
 def flow(v1: Any, v2: Any) -> Flow:
-    """Of ends that rise with ``v1`` and ``v2``; of its rates, for their accelerations."""
+    """Flow between ends that rise with ``v1`` and ``v2``; from their accelerations, its rates."""
     return Flow(0.5 * (v1 - v2), 0.5 * (v1 + v2))
 
 
 def pull(rope: Any, layout: Any, left: Any, right: Any) -> Pull:
-    """For ends that move like this."""
+    """Tensions for ends that move like this."""
     rho, g, L = rope.mass_per_length, layout.gravity, rope.length
     start, stop = suspension_points(layout, left, right)
     radius = 0.5 * hypot(stop[0] - start[0], stop[2] - start[2])

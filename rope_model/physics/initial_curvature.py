@@ -11,8 +11,8 @@ about the tangent, d is turned by theta and the angle that it has at the left en
 
 so a = 0 bends the rope as the loop between two conveyances is bent.
 
-Within an element e1 goes by the smallest rotation from the left node's tangent p to t, and back by what that turns
-about the tangent on the way, physics.frame, which three Gauss points integrate.
+Within an element e1 goes by the smallest rotation from the left node's tangent p to t, and back by its turn about the
+tangent on the way (physics.frame), which three Gauss points integrate.
 """
 
 from __future__ import annotations

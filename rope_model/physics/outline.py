@@ -1,4 +1,4 @@
-"""Geometry of the rope's centre line: where it is sampled, how far points are from it, what encloses a piece of it.
+"""Geometry of the rope's centre line: samples, distances of points from it, boxes around its pieces.
 
 Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """
@@ -92,26 +92,28 @@ def line_yaw(left: Any, right: Any) -> Any:
 
 
 def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[Any, Any, Any]:
-    """Normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z), that is midway between the
-    ends ``left`` and ``right`` at the height of the higher one.
+    """Normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z).
+
+    It is midway between the ends ``left`` and ``right`` at the height of the higher one.
     """
     rise = larger(left[1], right[1]) - start[1]
     return direction[0], -0.5 * (reach(left, start, direction) + reach(right, start, direction)) / rise, direction[1]
 
 
 def reach(point: Any, start: Any, direction: Any) -> Any:
-    """How far (m) ``point`` lies from ``start`` in a horizontal ``direction`` (X, Z)."""
+    """Distance (m) of ``point`` from ``start`` along a horizontal ``direction`` (X, Z)."""
     return direction[0] * (point[0] - start[0]) + direction[1] * (point[2] - start[2])
 
 
 def beyond(point: Any, start: Any, normal: Any) -> Any:
-    """How far ``point`` is beyond the plane through ``start`` with this ``normal``, in lengths of that."""
+    """Distance of ``point`` from the plane through ``start`` with this ``normal``, in lengths of that."""
     return dot(normal, (point[0] - start[0], point[1] - start[1], point[2] - start[2]))
 
 
 def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
-    """How far (m) from a plane between the legs ``point`` must lie for them to be apart there by a rope's diameter, on
-    the plane's either side: less where it is nearer than ``above`` (m) to the lowest point, where they join.
+    """Least distance (m) of ``point`` from a plane between legs that are a rope's diameter apart.
+
+    It is less nearer than ``above`` (m) to the lowest point, where the legs join.
     """
     return diameter * smaller((point[1] - lowest_point[1]) / above, 1.0)
 
@@ -119,10 +121,10 @@ def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
 def side_gap(
     side: Any, length: Any, outer: Any, inner: Any, top: Any, start: Any, normal: Any, diameter: Any, above: Any
 ) -> Any:
-    """How far (m) an element of a leg, from its ``outer`` node to the inner one, keeps off: beyond the margin on its
-    own ``side`` of the plane (-1: left, 1: right), and below the height ``top``; at least, but for the inner node.
+    """Least gap (m) of an element of a leg, from its ``outer`` node to the inner one, without that.
 
-    By the control points of its cubic: long elements may bulge over a plane that none of their nodes is near.
+    It is the distance beyond the margin on its own ``side`` of the plane (-1: left, 1: right), or below the height
+    ``top``.  Control points of the cubic bound it: long elements may bulge over a plane far from their nodes.
     """
     third = -side * (length / 3.0)
     ahead = tuple(outer[k] + third * outer[3 + k] for k in range(3))
@@ -133,16 +135,19 @@ def side_gap(
 
 
 def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
-    """By how much the cubic between two places with their r', ``length`` (m) apart, goes on in a horizontal
-    ``direction`` (X, Z) per length, at least: the least of its slope's control points.
+    """Least slope in a horizontal ``direction`` (X, Z) of the cubic between two places, ``length`` (m) apart.
+
+    The places come with their r'; the least control point of the slope bounds it.
     """
     start, stop = (direction[0] * x[3] + direction[1] * x[5] for x in (a, b))
     return smaller(smaller(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
 
 
 def turns(yaw: Any, line: Any, passages: Any) -> Any:
-    """Turns of one side of the rope about the other, whose loop has yawed to ``yaw`` (rad) while the ends' line has
-    yawed to ``line`` (rad), and which has passed through the other net ``passages`` times: each takes one away.
+    """Turns of one side of the rope about the other.
+
+    The loop has yawed to ``yaw`` (rad), the ends' line to ``line`` (rad); each net passage of ``passages`` through the
+    other side takes one turn away.
     """
     return (yaw - line) / (2.0 * math.pi) - passages
 

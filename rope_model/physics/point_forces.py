@@ -8,7 +8,7 @@ from .elementary import cross, larger, smaller
 
 
 def part_of_time(start: Any, stop: Any, t: Any) -> Any:
-    """Where ``t`` is between ``start`` and ``stop``, 0 to 1; beyond them the nearer."""
+    """Share of the time from ``start`` to ``stop`` at ``t``, between 0 and 1."""
     return smaller(larger((t - start) / (stop - start), 0.0), 1.0)
 
 

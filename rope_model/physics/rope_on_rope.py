@@ -31,7 +31,7 @@ SPACING = 0.25
 MOST_PLACES = 1000
 #: diameters along the rope within which it does not touch itself: the circle that would takes a radius of five
 APART = 10.0 * math.pi
-#: so many strands of equal diameter lie around one
+#: most strands of equal diameter around one
 MOST_STRANDS = 6
 #: where in an element the nearest place is looked for first, and corrections from the best of these
 PROBES, CORRECTIONS = (0.0, 0.25, 0.5, 0.75, 1.0), 4
@@ -40,12 +40,12 @@ STRETCH = 1.25
 
 
 def places(l: Any, diameter: Any) -> Any:
-    """How many places are looked at in an element of length ``l``."""
+    """Number of places that are checked in an element of length ``l``."""
     return smaller(ceil(l / (SPACING * diameter)), float(MOST_PLACES))
 
 
 def places_skipped(distance: Any, diameter: Any, weight: Any, number: Any) -> Any:
-    """How many of the next places of an element need no look after one at ``distance`` (m).
+    """Number of an element's next places that need no check after one at ``distance`` (m).
 
     They are ``weight`` (m) apart.  All ``number`` of them where the distance is not a number.
     """
@@ -53,7 +53,7 @@ def places_skipped(distance: Any, diameter: Any, weight: Any, number: Any) -> An
 
 
 def most_places(length: Any, elements: Any, diameter: Any) -> Any:
-    """How many of a rope at most, in any mesh of so many elements."""
+    """Largest number of places of a rope, in any mesh of so many elements."""
     return smaller(length / (SPACING * diameter) + elements, MOST_PLACES * elements)
 
 
@@ -73,7 +73,7 @@ def nearer_place(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
 
 
 def rope_touch(contact: Any, diameter: Any, apart: Any, speed: Any, cq: Any, cv: Any) -> Touch:
-    """Of a place of the rope that is ``apart`` (3,) from another and moves with ``speed`` against it, per length."""
+    """Contact, per length, of a place that is ``apart`` (3,) from another and moves with ``speed`` against it."""
     law = SimpleNamespace(**(vars(contact) | {"stiffness": contact.rope_stiffness}))
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)
     return touch(law, diameter, other, (0.0, 0.0, 0.0), apart, speed, cq, cv)

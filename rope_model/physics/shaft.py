@@ -9,8 +9,8 @@ is the distance from the body's surface, negative in the body: side is 1 where t
 a shaft, whose lining is the box.  Outside of a box, and inside of a shaft, d is exact; its gradient is the unit normal,
 away from the body.  Its second derivatives jump where the nearest place of the surface changes from a face to an edge.
 
-Of all points of an upright box about x, e its half widths in the body's axes, the least distance is that with
-q_k = |x_k| - h_k - side e_k: what the rope's centre line cannot come below between two of its places.
+Of all points of an upright box about x, e its half widths in the body's axes, the least distance is that with q_k =
+|x_k| - h_k - side e_k: a bound for the rope's centre line between two of its places.
 
 Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """

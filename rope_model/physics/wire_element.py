@@ -4,10 +4,10 @@ At each Gauss point C z is added to the moment EI k, work-conjugate to the rate 
 
     R += int B^T C z dx,     J += cq int B^T C dz/dk B dx
 
-F has behind the frame's entries what the rope was at the last accepted instant, HISTORY numbers: at each point section
-and z (10), then k0 and C; and LATEST numbers of the latest tangent.  The tangent is symmetric: it leaves out the skew
-part of dz/dk, and how B changes.  Between curvatures at which wires slide to and fro, dz/dk goes up and down, and
-tangents alone lead from one side to the other for ever.  So it is
+Behind the frame's entries F has HISTORY numbers of the rope at the last accepted instant: at each point section and z
+(10), then k0 and C; and LATEST numbers of the latest tangent.  The tangent is symmetric: it leaves out the skew part of
+dz/dk, and how B changes.  Between curvatures at which wires slide to and fro, dz/dk goes up and down, and tangents
+alone lead from one side to the other for ever.  So it is
 
     p dz/dk + (1 - p) |z| / |z if all wires stuck|,    p = (z promised by the latest tangent) . z / |z|^2 in [0, 1]
 
@@ -37,15 +37,15 @@ from .element import (
 from .frame import smallest_rotation_rate
 from .wire_friction import MEMORY, NOTHING, section, slide, within
 
-#: numbers of an element: what its points remember, k0 and C
+#: numbers of an element: memory of its points, k0 and C
 HISTORY = MEMORY * len(POINTS) + 2
-#: where the latest tangent was, of a point: k, z and the upper half of what was taken for dz/dk; and of an element
+#: place of the latest tangent: of a point k, z and the upper half of dz/dk taken there; of an element
 _OF_POINT = 12
 LATEST = _OF_POINT * len(POINTS)
 
 
 class WireFunctions(NamedTuple):
-    """What friction between the wires adds to an element, ``H`` being its HISTORY.
+    """Terms that friction between the wires adds to an element; ``H`` is its HISTORY.
 
     residual: (q, l, H) -> R (2 m,)
     tangent:  (q, l, H, latest, cq) -> J (2 m, 2 m)
@@ -97,12 +97,12 @@ def _point_function() -> ca.Function:
     w = at_t[6] + smallest_rotation_rate(before[0:3], ca.SX.zeros(3), d, at_t[0:3])
     spin = ca.cross(d, at_t[0:3]) / ca.dot(d, d) + w * tangent
     B = ca.jacobian(ca.jtimes(k, at, at_t) - ca.cross(spin, k), at_t)
-    # the law as a function of the curvature alone: what turns with the section is no change of it
+    # the law as a function of the curvature alone: turning with the section is no change of it
     bent, now = ca.SX.sym("k", 3), section(d, c, at[6])
     slid = slide(before, [*now[0:3], *ca.vertsplit(bent), now[6]], k0)
     z: Any = ca.vertcat(*slid.z)
     slope = ca.jacobian(z, bent)
-    # what the latest tangent promised
+    # prediction by the latest tangent
     bent_then, z_then, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
     slope_then = _from_upper_half(upper)
     promised = z_then + slope_then @ (bent - bent_then)

@@ -2,12 +2,12 @@
 
     M = EI k + C z,   C = EI_stick - EI,     z_t = k_t - (k_t . z)+ z / k0^2,     (x)+ = max(x, 0)
 
-M and k are the vectors of bending moment and curvature as the cross-section sees them: z stays with the section,
-where the wires are, and turns with it.  While no wire slides M follows k with EI_stick; once all do, C z is the
-friction moment C k0 = M0 + M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc
-and Wen with the exponent n = 2 and beta = gamma, |z| for |z_x| so that no direction across the rope is preferred.
+M and k are the vectors of bending moment and curvature as the cross-section sees them: z stays with the section, where
+the wires are, and turns with it.  While no wire slides M follows k with EI_stick; once all do, C z is the friction
+moment C k0 = M0 + M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc and Wen with
+n = 2 and beta = gamma.  |z| stands for |z_x|: no direction across the rope is preferred.
 
-The energy is 1/2 C z^2, what is dissipated C (k_t . z)+ z^2 / k0^2, which is never negative, however k0 changes.
+The energy is 1/2 C z^2, the dissipation C (k_t . z)+ z^2 / k0^2, which is never negative, however k0 changes.
 
 Over a step the curvature goes straight, by dk = k0 s u with |u| = 1.  Where z . u < 0 the wires stick until that is
 0.  From there on the exact solution is, in units of k0,
@@ -33,18 +33,18 @@ from .costello import tension
 from .elementary import cross, dot, exp, larger, log, sqrt
 from .frame import carried, small_turn, turned
 
-#: of a section: tangent, curvature vector, angle; and z behind them
+#: numbers of a section: tangent, curvature vector, angle; and z behind them
 SECTION, MEMORY = 7, 10
-#: squares in units of k0^2 that are not told from 0, so that there is a derivative where nothing moves
+#: squares in units of k0^2 that count as 0, so that there is a derivative where nothing moves
 NOTHING = 1e-26
 #: those of z that are too small for a quotient
 _SMALL = 1e-12
 
 
 class Slid(NamedTuple):
-    """z at the end of a step, what was dissipated per length of the rope and C, and a slope.
+    """State z at the end of a step, dissipation per length of the rope and C, and a slope.
 
-    ``secant`` is |z| over what it would be if all wires stuck.
+    ``secant`` is |z| over its value if all wires stuck.
     """
 
     z: tuple[float, float, float]
@@ -79,7 +79,7 @@ def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
 
 
 def slide(before: Any, now: Any, k0: Any) -> Slid:
-    """From what a section was ``before``, with its z (10,), to what it is ``now`` (7,)."""
+    """Slide from the section ``before``, with its z (10,), to the section ``now`` (7,)."""
     z = _carried(before, now, before[7:10])
     turned = _carried(before, now, before[3:6])
     z = [x / k0 for x in z]
@@ -98,7 +98,7 @@ def slide(before: Any, now: Any, k0: Any) -> Slid:
     cosh = sqrt(1.0 + s2 * h * h)
     growth, gained = cosh + a * h, h + a * h * h / (cosh + 1.0)
     after = [(z[i] + gained * step[i]) / growth for i in range(3)]
-    # work along the way, int z . dk, less what is stored
+    # work along the way, int z . dk, less the energy stored
     s = sqrt(s2 + NOTHING)
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
     dissipated = k0 * k0 * larger(work - 0.5 * (dot(after, after) - dot(z, z)), 0.0)

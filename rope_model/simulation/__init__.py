@@ -1,0 +1,1 @@
+"""The simulated rope: physics and methods joined."""

@@ -1,4 +1,4 @@
-"""What every form of the rope can do: hang, follow its ends, be read, and go back to a saved state."""
+"""Interface of every form of the rope: hang, follow the ends, be read, and go back to a saved state."""
 
 from __future__ import annotations
 
@@ -20,31 +20,31 @@ from .state import RopeState
 
 @dataclass(frozen=True)
 class Status:
-    """Whether the rope's state is valid; if not, the message names cause and cure."""
+    """Validity of the rope's state."""
 
-    valid: bool
-    message: str = ""
+    valid: bool  #: whether the start or step succeeded
+    message: str = ""  #: cause and cure, if not
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A state in memory, as the rope that made it keeps it."""
+    """A state in memory, in the form of the rope that made it."""
 
-    kept: Any
-    unpack: Callable[[Any], RopeState]
+    kept: Any  #: state in that form
+    unpack: Callable[[Any], RopeState]  #: function that makes a RopeState of it
 
     @property
     def state(self) -> RopeState:
-        """For analysis, and for other ropes."""
+        """State for analysis, and for other ropes."""
         return self.unpack(self.kept)
 
 
 class BalanceRope(ABC):
     """A balance rope between two conveyances: ``initialize``, then ``advance_to`` as often as needed.
 
-    SI units.  Both forms, native and Python, take the same steps to the same numbers.  A start or a step that fails is
-    a ``Status`` that says why, and leaves the state as it was; whatever needs a state raises RuntimeError before
-    ``initialize``.  One rope may be used by one thread at a time.
+    SI units.  Both forms, native and Python, take the same steps to the same numbers.  A start or a step that fails
+    leaves the state as it was.  Before ``initialize`` all that needs a state raises RuntimeError.  One thread at a time
+    may use a rope.
     """
 
     @property
@@ -55,7 +55,7 @@ class BalanceRope(ABC):
     @property
     @abstractmethod
     def form(self) -> str:
-        """How it computes: native, or the Python form with kernels that are compiled or portable (interpreted)."""
+        """Form of the rope: native, or Python with compiled or portable (interpreted) kernels."""
 
     @property
     @abstractmethod
@@ -70,12 +70,12 @@ class BalanceRope(ABC):
     @property
     @abstractmethod
     def fidelity(self) -> Fidelity:
-        """How much of the rope is computed now: torsional is all, then spatial, planar and rigid."""
+        """Fidelity of the present computation: torsional is all, then spatial, planar and rigid."""
 
     @property
     @abstractmethod
     def fidelity_reason(self) -> str:
-        """Why it is this fidelity."""
+        """Reason for this fidelity."""
 
     @property
     @abstractmethod
@@ -84,54 +84,97 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
-        """Hang the rope at rest at ``t`` (s) between the ends' positions, untwisted but for the installed twist.
+        """Hang the rope at rest, untwisted but for the installed twist.
 
-        Speeds must be zero.  Accelerations play no part: the ends' paths begin at rest.
+        Parameters
+        ----------
+        t : float
+            Time of the start [s].
+        left, right : EndMotion
+            Positions of the ends. Speeds must be 0; accelerations play no part.
+
+        Returns
+        -------
+        Status
+            Valid, or cause and cure.
         """
 
     @abstractmethod
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
-        """Follow the conveyances to ``t`` (s) by their motions at ``given_at``, or else at ``t``.
+        """Follow the conveyances to ``t``.
 
-        Motions of an earlier instant, at most inputs.hold_max before the step, are extrapolated with constant
-        acceleration; simulation.ends.following has what happens to motions that do not fit.  On failure the state stays
-        what it was.  Less than 1e-9 s ahead nothing moves; the time is not lost, the next step begins where this one
-        did.
+        Parameters
+        ----------
+        t : float
+            Time to reach [s]. Less than 1e-9 s ahead nothing moves; the next step makes up for the time.
+        left, right : EndMotion
+            Motions of the ends at ``given_at``.
+        given_at : float, optional
+            Instant of the motions [s], ``t`` by default. Motions of an earlier instant, at most inputs.hold_max before
+            the step, are extrapolated with constant acceleration.
+
+        Returns
+        -------
+        Status
+            Valid, or cause and cure.
         """
 
     @abstractmethod
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
-        """Values by name, in the units of SIGNALS; ValueError for a name that is not among them.
+        """Read signals of the present state.
 
-        Without ``names`` all but the added masses, which cost as much as a step: ask for those by name.
+        Parameters
+        ----------
+        names : iterable of str, optional
+            Names in SIGNALS; by default all but the added masses, which cost as much as a step.
+
+        Returns
+        -------
+        dict
+            Values by name, in the units of SIGNALS.
+
+        Raises
+        ------
+        ValueError
+            If a name is not in SIGNALS.
         """
 
     def reader(self, names: Sequence[str]) -> Callable[[], NDArray[np.float64]]:
-        """A function that reads these values again and again, in this order; faster than ``signals``."""
+        """Return a function that reads these signals again and again, in this order; faster than ``signals``."""
         wanted = checked_names(names)
         return lambda: np.array([*self.signals(wanted).values()])
 
     @abstractmethod
     def apply(self, forces: PointForces) -> None:
-        """From now on these forces act on the rope, and no others of the kind; they are no part of its state.
+        """Put these forces, and no others of the kind, on the rope from now on; they are no part of its state.
 
-        A planar rope feels what is in its plane; a rigid one feels nothing and goes no step with them: set
-        ``model.fidelity`` to torsional.
+        A planar rope feels forces in its plane. A rigid one refuses steps with forces: set ``model.fidelity`` to
+        torsional.
+
+        Parameters
+        ----------
+        forces : PointForces
+            Places on the rope, and forces there.
+
+        Raises
+        ------
+        ValueError
+            If a place is off the rope.
         """
 
     @abstractmethod
     def rows(self) -> NDArray[np.float64]:
-        """(nodes, 13): arc length, r and r' of the nodes, and their rates; faster than ``state``."""
+        """Return (nodes, 13): arc length [m], r [m] and r' of the nodes, and their rates; faster than ``state``."""
 
     @abstractmethod
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
-        """(n, 3): by how much its forces at ``start`` move their places, m, at the end of a step as long as the last.
+        """Return (n, 3): displacement [m] of the places by the forces at ``start``.
 
-        As far as the equations are linear in it.
+        It is that at the end of a step as long as the last, of the linearised equations.
         """
 
     def added_mass(self) -> tuple[float, float]:
-        """kg, left and right: how much an end's downward force grows with an upward acceleration of that end.
+        """Return growth of the downward force with an upward acceleration of the same end, left and right [kg].
 
         The acceleration is held over an interval as long as the last, from the present state on.
         """
@@ -140,26 +183,35 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def warnings(self) -> dict[str, str]:
-        """Warnings about a valid state, sentences by subject."""
+        """Return warnings about a valid state: sentences by subject."""
 
     def save(self) -> bytes:
-        """The complete state, for ``restore`` of any form of the same scene, also in another process."""
+        """Return the complete state, for ``restore`` of any form of the same scene, also in another process."""
         return self.state.to_bytes()
 
     def snapshot(self) -> Snapshot:
-        """The complete state, for ``restore``; faster than ``state`` and ``save``."""
+        """Return the complete state, for ``restore``; faster than ``state`` and ``save``."""
         return Snapshot(self.state, lambda state: state)
 
     @abstractmethod
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        """Go on from what ``save``, ``state`` or ``snapshot`` gave.
+        """Go on from the result of ``save``, ``state`` or ``snapshot``.
 
-        ValueError, and no change, when it does not fit this scene.
+        Raises
+        ------
+        ValueError
+            If it does not fit this scene; nothing changes then.
         """
 
     @abstractmethod
     def retune(self, scene: Scene) -> None:
-        """Go on with other solver tolerances, swivel friction or wind; nothing else of the scene may differ."""
+        """Go on with other tunable parameters: solver, swivel friction, wind.
+
+        Raises
+        ------
+        ValueError
+            If anything else of the scene differs.
+        """
 
 
 def state_in(data: bytes | RopeState | Snapshot) -> RopeState:

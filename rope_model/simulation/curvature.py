@@ -19,7 +19,7 @@ def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
 
 
 def curved_reference(rope: Rope, q: Array, lengths: Array) -> Array:
-    """(elements, physics.curved_element.CURVED): what the rope ``q`` has in the reference."""
+    """Return (elements, physics.curved_element.CURVED): numbers of the rope ``q`` in the reference."""
     nodes, one = np.concatenate((q[:-1], q[1:]), axis=1), np.ones(lengths.size)
     along = directors_along(lengths.size)
     _, d = along(START, rope.initial_curvature_angle * one[None], lengths[None], nodes.T)

@@ -7,10 +7,9 @@
 
 A torque-free rope has no coupling, no installed twist and no permanent curvature.  Out of plane its swivels must turn
 freely as well, or its writhe twists it; they hold while the rope is initialised, so the run must start in the plane.
-What a simplified model leaves out is then zero in the complete model too.  Beyond that 'auto' takes one only when the
-error of the vertical end forces (root mean square over a winding, relative to the largest) is estimated within the
-scene's force tolerance.
-physics.estimates has the estimates, fidelity_rules the formulas of the choice.
+The omitted quantities are then zero in the complete model too.  Otherwise 'auto' takes one only when the estimated
+error of the vertical end forces (root mean square over a winding, relative to the largest) is within the scene's
+tolerance. physics.estimates has the estimates, fidelity_rules the formulas of the choice.
 """
 
 from __future__ import annotations
@@ -74,7 +73,7 @@ def lowest_sufficient(scene: Scene, ends: Ends, forces: int = 0) -> Fidelity:
 
 
 def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int = 0) -> str:
-    """'' while ``fidelity`` can follow the ends and forces, for 'auto' within the tolerance; otherwise what not."""
+    """Return '' while ``fidelity`` can follow ends and forces, for 'auto' within the tolerance; else the reason."""
     if fidelity == "torsional":
         return ""
     if number := int(unsupported_input(scene, fidelity, *ends)):

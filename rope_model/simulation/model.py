@@ -76,7 +76,7 @@ class RopeModel:
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
     def ends(self, state: RopeState) -> HangingEnds:
-        """How the ends of ``state`` are held."""
+        """Boundary at the ends of ``state``."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
@@ -87,20 +87,15 @@ class RopeModel:
         return Coefficients(self.scene.solver.rho_inf)
 
     def relative_error(self, old: RopeState, result: StepResult[Evaluation]) -> float:
-        """Local error of a trial step over what the accuracy allows; infinite when Newton failed."""
+        """Local error of a trial step over the error allowed; infinite when Newton failed."""
         if result.motion is None:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
         constant = local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
-        strain = max(map(abs, self.strain_errors(h, result)))
-        return float(step_error(limits, h, result.error, strain))
-
-    def strain_errors(self, h: float, result: StepResult[Evaluation]) -> list[float]:
-        """Local errors of the strains at both ends in a step ``h``."""
         assert result.a_rate is not None
-        per_change = local_error(self.method, h, 1.0)
-        return [float(per_change * (h * result.a_rate[node, SLOPE.start + 1])) for node in (0, -1)]
+        strain = local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
+        return float(step_error(limits, h, result.error, strain))
 
     def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
@@ -125,9 +120,11 @@ class RopeModel:
         assert evaluation is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        strains, c = self.strain_errors(motion.h, result), self.method.newton(motion.h).tolist()
-        errors = add_errors(self.scene, old.errors, bottom, apart(old.motion), h, c, strains, result.error, force)
-        # what the material takes up follows from the strains' differences over the step: the rates at its ends carry
+        paces, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, local_error(self.method, 1.0, 1.0)
+        errors = add_errors(
+            self.scene, old.errors, bottom, apart(old.motion), h, constant, paces.tolist(), result.error, force
+        )
+        # the material's dissipation follows from the strains' differences over the step: the rates at its ends carry
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
@@ -165,7 +162,7 @@ class RopeModel:
         return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
 
     def audit_interval(self, before: RopeState, state: RopeState) -> RopeState:
-        """``state``, the communication step that leads to it from ``before`` compared with what acted in it."""
+        """``state`` with the audit of the communication step from ``before``: its change against all that acted."""
         if state.fidelity == "rigid":
             return state
         m, scene = state.motion, self.scene
@@ -182,10 +179,14 @@ class RopeModel:
         return state._replace(audit=audit)
 
 
+#: where the strains along the rope at its ends are
+_END_STRAINS = ([0, -1], SLOPE.start + 1)
+
+
 def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
     """``state``, whose angles count from the reference of ``system``, as one that is its own reference.
 
-    The rate of theta is then the spin.  b differs from a by what happens within a step: both change alike.
+    The rate of theta is then the spin.  b differs from a by events within a step: both change alike.
     """
     m = state.motion
     gained = system.transport(m.q, m.v, m.a)
@@ -203,14 +204,14 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 
 def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
-    """What the conveyances put on the rope, its ends held so, and the bodies that it touches, and the air."""
+    """Loads on the rope by the conveyances, its ends held so, by touched bodies, and by the air."""
     outside = system.outside(motion.q, motion.v)
     loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side in (0, 1):
         q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
     total = tuple(sum(parts) for parts in zip(*loads, strict=True))
-    if system.kernels.fidelity == "planar":  # what goes across the plane is not felt
+    if system.kernels.fidelity == "planar":  # forces across the plane are not felt
         return total[0], total[1], 0.0, 0.0, 0.0, total[5]
     return total
 
@@ -232,7 +233,7 @@ def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> Energy
 
 
 def powers(system: RopeSystem, motion: Motion) -> Powers:
-    """What flows in and out at this instant, W."""
+    """Powers that flow in and out at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side in (0, 1):
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]

@@ -65,7 +65,7 @@ def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float
 
 
 def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array) -> Array:
-    """(2,) N: what the tensions at the ends gain by a ``change`` (3,) of one end's place, speed and acceleration."""
+    """Return (2,) N: change of the end tensions by a ``change`` (3,) of one end's place, speed and acceleration."""
     names = (kind + "xyz"[axis] for kind in ("", "v", "a"))
     moved = [*ends]
     moved[side] = replace(

@@ -1,6 +1,6 @@
 """The functions of a chain of rope elements for CasADi's machine or compiled: which there are, kept, and bundled.
 
-They depend on the number of elements, the fidelity and what acts on the rope (``Kinds``), and on no data of the rope.
+They depend on the number of elements, the fidelity and the effects on the rope (``Kinds``), not on its data.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _WORDS = (*KINDS, "air", "wires", "curved")
 class RopeKernels:
     """The chain's functions for ``elements`` elements on one fidelity, to be called on arrays of shape (nodes, 7).
 
-    What a fidelity leaves out stays zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
+    Omitted degrees of freedom stay zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
     files for this size, fidelity and platform in it, the functions are built from the element and compiled when that is
     possible.
     """
@@ -79,7 +79,7 @@ class RopeKernels:
             )
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity = elements, fidelity
-        # what solve and evaluate sum up
+        # sums of solve and evaluate
         air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if _touched(bodies) else ()
         self.balance = (*BALANCE, *air, *contact)
         self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
@@ -100,7 +100,7 @@ class KernelCache:
         self._made: dict[tuple[ElementFidelity, Kinds], RopeKernels] = {}
 
     def of(self, fidelity: ElementFidelity, bodies: Kinds = ()) -> RopeKernels:
-        """Those of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
+        """Kinds of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
         if (fidelity, bodies) not in self._made:
             self._made[fidelity, bodies] = RopeKernels(self.elements, self._form, self._bundle, fidelity, bodies)
         return self._made[fidelity, bodies]
@@ -136,7 +136,7 @@ def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Se
 
 @cache
 def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Kinds, library: Path) -> ChainFunctions:
-    """Those of ``rope_functions``, but calling what ropes of any size have in common."""
+    """Return ``rope_functions`` that call the parts shared by ropes of any size."""
     parts = ChainParts(*load_compiled(rope_parts(fidelity, bodies), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 

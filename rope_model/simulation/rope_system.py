@@ -50,7 +50,7 @@ def parameter_vector(rope: Rope, gravity: float) -> Array:
 
 
 def air_parameters(scene: Scene) -> Array:
-    """What the element has beyond them where there is air, with conveyances at rest; empty without."""
+    """Parameters of the element for air, with conveyances at rest; empty without."""
     law = air_law(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
     return np.array([law.factor, *law.velocity, *law[2:], *(AIR_SIZE - LAW_SIZE) * [0.0]] if law.factor else [])
 
@@ -64,14 +64,14 @@ class Around(Protocol):
     """The bodies that a rope may touch: simulation.contact.surroundings."""
 
     def numbers(self, q: Array, v: Array) -> Array:
-        """What P has beyond element.PARAMETERS, for physics.contact_element."""
+        """Numbers of P beyond element.PARAMETERS, for physics.contact_element."""
 
     def distances(self, q: Array, lengths: Array) -> Array:
-        """(elements, bodies): what an element's distance from a body (m) is at least."""
+        """Return (elements, bodies): least distance (m) of an element from a body."""
 
 
 class Boundary(Protocol):
-    """How the ends are held and loaded; arrays of shape (nodes, 7)."""
+    """Boundary and loads of the ends; arrays of shape (nodes, 7)."""
 
     def free(self, nodes: int) -> NDArray[np.bool_]:
         """True where a degree of freedom is free."""
@@ -106,8 +106,8 @@ class Evaluation:
 class RopeSystem:
     """Equations of motion for numerics.generalized_alpha and for statics.
 
-    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is what its wires
-    remember where those of ``rope`` rub; the permanent curvature is that of ``rope``.
+    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is the memory of
+    its wires where those of ``rope`` rub; the permanent curvature is that of ``rope``.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class RopeSystem:
         self.around, self._touching = around, touching
         # where the rope was when bodies were last looked for, and how far they were from it, m
         self._seen: list[tuple[Array, float]] = []
-        # what a node's coordinates count in largest_motion
+        # weights of a node's coordinates in largest_motion
         longest = np.maximum(np.append(lengths, 0.0), np.append(0.0, lengths))
         units = np.eye(NODE_DOF)[:, :, None].repeat(nodes, axis=2)
         self._motion = np.array([largest_motion(longest, unit, np.zeros_like(unit)) for unit in units]).T
@@ -155,13 +155,13 @@ class RopeSystem:
         self._constants = self.lengths, self.frames, *self._loads
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
-        """The same system with the ends held in the same way but moved otherwise."""
+        """Return this system with the ends held in the same way but moved otherwise."""
         other = self._alike()
         other.boundary = boundary
         return other
 
     def with_forces(self, forces: Array) -> RopeSystem:
-        """The same system with these ``forces`` on its nodes (nodes, 7), and no others of the kind."""
+        """Return this system with these ``forces`` on its nodes (nodes, 7), and no others of the kind."""
         other = self._alike()
         other.pushed, other.load = forces, self._dead_load + forces
         other._loads = other.load, *self._loads[1:]
@@ -169,7 +169,7 @@ class RopeSystem:
         return other
 
     def with_reference(self, q: Array, z: Array = NO_MEMORY) -> RopeSystem:
-        """The same system with the frame counted from ``q``, where its wires have ``z``."""
+        """Return this system with the frame counted from ``q``, where its wires have ``z``."""
         if q is self.reference and z is self.z:
             return self
         other = self._alike()
@@ -184,7 +184,7 @@ class RopeSystem:
         return other
 
     def transport(self, q: Array, v: Array, a: Array) -> Array:
-        """(3, nodes): what theta, theta_t and theta_tt gain when ``q`` becomes the reference.
+        """Return (3, nodes): gains of theta, theta_t and theta_tt when ``q`` becomes the reference.
 
         The frame of the left end stays, and the sections stay where they are.
         """
@@ -194,7 +194,7 @@ class RopeSystem:
         return gained
 
     def slip(self, q: Array) -> Slip:
-        """What the wires do on the way to ``q``."""
+        """Slip of the wires on the way to ``q``."""
         return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
 
     def _sections_of(self, q: Array) -> Array:
@@ -202,7 +202,7 @@ class RopeSystem:
         return q if self.kernels.fidelity == "torsional" else np.where(np.arange(NODE_DOF) == ANGLE, 0.0, q)
 
     def frame_turn(self, q: Array) -> Array:
-        """(nodes,): what theta gains when ``q`` becomes the reference, rad."""
+        """Return (nodes,): gain of theta when ``q`` becomes the reference, rad."""
         rest = np.zeros_like(q)
         turn: Array = self.transport(q, rest, rest)[0]
         return turn
@@ -271,7 +271,7 @@ class RopeSystem:
         return replace(found, resolve=resolve) if self.z.size else found
 
     def _following(self, constants: tuple[Array, ...], latest: Array) -> tuple[Array, ...]:
-        """``constants`` with what the tangent follows in the frames."""
+        """``constants`` with the vectors that the tangent follows in the frames."""
         lengths, frames, *loads = constants
         if self.z.size:
             frames, own = frames.copy(), self.frames.shape[1]
@@ -279,7 +279,7 @@ class RopeSystem:
         return lengths, frames, *loads
 
     def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
-        """Of J x = -R, J that of the chain alone: R is put in as a load."""
+        """Solver of J x = -R, J that of the chain alone: R is put in as a load."""
         lengths, frames, load, grip, mass = constants
         known = kernels.evaluate(*at, *constants, P)[0]
 
@@ -290,11 +290,11 @@ class RopeSystem:
         return solve
 
     def _coupling(self, at: Iterate, c: Array) -> _Solver | None:
-        """Multiplies with the tangent of what couples elements far apart; None where nothing does."""
+        """Product with the tangent of forces between elements far apart, or None."""
         return None
 
     def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
-        """``found`` with what the rope does to itself."""
+        """``found`` with the forces of the rope on itself."""
         return found
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
@@ -315,7 +315,7 @@ class RopeSystem:
         return Evaluation(R, balance)
 
     def outside(self, q: Array, v: Array) -> dict[str, float]:
-        """What bodies and air do to the rope: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope", by name."""
+        """Sums of bodies and air by name: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope"."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         found = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
         if len(kernels.balance) == len(BALANCE):
@@ -325,7 +325,7 @@ class RopeSystem:
         return found | {name: found.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:
-        """What flows out in the rope and in its contacts, W."""
+        """Powers that flow out in the rope and in its contacts, W."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         found = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
         return found if self.pushed is None else found._replace(moved=found.moved + float(np.vdot(self.pushed, v)))
@@ -380,7 +380,7 @@ class RopeSystem:
 
 
 def _push(forces: Array, q: Array, v: Array) -> dict[str, float]:
-    """What ``forces`` on the nodes (nodes, 7) are as a load, and their power."""
+    """Return the load of ``forces`` on the nodes (nodes, 7), and their power."""
     of_r, of_slope = (point_load(q[:, of].T, forces[:, of].T) for of in (POSITION, SLOPE))
     load = [float(x.sum()) for x in (*of_r[:3], *(a + b for a, b in zip(of_r[3:], of_slope[3:], strict=True)))]
     names = ("contact_fx", "contact_fy", "contact_fz", "contact_mx", "contact_my", "contact_mz", "contact_moved")

@@ -1,4 +1,4 @@
-"""Which kernels the rope of a scene needs: by what acts on it, and by the fidelity that its ends ask for."""
+"""Kernels that the rope of a scene needs, by its effects and by the fidelity that its ends ask for."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .rope_system import air_parameters
 
 
 def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Kinds:
-    """What acts all along the rope, its wires rubbing or not yet."""
+    """Effects all along the rope, its wires rubbing or not yet."""
     present = {CURVED: is_curved(scene.rope, fidelity), WIRES: rubs, AIR: air_parameters(scene).size > 0}
     return tuple(kind for kind, there in present.items() if there)
 

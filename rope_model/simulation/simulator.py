@@ -53,17 +53,28 @@ log = logging.getLogger(__name__)
 SHORTEST_INTERVAL = 1e-9
 #: steps, rejected ones too, of one communication step: some hundred seconds, and no call goes on for ever
 MOST_STEPS = 20000
-#: as good as no bound
+#: practically no bound
 UNBOUNDED = 2**31 - 1
 #: s: beyond, the shortest steps are lost in the rounding of the time
 FARTHEST_START = 1e10
 
 
 class RopeSimulator(BalanceRope):
-    """The Python form of the rope; ``system``, ``ends`` and ``model`` are there for analysis.
+    """The Python form of the rope; ``system``, ``ends`` and ``model`` serve analysis.
 
-    ``bundle`` is a folder with prepared kernels, as inside an exported FMU.  Raises RuntimeError when compiled
-    kernels are demanded in vain, ValueError when the mesh does not fit the rope.
+    Parameters
+    ----------
+    scene : Scene
+        Data of the run.
+    bundle : Path, optional
+        Folder with prepared kernels, as inside an exported FMU.
+
+    Raises
+    ------
+    ValueError
+        If the mesh does not fit the rope.
+    RuntimeError
+        If the scene asks for compiled kernels and none can be had.
     """
 
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
@@ -80,7 +91,7 @@ class RopeSimulator(BalanceRope):
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
         self._signals: dict[str, float] = {}  # of the present state, as far as they were asked for
-        self._unmoved: tuple[RopeSystem, Array, Array] | None = None  # what `answer` compares with
+        self._unmoved: tuple[RopeSystem, Array, Array] | None = None  # reference of `answer`
 
     @property
     def scene(self) -> Scene:
@@ -128,7 +139,7 @@ class RopeSimulator(BalanceRope):
 
     @property
     def ends(self) -> HangingEnds:
-        """How the present state's ends are held."""
+        """Boundary at the present state's ends."""
         return ends_of(self.system)
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
@@ -293,9 +304,9 @@ class RopeSimulator(BalanceRope):
         return at_places(moved - alone, *elements_at(forces.s, system.lengths))
 
     def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
-        """q and reactions when a coordinate of an end is moved by ``change`` in q, q_t, q_tt at the last step's end.
+        """Return q and reactions after a ``change`` of an end's coordinate in q, q_t, q_tt at the last step's end.
 
-        The rest of the rope answers as its equations are linear in that step.
+        The rest of the rope answers by the linearised equations of that step.
         """
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         if self._unmoved is None or self._unmoved[0] is not system:
@@ -315,5 +326,5 @@ class RopeSimulator(BalanceRope):
 
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:
-    """What all places of the loop have in common."""
+    """Common part of all places of the loop."""
     return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.grading_length, cells.coarse

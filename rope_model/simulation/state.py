@@ -1,4 +1,4 @@
-"""Everything that influences the future of a run, and its form as bytes."""
+"""Complete state of a run, and its form as bytes."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class EnergyBalance(NamedTuple):
 
     @property
     def residual(self) -> float:
-        """Residual of the balance: what the integrator dissipated (negative) or put in."""
+        """Residual of the balance: energy that the integrator has dissipated (negative) or created."""
         return float(residual(self))
 
 
@@ -87,7 +87,7 @@ class Powers(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """Where the rope came nearest to the bodies of a kind; see simulation.contact.shaft."""
+    """Nearest place of the rope to the bodies of a kind; see simulation.contact.shaft."""
 
     clearance: float = FAR  # m, of its surface
     time: float = 0.0  # s
@@ -97,9 +97,7 @@ class Nearest(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """How often one side of the rope has passed through the other, and how far the rope lay in itself, before a
-    passage or after; see simulation.contact.shaft.
-    """
+    """Passages of one side of the rope through the other, and depth of the rope in itself: simulation.contact.shaft."""
 
     net: float = 0.0  # those that were not undone, with their sense
     number: float = 0.0  # all
@@ -111,7 +109,7 @@ class Crossing(NamedTuple):
 
 
 class RopeState(NamedTuple):
-    """Immutable: a step makes a new one, and keeping the old one is the rollback."""
+    """Complete state of the rope, immutable: a step makes a new one, and the old one is the rollback."""
 
     motion: Motion
     partition: Partition
@@ -122,7 +120,7 @@ class RopeState(NamedTuple):
     step_next: float
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance
-    calm_since: float  # s, instant of the last step that erred by more than a small part of what is allowed
+    calm_since: float  # s, instant of the last step that erred by more than a small part of the allowed error
     loop_yaw: float  # rad, at the lowest node, counted on through full turns
     fidelity: Fidelity  # of the model
     fidelity_reason: str
@@ -142,7 +140,7 @@ class RopeState(NamedTuple):
     hysteresis: Array = NO_MEMORY  # 1/m, z of simulation.wires
 
     def to_bytes(self) -> bytes:
-        """The state as bytes that depend on nothing but the state: JSON, before it its length, then all arrays."""
+        """Return the state as bytes that depend on the state alone: length of the JSON, JSON, all arrays."""
         arrays: list[Array] = []
         head = json.dumps(_plain(self, arrays)).encode()
         numbers = (x.astype("<f8").tobytes() for x in arrays)
@@ -150,7 +148,7 @@ class RopeState(NamedTuple):
 
     @staticmethod
     def from_bytes(data: bytes) -> RopeState:
-        """The state that ``to_bytes`` wrote; ValueError for anything else."""
+        """Return the state that ``to_bytes`` wrote; ValueError for anything else."""
         try:
             start = 8 + int.from_bytes(data[:8], "little")
             rest = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
@@ -175,7 +173,7 @@ def _plain(x: Any, arrays: list[Array]) -> Any:
 
 
 def _made(kind: Any, plain: Any, rest: list[float]) -> Any:
-    """What became ``plain``, by its type; arrays are taken from the numbers ``rest``."""
+    """Value of its type that became ``plain``; arrays are taken from the numbers ``rest``."""
     if get_origin(kind) is np.ndarray:
         found = np.array(rest[: math.prod(plain)]).reshape(plain)
         del rest[: math.prod(plain)]

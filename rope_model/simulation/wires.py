@@ -21,12 +21,12 @@ from ..physics.wire_friction import MEMORY, section_at, slide, slip_curvature, w
 
 Array = NDArray[np.float64]
 
-#: of a rope without friction between its wires
+#: state z of a rope without friction between its wires
 NO_MEMORY = np.zeros((0, 3 * len(POINTS)))
 
 
 class Slip(NamedTuple):
-    """z after a step, and what the wires dissipated in it, J."""
+    """State z after a step, and the wires' dissipation in it, J."""
 
     z: Array
     dissipated: float
@@ -38,7 +38,7 @@ def fresh_memory(scene: Scene, elements: int) -> Array:
 
 
 def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> Array:
-    """(elements, physics.wire_element.HISTORY): what ``q`` and ``z`` are when the elements begin to move.
+    """Return (elements, physics.wire_element.HISTORY): ``q`` and ``z`` when the elements begin to move.
 
     ``strains`` (elements, ...) begin with e and tau.
     """
@@ -49,7 +49,7 @@ def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> A
 
 
 def slip(history: Array, q: Array, lengths: Array) -> Slip:
-    """From the ``history`` to the rope ``q``."""
+    """Slip from the ``history`` to the rope ``q``."""
     before, k0, stiffness = history[:, :-2].reshape(lengths.size, -1, MEMORY), history[:, -2, None], history[:, -1]
     slid = slide(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
     work = float(stiffness * lengths @ (slid.dissipated @ np.array(WEIGHTS)))

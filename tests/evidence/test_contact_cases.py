@@ -5,7 +5,7 @@ import math
 import pytest
 
 from evidence.contact.checks import CASES
-from evidence.contact.plectoneme import BEND, STIFFNESS, hard_rod, soft_rod
+from evidence.contact.plectoneme import BEND, STIFFNESS, soft_rod
 from evidence.contact.plectoneme import DIAMETER as WOUND_DIAMETER
 from rope_model.physics.contact import ONSET
 
@@ -40,7 +40,3 @@ def test_the_closed_form_of_a_plectoneme_is_where_its_energy_is_least(tension: f
         energy(x.angle + i * da, x.radius + j * dR) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1))
     ]
     assert all(0.0 < more < 1e-4 * tension for more in around)
-    hard = hard_rod(tension)
-    assert hard.radius == 0.5 * WOUND_DIAMETER
-    lift = BEND * math.sin(hard.angle) ** 4 / hard.radius**2 * (0.5 + 1.0 / math.cos(2.0 * hard.angle))
-    assert lift == pytest.approx(tension)

@@ -13,14 +13,15 @@ from numpy.testing import assert_allclose
 from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.rule import judges, off, shares, slip
 from evidence.mesh_rule.scenes import FIT, JUDGE, KINDS, draw
-from evidence.promise.scenes import draw as promise_scenes
+from evidence.promise.scenes import Sample
 from evidence.promise.wind import errors, wind
 from evidence.rendering import DOCS
 from evidence.sampling import BENDING, LENGTH, MASS
 from evidence.tables import read, table
 from hoist_demo.control.trajectory import s_curve
+from hoist_demo.parameters import Winding
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Rope, Scene
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.mesh.mesh_fit import (
     LEG_GRADING,
@@ -88,7 +89,15 @@ def test_on_ropes_whose_longitudinal_waves_fade_before_that_they_need_none(lengt
 
 @pytest.mark.slow
 def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rope_right() -> None:
-    sample = next(s for s in promise_scenes(40, 168) if s.number == 167)
+    rope = Rope(
+        length=596.488, mass_per_length=11.8576, EI=600.7, Qa=2.250751e8, Qb=147094.7, Qc=147094.7, Qd=5180.572,
+        rhoJ=4.253205e-3, diameter=0.053568,
+    )  # fmt: skip
+    trip = Winding(
+        travel=351.404, speed=17.54, acceleration=1.044, jerk=2.5643, start_delay=0.0, emergency_at=20.5691,
+        emergency_deceleration=4.9024,
+    )  # fmt: skip
+    sample = Sample(0, Scene(rope, Layout(2.6084)), trip, 0.01)
     mesh = fit_mesh(sample.scene)
     rule, finer, coarser = (
         wind(sample, sample.interval, mesh=replace(mesh, grading_length=share * mesh.grading_length))

@@ -1,12 +1,12 @@
-"""The stop by half a sine of the promise's wider draw."""
+"""The promise's stop by half a sine."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.testing import assert_allclose
 
+from evidence.promise.scenes import TUNE, draw
 from evidence.promise.sine_stop import sine_stop
-from evidence.promise.wide import TUNE, draw
 
 
 def test_a_sine_stop_ends_at_rest_and_its_rates_fit_its_places() -> None:

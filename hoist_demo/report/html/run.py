@@ -50,7 +50,7 @@ def run_report(
     said = [] if result.completed else [("Stopped.", result.cause)]
     if passed := passages(result.recording):
         through = PASSED in passed
-        after = ": nothing after that is what a real rope does." if through else "."
+        after = ": later results describe no real rope." if through else "."
         said.insert(0, ("Passed through." if through else "Struck.", passed + after))
     if trip := guard_trip(result.recording):
         said.append(("Guard.", f"{trip.cause} tripped at t = {trip.t:.4g} s; the safety circuit opened."))

@@ -22,36 +22,34 @@ static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn,
    last */
 static int turn_in(Simulator *rope, State *state, double twist, char *message) {
     const Arrays m = state_arrays(state);
-    double left = twist, step = copysign(TWIST_STEP, twist);
-    int lost = 0, made = 0;
+    double left = twist, beyond = INFINITY, size = TWIST_STEP;
     while (left != 0) {
-        step = fabs(step) < fabs(left) ? step : left;
+        size = fmin(size, 0.5 * fabs(left - beyond));
+        const double step = size < fabs(left) ? copysign(size, twist) : left;
         const int last = fabs(step) <= LEAST_TWIST_STEP;
         char why[MESSAGE];
-        if (made >= MOST_CORRECTIONS) {
+        if (rope->corrections >= MOST_CORRECTIONS) {
             say_takes_too_long(why);
-            return say_fails_at_twist(message, twist - left, twist, fabs(step), made, why);
+            return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
         }
         state_copy(rope, rope->spare, state);
         state->offsets[RIGHT] += step;
         for (int k = 0; k < m.nodes; k++) m.q[(size_t)k * DOF + ANGLE] += step * (m.s[k] / m.s[m.elements]);
-        const int found = equilibrium_in_frame(rope, state, last ? INFINITY : MOST_TURN, message);
-        made += rope->corrections;
-        if (!found) {
-            lost += rope->turned ? 0 : rope->corrections;
-            if (last || lost >= MOST_LOST) {
+        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MOST_TURN, message)) {
+            if (!rope->turned) {
                 memcpy(why, message, MESSAGE);
-                return say_fails_at_twist(message, twist - left, twist, fabs(step), made, why);
+                return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
             }
             state_copy(rope, state, rope->spare);
             message[0] = '\0';
-            step *= 0.5;
+            beyond = left - step;
             continue;
         }
         const double turn = state->offsets[RIGHT] - rope->spare->offsets[RIGHT] - step;
         left -= step;
         if (fabs(turn) > MOST_TURN) state->snapped_at = twist - left;
-        step = copysign(fmin(2 * fabs(step), TWIST_STEP), twist);
+        size = fmin(2 * fabs(step), TWIST_STEP);
+        if (last) beyond = INFINITY;
     }
     return 1;
 }
@@ -83,5 +81,6 @@ int hang(Simulator *rope, State *state, char *message) {
     for (int node = 0; node < m.nodes; node++) m.q[(size_t)node * DOF + ANGLE] = left[0][ANGLE];
     const double twist = right[0][ANGLE] - left[0][ANGLE];
     state->offsets[RIGHT] -= twist;
+    rope->corrections = 0;
     return let_curve(rope, state, message) && turn_in(rope, state, twist, message);
 }

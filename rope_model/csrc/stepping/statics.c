@@ -29,15 +29,15 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
-    int balanced = 0;
+    int balanced = 0, k;
     rope->turned = 0;
     const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
     memset(rest, 0, bytes);
     memset(m.reaction, 0, bytes);
     rope_system_prescribed_motion(rope, state, &s, state->t, 1, &(double *){m.q});
     rope_system_refer(rope, state, m.q);
-    for (int k = 1; k <= MAX_ITERATIONS && tau >= 1e-7; k++) {
-        rope->corrections = k;
+    for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {
+        rope->corrections++;
         const double c[3] = {1, 0, pow(tau, -2)};
         chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, now);
         previous = imbalance(&s, now);
@@ -75,7 +75,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
         tau = fmin(tau, 1e12);
     }
-    return say_no_equilibrium(message, rope->corrections, previous);
+    return say_no_equilibrium(message, k, previous);
 }
 
 /* length of the elements at arc length `at`, interpolated between their middles */

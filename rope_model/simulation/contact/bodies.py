@@ -14,7 +14,7 @@ from ..messages import messages
 from ..messages.rules import Rules, first_text
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
-#: what moves with no end of the rope
+#: motion of bodies that stand
 FIXED = -1
 
 
@@ -66,7 +66,7 @@ def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any,
 
 
 def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
-    """Of the rope's ends from the body, m."""
+    """Least distance (m) of the rope's ends from the body."""
     return smaller(*(physics.distance(point, body) for point in suspension_points(scene.layout, left, right)))
 
 

@@ -11,11 +11,11 @@ Newton's method solves it for all ropes at once.  With the law's tangent K and t
 numerics.coupled_newton, in which each rope answers for itself.  Where every rope takes one step of its own from t to
 t + h this is its integrator's step of all ropes as one system.
 
-The springs' work and the rest of the forces' are booked apart.  What the first misses of the energy stored was made by
-the steps.  A blow that one step cannot follow makes much of it: such a step is halved, as often as it takes.
+The springs' work and the rest of the forces' are booked apart.  The steps created the energy that the first lacks.  A
+blow that one step cannot follow makes much of it: such a step is halved, as often as it takes.
 
 Ropes at rest hang as if each was alone.  Those that then hang into each other are taken to be thinner by as much at the
-start, and grow to what they are in GROWTH; what that gives the ropes was made, too.
+start, and grow to their diameter in GROWTH; its energy counts as created, too.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ from ..rope_system import Array
 from .pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
 from .point_forces import NO_FORCES, PointForces
 
-#: of Newton's method at most
+#: largest number of Newton's iterations
 ITERATIONS = 15
-#: of all forces, and N, by which the law may be missed
+#: allowed error of the law: share of all forces, and N
 TOLERANCE, SMALL = 1e-4, 1e-3
 #: a step is halved that makes more than this part of the largest work of any, or of the energy of a metre of the rope
 #: at so many m/s, if it is not shorter than so many s
@@ -58,54 +58,61 @@ class Partner(Protocol):
 
     @property
     def rope(self) -> BalanceRope | None:
-        """The rope as it is now; None once it hangs in pieces."""
+        """Return the present rope; None once it hangs in pieces."""
 
     def begin(self, t: float, h: float) -> None:
-        """The next step is that from here, ``t``, to ``t`` + ``h`` (s)."""
+        """Begin the step from here, ``t``, to ``t`` + ``h`` (s)."""
 
     def go(self) -> bool:
-        """Whether it can be advanced over the step."""
+        """Advance over the step; return whether that succeeded."""
 
     def back(self) -> None:
-        """Back to where the step begins."""
+        """Go back to the start of the step."""
 
     def accept(self) -> None:
-        """The step counts."""
+        """Accept the step."""
 
 
 class Account(NamedTuple):
-    """What happened between two ropes until now."""
+    """Contact of two ropes until now."""
 
-    pressure: float = 0.0  # N, now: the sum of the law's normal forces
-    energy: float = 0.0  # J, stored now
-    work: float = 0.0  # J, done on both ropes
-    dissipated: float = 0.0  # J
-    made: float = 0.0  # J, energy that the steps made
-    largest: float = 0.0  # J, the largest work of a step
-    approach: float = 0.0  # m, by which touching places came nearer in the last step
-    missed: float = 0.0  # of the forces, by which the law was missed at worst
-    peak: float = 0.0  # N, the largest pressure
-    peak_t: float = math.nan  # s
-    peak_place: tuple[float, float, float] = _NOWHERE  # m, the centre of that pressure
+    pressure: float = 0.0  #: present sum of the normal forces, N
+    energy: float = 0.0  #: energy stored now, J
+    work: float = 0.0  #: work on both ropes, J
+    dissipated: float = 0.0  #: energy dissipated, J
+    made: float = 0.0  #: energy that the steps created, J
+    largest: float = 0.0  #: largest work of a step, J
+    approach: float = 0.0  #: approach of touching places in the last step, m
+    missed: float = 0.0  #: worst relative error of the forces against the law
+    peak: float = 0.0  #: largest pressure, N
+    peak_t: float = math.nan  #: its time, s
+    peak_place: tuple[float, float, float] = _NOWHERE  #: its centre, m
 
 
 @dataclass(frozen=True)
 class Contacts:
-    """The state of ``Neighbours``: of each two ropes, by their numbers, the forces now and their account.
+    """State of ``Neighbours``, by the numbers of each two ropes."""
 
-    At ``start`` (s) they hung by ``insets`` (m) into each other.
-    """
-
-    start: float
-    insets: Mapping[Two, float]
-    forces: Mapping[Two, Pressing]
-    accounts: Mapping[Two, Account]
+    start: float  #: time of the start, s
+    insets: Mapping[Two, float]  #: depth of the ropes in each other at the start, m
+    forces: Mapping[Two, Pressing]  #: present forces
+    accounts: Mapping[Two, Account]  #: contact until now
 
 
 class Neighbours:
-    """Ropes of these scenes, which count their places from these origins (m) in the shaft.
+    """Ropes that press each other.
 
-    Raises ValueError where their contact differs or is off, or a model leaves it out.
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        Data of each rope.
+    origins : sequence of (float, float, float)
+        Origin of each rope's coordinates in the shaft [m].
+
+    Raises
+    ------
+    ValueError
+        If contact is off, differs between ropes, or a model leaves it out.
     """
 
     def __init__(self, scenes: Sequence[Scene], origins: Sequence[tuple[float, float, float]]) -> None:
@@ -126,13 +133,13 @@ class Neighbours:
         self.contacts = self._begun = Contacts(0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused)
 
     def begin(self, t: float, ropes: Sequence[BalanceRope]) -> None:
-        """They hang at rest at ``t`` (s)."""
+        """Take ``ropes`` at rest at ``t`` (s)."""
         rows = [rows_of(rope, origin) for rope, origin in zip(ropes, self._origins, strict=True)]
         insets = {(i, j): pair.inset(rows[i], rows[j]) for (i, j), pair in self._pairs.items()}
         self.contacts = replace(self._begun, start=t, insets=insets)
 
     def step(self, t: float, h: float, partners: Sequence[Partner]) -> bool:
-        """Whether all partners can be advanced from ``t`` to ``t`` + ``h`` (s)."""
+        """Advance all partners from ``t`` to ``t`` + ``h`` (s); return whether that succeeded."""
         before = self.contacts
         for partner in partners:
             partner.begin(t, h)
@@ -238,7 +245,7 @@ class Neighbours:
 
 
 class _Joint:
-    """Forces that were tried and what the law says of them, of all that press each other."""
+    """Trial forces of all ropes that press each other, and those of the law."""
 
     def __init__(self, tried: Mapping[Two, Pressing], found: Mapping[Two, Pressing]) -> None:
         self._twos = [two for two in tried if tried[two].number.size or found[two].number.size]
@@ -253,7 +260,7 @@ class _Joint:
         self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL / TOLERANCE)
 
     def forces(self) -> Mapping[Two, Pressing]:
-        """Those that were tried, with the part of springs in them."""
+        """Trial forces, with the part of springs in them."""
         return self._all
 
     def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
@@ -273,7 +280,7 @@ class _Joint:
         return corrected
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
-        """How the distances of places change when these forces come in."""
+        """Change of the distances of places by these forces."""
         moved, at = np.zeros_like(force), {}
         ends = np.cumsum([0] + [self._all[two].number.size for two in self._twos]).tolist()
         for two, start, stop in zip(self._twos, ends[:-1], ends[1:], strict=True):

@@ -1,4 +1,4 @@
-"""Where one rope presses another: physics.rope_on_rope between two ropes, of all places at once.
+"""Contact of two ropes: physics.rope_on_rope between them, at all places at once.
 
 Places stand along the first rope, evenly, whatever its mesh: a place keeps its number from step to step.  Each is
 looked at against the nearest place of each strand of the other rope.  Which elements are near each other follows from
@@ -101,7 +101,7 @@ class Pair:
         self._spacing = one.rope.length / math.ceil(one.rope.length / (SPACING * self.diameter))
 
     def pressing(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> Pressing:
-        """Where they press each other, with the tangent along (c[0], c[1]) of places and speeds.
+        """Places that press each other, with the tangent along (c[0], c[1]) of places and speeds.
 
         They are taken to be thinner by ``inset`` (m).
         """
@@ -112,7 +112,7 @@ class Pair:
         return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NOTHING
 
     def inset(self, one: Rows, other: Rows) -> float:
-        """By how much (m) the one is within the other, where it is most."""
+        """Largest depth (m) of the one in the other."""
         near = self._near(one, other)
         distance = self._nearest(one, other, *near)[-1] if near[0].size else np.zeros(0)
         return max(self.diameter - float(distance.min(initial=self.diameter)), 0.0)
@@ -150,7 +150,7 @@ class Pair:
     def _touching(
         self, number: Numbers, s: Array, their_s: Array, distance: Array, diameter: float
     ) -> tuple[Numbers, Array]:
-        """Of what is near, what touches, once for each strand; a place's strands are numbered along the other rope."""
+        """Touching pairs among the near ones, once for each strand, numbered along the other rope."""
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)

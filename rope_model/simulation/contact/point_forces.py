@@ -1,7 +1,7 @@
-"""Forces that a host puts on places of the rope, between two instants that they change linearly between.
+"""Forces that a host puts on places of the rope.
 
-They act on the rope from when they are applied until others are; they are no part of its state.  On the nodes of an
-element they act by its shape functions, so that their power is that of the places they act on.
+They act until others are applied; they are no part of its state.  They act on the nodes of an element by its shape
+functions, so that their power is that at their places.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from ...physics import hermite
 from ...physics.point_forces import part_of_time
 from ..rope_system import ANGLE, POSITION, SLOPE, Array
 
-#: of the rope's length, by which places may be off its ends
+#: share of the rope's length by which places may be off its ends
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class PointForces:
-    """Places ``s`` (n,), m along the rope, in ascending order, and the forces on them (n, 3), N, at two instants, s."""
+    """Forces on places of the rope; they change linearly between two instants."""
 
-    s: Array
-    at_start: Array
-    at_stop: Array
-    start: float
-    stop: float
+    s: Array  #: (n,), places along the rope in ascending order, m
+    at_start: Array  #: (n, 3), forces at ``start``, N
+    at_stop: Array  #: (n, 3), forces at ``stop``, N
+    start: float  #: s
+    stop: float  #: s
 
     def __post_init__(self) -> None:
         shape = (self.s.size, 3)
@@ -48,7 +48,7 @@ class PointForces:
             )
 
     def at(self, t: float) -> Array:
-        """(n, 3): at ``t``, N."""
+        """Return (n, 3): the forces at ``t``, N."""
         part = part_of_time(self.start, self.stop, t)
         now: Array = self.at_start + part * (self.at_stop - self.at_start)
         return now
@@ -66,14 +66,14 @@ def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
 
 
 def at_places(x: Array, elements: Array, shares: Array) -> Array:
-    """(n, 3): what rows (nodes, 6 or more) of r, r' have there."""
+    """Return (n, 3): values at the places of rows (nodes, 6 or more) of r, r'."""
     ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
     found: Array = np.einsum("kn,nki->ni", shares, ends)
     return found
 
 
 def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
-    """(nodes, 7): what they are at the nodes, at ``t``."""
+    """Return (nodes, 7): the forces on the nodes at ``t``."""
     found, now = np.zeros((lengths.size + 1, 7)), forces.at(t)
     elements: Any
     elements, shares = elements_at(forces.s, lengths)

@@ -1,8 +1,8 @@
 """The rope's equations of motion where it may touch itself: physics.rope_on_rope in a RopeSystem.
 
 Which elements are near each other follows from boxes around them.  Along an element of such a pair the distance changes
-by no more than the way along it, so that places which are certainly far are left out: what a leg's length of rope costs
-is then a few looks.  Nothing is remembered: the state has no part in it.
+by no more than the way, so that far places are left out: a leg then costs a few checks. Nothing is remembered: the
+state has no part in it.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _ENDS = np.array([0, 1, 0, 1])
 
 
 class RopeTouch(NamedTuple):
-    """Two places that press each other: their elements, what they take of r, r' of the nodes, length, the law."""
+    """Two places that press each other: elements, shares of r and r' of the nodes, length, law."""
 
     elements: tuple[int, int]
     shares: tuple[float, ...]  # (8,) those of the second element's nodes negative
@@ -47,7 +47,7 @@ class RopeTouch(NamedTuple):
 
 
 class RopeTouches:
-    """All of them at one instant, (m,): what they do to the nodes."""
+    """All touches at one instant, (m,), and their forces on the nodes."""
 
     def __init__(self, found: list[RopeTouch]) -> None:
         self.any = bool(found)
@@ -84,7 +84,7 @@ class RopeTouches:
 
 
 def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> RopeTouches:
-    """Where a rope in elements of these ``lengths`` presses itself, with the tangent along (cq, cv) of q and v."""
+    """Touches of a rope in elements of these ``lengths`` with itself, with the tangent along (cq, cv) of q and v."""
     rows, speeds, found = _rows(q), _rows(v), []
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
@@ -100,7 +100,7 @@ def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: 
 
 
 def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]:
-    """By how much (m) the rope lies in itself, at most, and at which height (m); 0 and no height where it does not."""
+    """Largest depth (m) of the rope in itself, and its height (m); 0 and no height without touch."""
     found = _touching(q, _rows(q), lengths, diameter)
     return max(((diameter - near[0][0], point[1]) for *_, point, near in found if near), default=(0.0, math.nan))
 
@@ -108,7 +108,7 @@ def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]
 def _touching(
     q: Array, rows: list[list[float]], lengths: Array, diameter: float
 ) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
-    """Places of elements whose boxes touch: element, shares, length, place, and what is near: distance, element, xi."""
+    """Places of elements whose boxes touch (element, shares, length, place) and near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
         number, k = int(places(l[e], diameter)), 0
@@ -122,14 +122,14 @@ def _touching(
 
 
 class SelfTouchingRope(RopeSystem):
-    """A RopeSystem with what ``scene`` has of contact of the rope with itself."""
+    """A RopeSystem with the contact of the rope with itself, as in ``scene``."""
 
     def __init__(self, scene: Scene, *parts: Any) -> None:
         super().__init__(*parts)
         self.scene = scene
 
     def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> RopeTouches:
-        """Where the rope presses itself, with the tangent along (cq, cv) of q and v."""
+        """Touches of the rope with itself, with the tangent along (cq, cv) of q and v."""
         return touches_of(self.scene, q, v, self.lengths, cq, cv)
 
     def _newton(

@@ -1,14 +1,13 @@
 """The rope among the bodies of its scene: where they are, how near it comes to them, when it passes through something.
 
-The clearance from a kind of bodies is the least distance of the rope's surface from one of them over the whole centre
-line, not over samples of it: a piece of an element is looked at more closely, half by half, as long as the upright box
-about it comes nearer to the body than the nearest place that is known, by RESOLUTION or more.  A straight leg along a
-wall fills no such box, so it costs no more than its nodes.  A conveyance and its head ropes are what the other leg,
-from the lowest node on, may come near: the rope's own end hangs below them.
+The clearance from a kind of bodies is the least distance of the rope's surface from them, over the whole centre line: a
+piece of an element is halved as long as the upright box about it comes nearer to the body than the nearest known place,
+by RESOLUTION or more.  A straight leg along a wall fills no such box, so it costs no more than its nodes.  The other
+leg, from the lowest node on, may come near a conveyance and its head ropes: the rope's own end hangs below them.
 
 The rope lies in itself where contact would press it, or presses it (self_contact).  The legs pass through each other,
-or one of them through what hangs above the other's end, where the turns over the height (diagnostics.loop_turns) jump
-by one, which the loop's yaw, counted in time, does not.
+or one of them through conveyance or head ropes above the other's end, where the turns over the height
+(diagnostics.loop_turns) jump by one, which the loop's yaw, counted in time, does not.
 """
 
 from __future__ import annotations
@@ -37,13 +36,13 @@ BODIES = {
     "divider": "a divider",
     "floor": "the sump's floor",
 }
-#: m: by how much a clearance may be less than what is found
+#: m: possible excess of a found clearance
 RESOLUTION = 1e-3
 #: rad: legs that are apart have crossed if the loop has yawed by more
 TURNED_FAR = 0.5 * math.pi
 #: s: in this time a rope that swings at 10 m/s moves by less than bodies are thick
 LOOK_EVERY = 0.01
-#: of each kind
+#: clearances of each kind before any search
 NOT_NEAR = (Nearest(),) * len(KINDS)
 
 
@@ -56,7 +55,7 @@ class _Search:
         self._radius, self._t = radius, t
 
     def beats(self, box: Any) -> Any:
-        """Whether what is in this box, or in each of several, may be nearer than what is known."""
+        """Whether contents of this box, or of each of several, may be nearer than the known place."""
         return least_distance(box[:3], box[3:], self._body) - self._radius < self.nearest.clearance - RESOLUTION
 
     def look(self, s: float, place: Any) -> None:
@@ -77,7 +76,7 @@ class _Search:
 
 
 def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
-    """One for each body, all from what is known."""
+    """One search for each body, from the known clearances."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
     around = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
     lowest = int(q[:, 1].argmin()) if around else 0
@@ -97,7 +96,7 @@ def _nearest_of(searches: Sequence[_Search], known: Sequence[Nearest]) -> tuple[
 
 
 def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[Nearest, ...]:
-    """Of each kind, the nearest place of the present rope, or the ``known`` one where none is nearer."""
+    """Nearest place of the present rope to each kind, or the ``known`` one where none is nearer."""
     if not (searches := _searches_of(scene, state, known)):
         return known
     lengths, s, rows = state.partition.lengths, state.partition.nodes_s.tolist(), state.motion.q[:, : SLOPE.stop]
@@ -114,7 +113,7 @@ def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[
 
 
 def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
-    """Of each kind, the nearest place of the present rope."""
+    """Nearest place of the present rope to each kind of body."""
     searches, s = _searches_of(scene, state, NOT_NEAR), state.partition.nodes_s.tolist()
     for search in searches:
         for k in range(search.first, search.last + 1):
@@ -123,7 +122,7 @@ def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
 
 
 def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
-    """With how far the rope lies in itself at the state's instant, where that is further than before."""
+    """The state with the rope's depth in itself at its instant, where it is the largest so far."""
     crossing = state.crossing
     overlap, y = overlap_of(state.motion.q, state.partition.lengths, scene.rope.diameter)
     if not overlap > crossing.overlap:
@@ -133,7 +132,7 @@ def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
 
 
 def with_passages(scene: Scene, state: RopeState) -> RopeState:
-    """The state with what the rope came near to, and passed through, at its instant.
+    """The state with the clearances and passages of its instant.
 
     For the end of every communication step, and after LOOK_EVERY in longer ones.
     """

@@ -1,6 +1,6 @@
 """The bodies around a rope: where they are, how they move, and which elements are near them.
 
-A body that moves does so with an end of the rope, whose row in q and v has its place and speed.  What hangs below a
+A body that moves does so with an end of the rope, whose row in q and v has its place and speed.  Rope below a
 conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension.
 """
 
@@ -28,7 +28,7 @@ class Surroundings:
     kinds: tuple[int, ...]
 
     def numbers(self, q: Array, v: Array) -> Array:
-        """What P has of contact, as physics.contact_element takes it."""
+        """Numbers of contact in P, as physics.contact_element takes them."""
         law = {"diameter": self.scene.rope.diameter} | vars(self.scene.shaft.contact)
         numbers = [law[name] for name in LAW]
         for _, end, body in placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()):
@@ -37,7 +37,7 @@ class Surroundings:
         return np.array(numbers)
 
     def distances(self, q: Array, lengths: Array) -> Array:
-        """(elements, bodies): what the distance of an element's surface from a body (m) is at least."""
+        """Return (elements, bodies): least distance (m) of an element's surface from a body."""
         box = np.array(enclosing_box(lengths, q[:-1].T, q[1:].T))[:, :, None]
         _, ends, placed = zip(*placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
         found = least_distance(box[:3], box[3:], _together(placed))
@@ -50,7 +50,7 @@ class Surroundings:
 
 
 def surroundings(scene: Scene) -> Surroundings | None:
-    """What the rope of ``scene`` may touch; None where there is nothing."""
+    """Bodies that the rope of ``scene`` may touch, or None."""
     kinds = tuple(placed.kind for placed in placed_bodies(scene.shaft, 2 * [(0.0, 0.0, 0.0)]))
     return Surroundings(scene, kinds) if may_touch(scene.shaft) else None
 

@@ -119,7 +119,7 @@ def right_offset(left: Any, right: Any) -> Any:
 
 
 def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str:
-    """'' when an end can follow ``target`` on a path with these limits; else what is wrong, and a cure."""
+    """Return '' when an end can follow ``target`` on a path with these limits; else cause and cure."""
     for name, bound in REACH.items():
         if -bound <= (value := getattr(target, name)) <= bound:
             continue

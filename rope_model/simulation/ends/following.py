@@ -1,4 +1,4 @@
-"""How the rope's ends follow the motions that their host gives.
+"""Following of the motions that a host gives to the rope's ends.
 
 Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower
 parts repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The
@@ -61,7 +61,7 @@ Axis = tuple[float, float, float]
 
 
 class Following(NamedTuple):
-    """What an end was given last, how it follows, and what was amiss since the start; y alone tells the causes."""
+    """Last input of an end, its way of following, and its faults since the start; y alone shows the causes."""
 
     given: tuple[float, float, float, float, float, float, float, float, float, float, float] = (0.0,) * 11
     given_at: float = 0.0  # s, of the latest sample that is no repetition
@@ -94,13 +94,13 @@ class Following(NamedTuple):
 
     @staticmethod
     def at_rest(t: float, at: EndMotion) -> Following:
-        """Before anything moves."""
+        """State before anything moves."""
         x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
         return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
 
 
 class Manner(NamedTuple):
-    """How an end follows: bandwidths (rad/s) of the observer and of the filters for what is not given, and more."""
+    """Manner in which an end follows: bandwidths (rad/s) of the observer and of the filters, trust, and a bound."""
 
     observer: float
     estimate: float
@@ -111,7 +111,7 @@ class Manner(NamedTuple):
 
 
 def follow_manner(scene: Any, trusted: Any) -> Manner:
-    """As chosen, or as it follows from the accuracy asked for and from the rope.
+    """Manner as chosen, or as it follows from the accuracy asked for and from the rope.
 
     ``trusted`` is the place of inputs.given among its choices.
     """
@@ -129,12 +129,12 @@ def follow_manner(scene: Any, trusted: Any) -> Manner:
 
 
 def manner_of(scene: Scene) -> Manner:
-    """How the ends of ``scene`` follow."""
+    """Manner in which the ends of ``scene`` follow."""
     return follow_manner(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
 
 
 def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Following:
-    """``now`` with what the host gives of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
+    """Add to ``now`` the host's sample of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
     values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
     since = where(given_at > now.given_at, given_at - now.given_at, h)
     repeated = _repeated(now, manner, since, values, speeds)
@@ -166,7 +166,7 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
 
 
 def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> Any:
-    """Whether what is trusted of a sample is that of the latest one, to the last bit, and cannot have been again.
+    """Whether the trusted part of a sample repeats the latest one to the last bit, and cannot be a new one.
 
     A position cannot while the end moves.  Where positions alone are given, it must be too fast to have stopped since:
     behind a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest sample.
@@ -183,7 +183,7 @@ def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> An
 
 
 def _completed(was: Any, manner: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by what is trusted of ``sample``."""
+    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by the trusted part of ``sample``."""
     x, v, a = was
     kept = exp(-manner.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
     lost = 1.0 - kept
@@ -208,7 +208,7 @@ def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
-    """What a new sample tells of the grid that positions lie on, and of a table that they are interpolated in."""
+    """Signs in a new sample of a grid of positions, and of a table with linear interpolation."""
     fits: Any = 0.0
     for grid in reversed(GRIDS):
         place = end.y / grid
@@ -233,7 +233,7 @@ def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: An
 
 
 def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
-    """The path from the end of ``path`` on, that follows what is given until ``stop``; a short one leads beyond."""
+    """Return the path from the end of ``path`` that follows the inputs until ``stop``; a short one leads beyond."""
     start = path.stop
     h = larger(stop - start, SHORTEST_AIM)
     ahead = stop - now.given_at + (h - (stop - start))
@@ -252,12 +252,9 @@ def _followed(
     """The quintic of one coordinate from x, v, a on, over the step ``h``."""
     given_place, given_speed, acceleration = motion
     place, speed = quintic.extrapolate(given_place, given_speed, acceleration, ahead)
-    # what the sample has beyond a motion of linear acceleration
-    faster = speed - v - 0.5 * h * (asked + acceleration)
-    farther = place - x - h * v - h * h / 6.0 * (2.0 * asked + acceleration)
-    change = abs(acceleration - asked)
-    rest_speed = _unexplained(faster, h * (change + 0.5 * lively + jerk * h))
-    rest_place = _unexplained(farther, h * h * (change + 0.125 * lively + jerk * h))
+    beyond = beyond_linear(h, (x, v), (asked, acceleration), (place, speed), lively, jerk)
+    rest_speed = beyond.faster - beyond.faster * beyond.speed_fits
+    rest_place = beyond.farther - beyond.farther * beyond.place_fits
     # the rest fades out as the observer has it, from the step's start on
     at_start = rest_place - h * rest_speed
     leaning = rest_speed + w * at_start
@@ -270,16 +267,44 @@ def _followed(
     )
 
 
-def _unexplained(misfit: Any, explained: Any) -> Any:
-    """The part of a misfit that a motion which fits cannot have: none up to ``explained``, all from twice that on.
+class Sampled(NamedTuple):
+    """Place and speed that a sample has beyond a motion of linear acceleration, and the parts of them that fit."""
+
+    farther: Any
+    faster: Any
+    place_fits: Any
+    speed_fits: Any
+
+
+def beyond_linear(
+    h: Any, start: tuple[Any, Any], accelerations: tuple[Any, Any], sample: tuple[Any, Any], lively: Any, jerk: float
+) -> Sampled:
+    """The place and speed of a ``sample`` after a step ``h`` from ``start`` on.
+
+    What changes of the acceleration within the step explain fits.
+    """
+    (x, v), (before, after), (place, speed) = start, accelerations, sample
+    change = abs(after - before)
+    faster = speed - v - 0.5 * h * (before + after)
+    farther = place - x - h * v - h * h / 6.0 * (2.0 * before + after)
+    return Sampled(
+        farther,
+        faster,
+        _explained(farther, h * h * (change + 0.125 * lively + jerk * h)),
+        _explained(faster, h * (change + 0.5 * lively + jerk * h)),
+    )
+
+
+def _explained(misfit: Any, most: Any) -> Any:
+    """The part of a misfit that a motion which fits may have: all up to ``most``, none from twice that on.
 
     Continuous: masters that look for events vary the step.
     """
-    return misfit - misfit * smaller(larger(2.0 - abs(misfit) / explained, 0.0), 1.0)
+    return smaller(larger(2.0 - abs(misfit) / most, 0.0), 1.0)
 
 
 class Limits(NamedTuple):
-    """Of an end's path: largest accelerations on it, sampled, and misfit of place and speed at its end, by PATH."""
+    """Limits of an end's path: largest sampled accelerations, and misfit of place and speed at its end, by PATH."""
 
     peaks: Four
     place: Four
@@ -287,22 +312,22 @@ class Limits(NamedTuple):
 
 
 def missed(path: Any, now: Any) -> list[Axis]:
-    """By how much place, speed and acceleration at the path's end are short of what is given, by PATH."""
-    found = []
-    for given, x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
-        place, speed = quintic.extrapolate(*given, path.stop - now.given_at)
-        found.append((place - x, speed - v, given[2] - a))
+    """Misfit of place, speed and acceleration at the path's end, by PATH."""
+    found, ahead = [], path.stop - now.given_at
+    for (place, speed, acceleration), x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
+        then, faster = quintic.extrapolate(place, speed, acceleration, ahead)
+        found.append((then - x, faster - v, acceleration - a))
     return found
 
 
 def follow_limits(path: Any, now: Any) -> Limits:
-    """What decides whether the path can be followed; NaN where a coordinate is."""
+    """Measures that decide whether the path can be followed; NaN where a coordinate is."""
     place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
     return Limits(path.peak_accelerations(), place, speed)
 
 
 class Followed(NamedTuple):
-    """An end's next path, and what decides whether it can be followed."""
+    """Next path of an end, and the measures that decide whether it can be followed."""
 
     following: Following
     path: EndPath

@@ -1,4 +1,4 @@
-"""How the conveyances move the rope's ends.
+"""Motions of the rope's ends with the conveyances.
 
 Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
 acceleration are continuous whatever the host's step.  simulation.ends.following says where a path leads.  Works on
@@ -51,7 +51,7 @@ class EndMotion:
     yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
 
     def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
-        """The motion ``after`` so many seconds, on quintics to a motion ``h`` seconds later."""
+        """Return the motion ``after`` (s) from here, on quintics to the motion ``to``, ``h`` (s) from here."""
         starts = *zip(self.position, self.velocity, self.acceleration, strict=True), (self.yaw, self.yaw_rate, 0.0)
         stops = *zip(to.position, to.velocity, to.acceleration, strict=True), (to.yaw, to.yaw_rate, 0.0)
         motions = [
@@ -84,7 +84,7 @@ OfAxes = tuple[Any, Any, Any, Any]
 
 
 class EndPath(NamedTuple):
-    """A quintic in s = t - start for each of x, y, z and yaw; held from ``stop`` on."""
+    """A quintic in s = t - start for each values of x, y, z and yaw; held from ``stop`` on."""
 
     start: float
     stop: float

@@ -1,4 +1,4 @@
-"""Stick and slip: when a swivel must change its phase, and what it does then.
+"""Stick and slip: when a swivel must change its phase, and its next phase.
 
 The event function of a swivel is negative while its phase may last: |M| - M_static while it sticks, the rate against
 the sense of the slip while it slips.  The step that would carry it past zero is shortened to end there; then the
@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 #: width in s to which events are located
 EVENT_WIDTH = 1e-9
-#: so many switchings within so many s are no motion of a rope
+#: number of switchings, and time (s), beyond which a swivel chatters
 CHATTER = 50, 1e-3
 
 
@@ -117,7 +117,7 @@ def chatters(state: RopeState) -> bool:
 
 
 def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
-    """What a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip."""
+    """Next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
     now, motion = state.swivels[side], state.motion
     if now.phase is Phase.SLIP:
         angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]

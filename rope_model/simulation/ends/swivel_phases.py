@@ -1,4 +1,4 @@
-"""What a swivel's friction does in each phase, and how long a phase lasts; codegen.rules makes the C of it.
+"""Friction of a swivel in each phase, and the end of a phase; codegen.rules makes the C of it.
 
 ``now`` is the swivel's SwivelState, ``held`` the moment (N m) by which the conveyance would hold the rope's end, and
 ``rate`` that of the swivel's angle (rad/s).
@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 from ...physics.elementary import both, either, where
 from ...physics.swivel import friction_moment
 
-#: N m by which a moment must pass the static limit: what is below is rounding
+#: N m by which a moment must pass the static limit: less is rounding
 MOMENT_RESOLUTION = 1e-9
 
 
 class Phase(Enum):
-    """What a swivel does."""
+    """Phase of a swivel."""
 
     LOCKED = 0
     STICK = 1

@@ -1,1 +1,1 @@
-"""Partitions of the rope, and what changes from one to the next."""
+"""Partitions of the rope, and the change from one to the next."""

@@ -26,7 +26,7 @@ from .transfer import transfer_fields
 
 log = logging.getLogger(__name__)
 
-#: s: what is slower keeps its shape in a transformation
+#: s: slower motions keep their shape in a transformation
 RELAXATION_TIME = 0.1
 
 
@@ -69,7 +69,7 @@ def _dynamic_equilibrium(model: RopeModel, state: RopeState) -> Solution[Evaluat
 
 
 def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
-    """The state at the lowest fidelity that can follow what this one cannot.
+    """The state at the lowest fidelity that can follow the present motion.
 
     Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
     fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.

@@ -2,12 +2,12 @@
 
 R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements there are
 as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
-with the sixth when they are short (physics.accuracy); docs/promise.md tells which errors are kept.  Segment IV covers
-the bend, what fades out above it, and the way to the next transformation.  The elements next to the clamped ends
-resolve the bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a
-divider may press a leg all elements are short enough for the blow.
+with the sixth when they are short (physics.accuracy); docs/promise.md shows the errors kept.  Segment IV covers the
+bend, its decay above, and the way to the next transformation.  The elements next to the clamped ends resolve the
+bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a divider may press
+a leg all elements are short enough for the blow.
 
-`python -m evidence.mesh_rule` fits what the constants rest on.
+`python -m evidence.mesh_rule` fits the basis of the constants.
 """
 
 from __future__ import annotations
@@ -15,36 +15,36 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from ...physics import contact_error
 from ...physics.accuracy import BRAKED, length_for, memory
-from ...physics.contact_error import delay
 from ...physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
 from ...physics.estimates import axial_frequency, bending_length
 
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
 #: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
 DUE = 0.6
-#: of l to the elements of IV: five segments
+#: ratio of l to the elements of IV: five segments
 RATIO = 4.0
 #: of end_levels
 MOST_LEVELS = 8
-#: of the accuracy asked of the loop's place, what the mesh may take
+#: share of the loop's allowed error that the mesh may take
 MESH_SHARE = 0.5
-#: grading_length = LEG_GRADING loop_error / length, what short waves may lag behind on a long trip, but no more than
-#: LEG_WAVES / length, for the short waves of an emergency stop (evidence.mesh_rule.trips); nor more than
-#: LEG_SWAY (EI / rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are
-#: 2 pi sqrt(w y) long, and elements sqrt(grading_length y)
+#: grading_length = LEG_GRADING loop_error / length, the lag allowed to short waves on a long trip, but no more than
+#: LEG_WAVES / length, for the short waves of an emergency stop (evidence.mesh_rule.trips); nor more than LEG_SWAY (EI /
+#: rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are 2 pi sqrt(w y) long,
+#: and elements sqrt(grading_length y)
 LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
-#: what an emergency stop leaves of longitudinal waves pumps the legs' waves of half their frequency (pumped_grading):
-#: elements that such a wave has with a leg of PUMPED_LEG of the rope, fewer where it grows by less than
-#: exp(PUMPED_GROWTH); emergency stops of seeds 40 and 41 of `make promise`'s scenes
+#: longitudinal waves after an emergency stop pump the legs' waves of half their frequency (pumped_grading): elements
+#: that such a wave has with a leg of PUMPED_LEG of the rope, fewer where it grows by less than exp(PUMPED_GROWTH);
+#: emergency stops of seeds 40 and 41 of `make promise`'s scenes
 PUMPED_ELEMENTS, PUMPED_LEG, PUMPED_GROWTH = 5.0, 0.75, 8.0
 #: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
 NATURAL_RADIUS = 0.912
-#: of loop_error, what the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips aside,
-#: are not used
+#: share of loop_error that the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips
+#: aside, are not used
 LOCKING_SHARE, LONGEST = 0.6, 0.75
-#: what fades out above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much
-#: more for a tenth of it
+#: decay above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much more for a
+#: tenth of it
 FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
 #: how near an end the loop has the whole pattern about it, in rope lengths: ends that part by 3/4 of them
 NEAREST = 0.12
@@ -52,11 +52,11 @@ NEAREST = 0.12
 END_LENGTH, END_ERROR = 2.9, 0.033
 #: legs that a divider may press have elements that follow its pressure with this delay (s): physics.contact_error; it
 #: may press legs that hang within REACH of the spacing from it
-BLOW, REACH = 0.014, 0.5
+BLOW, REACH = 0.01, 0.5
 
 
 class FittedLengths(NamedTuple):
-    """Of the mesh that suits a rope, m: radius of the loop, elements there, what fades out above it, end elements.
+    """Lengths (m) of the mesh that suits a rope: loop's radius, its elements, decay of the bend above, end elements.
 
     ``grading``: square of the legs' elements over their distance from the loop.
     """
@@ -99,7 +99,7 @@ def pressed_length(scene: Any) -> Any:
     shaft = scene.shaft
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
     pressed = both(shaft.contact.stiffness > 0, either(*(_is_near(scene, divider) for divider in dividers)))
-    return where(pressed, BLOW / delay(scene), math.inf)
+    return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
 def _is_near(scene: Any, divider: Any) -> Any:
@@ -109,7 +109,7 @@ def _is_near(scene: Any, divider: Any) -> Any:
 
 
 def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
-    """Length of segment IV: bend, what fades out above it, and the way to the next transformation; m."""
+    """Length (m) of segment IV: bend, its decay above, and the way to the next transformation."""
     return math.pi * radius + 2 * fade + 2 * DUE * coarse
 
 

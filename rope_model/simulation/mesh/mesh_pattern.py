@@ -43,12 +43,12 @@ def pattern_centre(pattern: Any) -> Any:
 
 
 def distance_to_due(pattern: Any, bottom: Any) -> Any:
-    """How far past the limit the loop is, m; negative when no transformation is due or none is possible."""
+    """Distance (m) of the loop past the limit; negative when no transformation is due or possible."""
     return _past_limit(pattern, bottom - pattern_centre(pattern))
 
 
 def _past_limit(pattern: Any, offset: Any) -> Any:
-    """The same of a loop that is ``offset`` (m) right of the centre."""
+    """Distance past the limit of a loop that is ``offset`` (m) right of the centre."""
     outer = where(offset > 0.0, pattern.counts[6], pattern.counts[0])
     stays = either(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
     return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)

@@ -6,19 +6,19 @@ TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segment
 
     I: l    II: l/2    III: l/4    IV: l/8    V: l/4    VI: l/2    VII: l
 
-IV around the loop's lowest point.  When the loop has travelled l along the rope a transformation moves the pattern
-by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
-coarser two elements become one, where it gets finer one becomes two (see transfer).  Without III and V
-IV has l/4, without II and VI too l/2: shorter ways from one transformation to the next, which IV need not cover.
-Near an end of the rope the pattern goes on beyond it.  The outermost l stays, with the loop's elements where they are
-shorter; what the end cuts off, up to half of the pattern, halves the other leg's longest elements: their number stays.
+IV around the loop's lowest point.  When the loop has travelled l along the rope a transformation moves the pattern by
+l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets coarser
+two elements become one, where it gets finer one becomes two (see transfer).  Without III and V IV has l/4, without II
+and VI too l/2: shorter ways from one transformation to the next, which IV need not cover. Near an end of the rope the
+pattern goes on beyond it.  The outermost l stays, with the loop's elements where they are shorter; the part cut off by
+the end, up to half of the pattern, halves the other leg's longest elements: their number stays.
 
 Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
-long, is shorter than l; unresolved, it leans the whole leg.  And the pattern goes on upwards in I and VII, 2 l, 3 l,
-4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
-waves of a swaying leg travel at sqrt(g x), and an element may be as long as sqrt(``grading_length`` x).  Their
-number, the same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
+long, is shorter than l; unresolved, it leans the whole leg.  And the pattern goes on upwards in I and VII, 2 l, 3 l, 4
+l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
+waves of a swaying leg travel at sqrt(g x).  An element may be as long as sqrt(``grading_length`` x).  Their number, the
+same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from ..rope_system import Array, arc_lengths
 from .mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
 from .mesh_pattern import fewest_outer, fine_share, inner_length, pattern_centre, relative_lengths
 
-#: a step does not carry the loop further than this many l past that: what 20 ms at 20 m/s do where l = 1.6 m
+#: a step carries the loop at most this many l past that: 20 ms at 20 m/s where l = 1.6 m
 LATEST = 0.25
 #: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
 #: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
@@ -123,7 +123,7 @@ def transform(old: Partition, direction: float) -> Partition:
 def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length: float) -> Partition:
     inner = np.repeat(relative_lengths(counts[1:6]), counts[1:6])
     first, last = max(counts[0], 1), max(counts[6], 1)
-    # what the ends of the rope leave of II to VI
+    # rest of II to VI within the ends of the rope
     shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
     kept = shares[shares > 0.0]
     growth, fine = grading_length / coarse, fine_share(counts[1:6])

@@ -1,9 +1,9 @@
 """Nodal values between the nodes, and carried from one partition of the rope to another.
 
-A transformation carries q, the velocities and the accelerations to those fields on the new elements that differ least
-from the old ones in the mean square along the rope.  So the momentum stays where two elements merge, but for what the
-clamped ends take up.  Dropping the middle node alone would lose what it had more than its neighbours: a blow to the
-leg at every transformation.
+A transformation carries q, the velocities and the accelerations to new elements: the new fields are those nearest to
+the old ones in the mean square along the rope.  So the momentum stays where two elements merge, but for the part that
+the clamped ends take up.  Dropping the middle node alone would lose its excess over its neighbours: a blow to the leg
+at every transformation.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Indices = NDArray[np.intp]
 
 
 def interpolate(x: Array, s: Array, at: Array) -> Array:
-    """What elements between nodes at ``s`` (m) with values ``x`` (..., nodes, 7) have at ``at`` (m): (..., places, 7).
+    """Interpolate values ``x`` (..., nodes, 7) at ``s`` (m) to the places ``at`` (m): (..., places, 7).
 
     Cubic Hermite for r and, its derivative, r'; linear for theta.  A node's own place has its values to the bit.
     """
@@ -80,7 +80,7 @@ def _element_at(s: Array, at: Array) -> Indices:
 
 
 def _element_values(fields: Array, elements: Indices) -> Array:
-    """(14, fields, elements): what both nodes of the elements have."""
+    """Return (14, fields, elements): values of both nodes of the elements."""
     return np.concatenate((fields[:, elements], fields[:, elements + 1]), axis=2).transpose(2, 0, 1)
 
 
@@ -95,7 +95,7 @@ def _cubic_products(l: Array) -> Array:
 
 
 def _linear_products(l: Array) -> Array:
-    """The same for theta: (nodes, 2)."""
+    """Products for theta: (nodes, 2)."""
     band = np.zeros((l.size + 1, 2))
     band[:-1, 0] += l / 3
     band[1:, 0] += l / 3

@@ -1,1 +1,1 @@
-"""What the rope says, and in which case."""
+"""Messages of the rope, and their cases."""

@@ -37,7 +37,7 @@ def carries_torque(scene: Any) -> Any:
 
 
 def expected_travel(ends: Sequence[Any]) -> Travel:
-    """What to expect of ends that move like this now."""
+    """Motion to expect of ends that move like this now."""
     left, right = ends
     speed, acceleration = larger(abs(left.vy), abs(right.vy)), larger(abs(left.ay), abs(right.ay))
     return travel_estimate(abs(left.y - right.y), speed, acceleration)

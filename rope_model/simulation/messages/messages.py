@@ -1,7 +1,7 @@
-"""What the rope says when something is refused or fails: the texts of both forms.
+"""Messages of refusals and failures: the texts of both forms.
 
 Each function is a text and nothing else: codegen.messages makes the C of it.  Numbers are written as ``{x}``, ``{x:g}``
-or with a number of digits as ``{x:.3g}``.  Warnings are in warning_messages, what is said of the choice of the model in
+or with a number of digits as ``{x:.3g}``.  Warnings are in warning_messages, reasons for a fidelity in
 fidelity_messages.
 """
 
@@ -23,30 +23,29 @@ def moves_at_start(side: str) -> str:
 
 def ends_above_each_other(apart: float) -> str:
     return (
-        f"the ends hang exactly above each other, {apart:g} m apart, which leaves the loop no plane; move one sideways"
+        f"the ends hang exactly above each other, {apart:g} m apart, so that the loop has no plane; move one sideways"
     )
 
 
 def rope_too_short(length: float, width: float, height: float) -> str:
     return (
-        f"the rope of {length:g} m cannot hang between ends {width:g} m apart with a height difference of "
-        f"{height:g} m; give a longer rope or bring the ends together"
+        f"the rope of {length:g} m cannot hang between ends {width:g} m apart with a height difference of {height:g} "
+        "m; give a longer rope or bring the ends together"
     )
 
 
 def no_equilibrium(iterations: int, force: float) -> str:
     return (
-        f"no equilibrium within {iterations} iterations: {force:.3g} N are left unbalanced; the rope may have none in "
-        "this configuration (too much twist, bodies without room for it), the elements may be too long for EI, or a "
-        "unit may be wrong"
+        f"no equilibrium within {iterations} iterations: {force:.3g} N are left unbalanced; check twist, units and the "
+        "room between bodies, or take elements that are shorter for EI"
     )
 
 
 def end_in_lining(inside: float, width: float, depth: float, x: float, z: float) -> str:
     return (
         f"no equilibrium: an end of the rope lies {inside:.3g} m in the shaft's lining, which is {width:g} m wide and "
-        f"{depth:g} m deep about x = {x:g} m, z = {z:g} m; both ends must hang within it: give other lining.width, "
-        "lining.depth, lining.x and lining.z, or a smaller layout.spacing"
+        f"{depth:g} m deep about x = {x:g} m, z = {z:g} m; both ends must hang within it: change lining.*, or lower "
+        "layout.spacing"
     )
 
 
@@ -62,19 +61,19 @@ def end_below_floor(below: float, level: float) -> str:
 
 def fails_at_twist(reached: float, twist: float, step: float, iterations: int, why: str) -> str:
     return (
-        f"at {reached:.4g} of {twist:.4g} rad of twist, put in by {step:.2g} rad at last and with {iterations} "
-        f"iterations in all: {why:.340}"
+        f"at {reached:.4g} of {twist:.4g} rad of twist (last increment {step:.2g} rad, {iterations} iterations in "
+        f"all): {why:.340}"
     )
 
 
 def takes_too_long() -> str:
-    return "more than twice what any rope needed that came to rest; put in less twist, or shorten the rope"
+    return "more than ropes need that come to rest; use less twist, or a shorter rope"
 
 
 def fails_at_curvature(reached: float, curvature: float, why: str) -> str:
     return (
-        f"at {reached:.4g} of initial_curvature = {curvature:.4g} 1/m, which should be lowered or lie as the loop "
-        f"bends: {why:.380}"
+        f"at {reached:.4g} of initial_curvature = {curvature:.4g} 1/m (lower it, or let it lie as the loop bends): "
+        f"{why:.380}"
     )
 
 
@@ -121,9 +120,8 @@ def inputs_do_not_fit(side: str, name: str, acceleration: float, unit: str, boun
 
 def input_misfit(side: str, name: str, misfit: float, unit: str, bound: float) -> str:
     return (
-        f"input {side}.{name} and what its derivatives have led to are {misfit:.3g} {unit} apart (inputs.misfit_max = "
-        f"{bound:g}); give position, speed and acceleration of one motion, or say in inputs.given which of them to "
-        "trust"
+        f"input {side}.{name} is {misfit:.3g} {unit} away from the motion of its derivatives (inputs.misfit_max = "
+        f"{bound:g}); give position, speed and acceleration of one motion, or name the trusted ones in inputs.given"
     )
 
 
@@ -136,8 +134,8 @@ def motions_of_another_time(given_at: float, earliest: float, t: float) -> str:
 
 def inputs_frozen(side: str, held: float, bound: float) -> str:
     return (
-        f"the inputs of the {side} end have not changed for {held:.3g} s while they say that it moves "
-        f"(inputs.hold_max = {bound:g} s); check whether their sender still runs"
+        f"the inputs of the {side} end have not changed for {held:.3g} s although it moves (inputs.hold_max = "
+        f"{bound:g} s); check whether their sender still runs"
     )
 
 

@@ -16,7 +16,7 @@
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
-one and what hangs above it.  That is half a turn over the height (diagnostics.loop_turns), too.
+one, its conveyance and head ropes.  That is half a turn over the height (diagnostics.loop_turns), too.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def neglected_effects(scene: Scene, state: RopeState) -> str:
 
 
 def passed_bodies(scene: Scene, state: RopeState) -> str:
-    """'' while the rope touches nothing; otherwise what it struck or passed into, when and where."""
+    """Return '' while the rope touches nothing; otherwise the bodies that it struck or passed into, time and place."""
     told = ""
     for name, x in zip(KINDS, state.nearest, strict=True):
         if x.clearance <= 0:
@@ -71,7 +71,7 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
 
 
 def unfit_inputs(scene: Scene, state: RopeState) -> str:
-    """'' while the motions given fit; otherwise what they look like, and what to do."""
+    """Return '' while the given motions fit; otherwise their likely fault, and a cure."""
     for side, following in zip(SIDES, state.following, strict=True):
         if told := first_text(warning_rules.INPUTS, scene, following, state.last_interval):
             return warning_messages.of_end(side, told)
@@ -90,7 +90,7 @@ def _end_twist(state: RopeState) -> float:
     return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * direction(q)
 
 
-#: each tells of one thing, in the order of rope_warning in rope.h
+#: in the order of rope_warning in rope.h
 WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "passed_bodies": passed_bodies,
     "passed_sides": partial(first_text, warning_rules.PASSED_SIDES),

@@ -15,60 +15,58 @@ def and_another(before: str, passed: str) -> str:
 
 
 def rope_struck(what: str) -> str:
-    return f"the rope has struck {what:.430}; the outputs contact.* have the forces"
+    return f"the rope has struck {what:.430}; the outputs contact.* are the forces"
 
 
 def rope_pressed_into(what: str, stiffness: float) -> str:
     return (
         f"the rope was pressed into {what:.330}, by more than its diameter: contact.stiffness = {stiffness:g} is too "
-        "soft for it"
+        "soft"
     )
 
 
 def rope_passed_into(what: str) -> str:
-    return f"the rope has passed into {what:.400}; contact is not computed: nothing after that is what a real rope does"
+    return f"the rope has passed into {what:.400}; contact is not computed: later results describe no real rope"
 
 
 def sides_passed(number: float, since: float, y: float) -> str:
     return (
         "the rope's legs have passed through each other, or one of them through the conveyance and head ropes above "
-        f"the other: {number:g} times (loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; contact "
-        "is not computed: nothing after that is what a real rope does; contact.rope_stiffness = 1e7 computes that of "
-        "the legs; lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
+        f"the other: {number:g} times (loop.crossings), first at t = {since:.6g} s around y = {y:.4g} m; contact is "
+        "not computed: later results describe no real rope; set contact.rope_stiffness = 1e7, lower Qb, Qc or "
+        "installed_twist, free the swivels, or widen the spacing"
     )
 
 
 def sides_passed_in_spite(number: float, since: float, y: float, stiffness: float) -> str:
     return (
-        "one side of the rope has passed through the other, the conveyance and head ropes above its end where the "
-        f"scene has none, or the leg where contact.rope_stiffness = {stiffness:g} is too soft for it: {number:g} times "
-        f"(loop.crossings), the first at t = {since:.6g} s around y = {y:.4g} m; nothing after that is what a real "
-        "rope does; give conveyance and head_ropes, raise contact.rope_stiffness, lower Qb, Qc or installed_twist, or "
-        "free the swivels"
+        f"one side of the rope has passed through the other {number:g} times (loop.crossings), first at t = "
+        f"{since:.6g} s around y = {y:.4g} m: contact.rope_stiffness = {stiffness:g} is too soft, or the scene lacks "
+        "conveyance and head_ropes; later results describe no real rope; raise or give these, lower Qb, Qc or "
+        "installed_twist, or free the swivels"
     )
 
 
 def turned_around(turns: float) -> str:
     return (
         f"the rope is turned around itself: one leg has swung {turns:.3g} turns about the other and the conveyance and "
-        "head ropes above it (loop.turns); half a turn is a loop turned over; lower Qb, Qc or installed_twist, free "
-        "the swivels, or widen the spacing"
+        "head ropes above it (loop.turns; at half a turn the loop is turned over); lower Qb, Qc or installed_twist, "
+        "free the swivels, or widen the spacing"
     )
 
 
 def legs_touch(overlap: float, since: float, y: float) -> str:
     return (
-        f"the rope's legs have touched each other, first at t = {since:.6g} s, and lain in each other by up to "
-        f"{overlap:.3g} m (loop.overlap) around y = {y:.4g} m; contact is not computed, and a real rope would lie "
-        "against itself: contact.rope_stiffness = 1e7 computes it; keep the legs taut, lower Qb, Qc or "
-        "installed_twist, free the swivels, or widen the spacing"
+        f"the rope's legs have touched each other, first at t = {since:.6g} s, and overlapped by up to {overlap:.3g} m "
+        f"(loop.overlap) around y = {y:.4g} m; contact is not computed: set contact.rope_stiffness = 1e7, keep the "
+        "legs taut, lower Qb, Qc or installed_twist, free the swivels, or widen the spacing"
     )
 
 
 def legs_press(overlap: float, since: float, y: float) -> str:
     return (
         f"the rope's legs have pressed each other, first at t = {since:.6g} s, by up to {overlap:.3g} m (loop.overlap) "
-        f"around y = {y:.4g} m; contact.rope has the force; keep the legs taut, lower Qb, Qc or installed_twist, free "
+        f"around y = {y:.4g} m; contact.rope is the force; keep the legs taut, lower Qb, Qc or installed_twist, free "
         "the swivels, or widen the spacing"
     )
 
@@ -82,48 +80,47 @@ def yawed_at_rest(yaw: float, bound: float, source: str) -> str:
 
 def other_rests(angle: float) -> str:
     return (
-        f"the rope has more than one way to hang: turned in slowly it snapped over at {angle:.3g} rad of twist, and "
-        "hangs as it came to rest after that; use less twist (installed_twist, yaw of the ends), or free the swivels"
+        f"the rope has more than one way to hang: turned in slowly it snapped over at {angle:.3g} rad of twist; use "
+        "less twist (installed_twist, yaw of the ends), or free the swivels"
     )
 
 
 def forces_missing(force: float, bound: float) -> str:
     return (
         f"{force:.3g} N are missing between the end forces, the weight and the change of the rope's momentum "
-        f"(audit.momentum, bound {bound:.3g} N): time steps are too long for this motion, the state was altered from "
-        "outside, or the rope computes wrongly; lower step_max, or go back to a state that was saved before, and "
-        "report what neither mends"
+        f"(audit.momentum, bound {bound:.3g} N): time steps are too long for this motion, or the state was altered "
+        "from outside; lower step_max, or restore an earlier state, and report an error that stays"
     )
 
 
 def moments_missing(moment: float, bound: float) -> str:
     return (
-        f"{moment:.3g} N m are missing between what acts on the rope and the change of its angular momentum "
+        f"{moment:.3g} N m are missing between the moments on the rope and the change of its angular momentum "
         f"(audit.moment, bound {bound:.3g} N m): time steps are too long for this motion, or the state was altered "
-        "from outside; lower step_max, or go back to a state that was saved before"
+        "from outside; lower step_max, or restore an earlier state"
     )
 
 
 def waves_unresolved(change: float, steps: float, bound: float, step: float) -> str:
     return (
-        f"an end force changes by {change:.3g} N in one time step, of which an axial period of the rope's longer leg "
-        f"has {steps:.3g} (bound {bound:.3g}): its waves are not resolved; lower step_max to {step:.2g} s"
+        f"an end force changes by {change:.3g} N in one time step, and an axial period of the rope's longer leg has "
+        f"{steps:.3g} steps (bound {bound:.3g}): its waves are not resolved; lower step_max to {step:.2g} s"
     )
 
 
 def bend_unresolved(elements: float, bound: float) -> str:
     return (
-        f"the rope's sharpest bend has {elements:.3g} elements in half a turn (bound {bound:.3g}): they are too "
-        "long for it; set mesh.kind = auto, or lower coarse_length; where auto's are too long, a leg has gone slack: "
-        "keep it taut, or take mesh.kind = eem with more elements"
+        f"the rope's sharpest bend has {elements:.3g} elements in half a turn (bound {bound:.3g}); set mesh.kind = "
+        "auto, or lower coarse_length; where auto is set, a leg has gone slack: keep it taut, or take mesh.kind = eem "
+        "with more elements"
     )
 
 
 def loop_unresolved(fine: float, error: float, bound: float, yaw: float, length: float) -> str:
     return (
-        f"elements of {fine:.3g} m, as mesh was set, put the loop up to {error:.2g} m from its place (accuracy.loop = "
-        f"{bound:g} m) and turn it by up to {yaw:.2g} rad: they are too long for its bend; set mesh.kind = auto, or "
-        f"take elements of at most {length:.2g} m there"
+        f"elements of {fine:.3g} m are too long for the bend: they put the loop up to {error:.2g} m from its place "
+        f"(accuracy.loop = {bound:g} m) and turn it by up to {yaw:.2g} rad; set mesh.kind = auto, or take elements of "
+        f"at most {length:.2g} m there"
     )
 
 
@@ -157,8 +154,8 @@ def no_rise_to_guard(threshold: float, fidelity: str) -> str:
 
 def no_air(vx: float, vy: float, vz: float) -> str:
     return (
-        f"air.density = 0, so that air that moves at ({vx:g}, {vy:g}, {vz:g}) m/s does nothing: give the density, "
-        "1.2 kg/m3 at the surface"
+        f"air.density = 0, so that air that moves at ({vx:g}, {vy:g}, {vz:g}) m/s does nothing: give the density, 1.2 "
+        "kg/m3 at the surface"
     )
 
 
@@ -168,9 +165,9 @@ def no_air_to_push(buffet: float) -> str:
 
 def extrapolated_too_far(h: float, bound: float) -> str:
     return (
-        f"a communication step of {h:g} s is too long for inputs that are extrapolated: forces err by percents beyond "
-        f"{bound:g} s; communicate more often, or set inputs_at_step_end = true and give the motion at the end of each "
-        "step"
+        f"a communication step of {h:g} s is too long for inputs that are extrapolated: beyond {bound:g} s forces err "
+        "by some percent; communicate more often, or set inputs_at_step_end = true and give the motion at the end of "
+        "each step"
     )
 
 
@@ -181,7 +178,7 @@ def of_end(side: str, told: str) -> str:
 def positions_rounded(grid: float) -> str:
     return (
         f"positions look rounded to {grid:g} m; the end follows speed and acceleration and draws them in slowly; give "
-        "more digits, or leave the position out with inputs.given = speed (3)"
+        "more digits, or leave the position out (inputs.given = speed, 3)"
     )
 
 
@@ -203,20 +200,20 @@ def table_too_coarse(every: float, step: float) -> str:
 def motion_misfits(place: float, speed: float, acceleration: float) -> str:
     return (
         f"position, speed and acceleration are not of one motion: the end lags behind by up to {place:.3g} m and "
-        f"{speed:.3g} m/s, and has up to {acceleration:.3g} m/s^2 more than is given (inputs.misfit); check time "
-        "stamps, units and signs, or say in inputs.given which of them to trust"
+        f"{speed:.3g} m/s, and has up to {acceleration:.3g} m/s^2 more than given (inputs.misfit); check time stamps, "
+        "units and signs, or name the trusted ones in inputs.given"
     )
 
 
 def accuracy_given_up(steps: int, since: float, bound: int) -> str:
     return (
-        f"accuracy was given up in {steps} steps since t = {since:.6g} s: they wanted more Newton iterations than "
+        f"accuracy was given up in {steps} steps since t = {since:.6g} s: they needed more Newton iterations than "
         f"work_max = {bound} allows a communication step; raise it, or communicate more often"
     )
 
 
 def torque_of_coupling(Qb: float, Qc: float) -> str:
-    return f"the coupling Qb = {Qb:g}, Qc = {Qc:g} N m: give what was measured on this very rope, free the swivels"
+    return f"the coupling Qb = {Qb:g}, Qc = {Qc:g} N m: measure it on this rope, free the swivels"
 
 
 def torque_of_twist(angle: float) -> str:

@@ -1,5 +1,4 @@
-"""When a result deserves a warning, as far as numbers tell: tables for simulation.messages.result_warnings and its
-C."""
+"""Rules of warnings that numbers decide: tables for simulation.messages.result_warnings and its C."""
 
 from __future__ import annotations
 
@@ -47,7 +46,7 @@ def rests(scene: Any, state: Any) -> Any:
 
 
 def leaves_out(scene: Any, state: Any) -> Any:
-    """Whether the rope does what its fidelity does not compute, if that is none that computes all."""
+    """Whether the rope moves in a way that its fidelity leaves out."""
     blown = both(state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0)
     return either(state.fidelity == "rigid", carries_torque(scene), blown)
 
@@ -69,7 +68,7 @@ def _sides_passed_in_spite(scene: Any, state: Any) -> tuple[Any, ...]:
 
 
 def _turned_around(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
-    # what has passed through nothing is turned as far over its height as its loop, and is told by its passages else
+    # a rope without passages is turned as far over its height as its loop; passages have their own warning
     return both(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN), yaw / (2 * math.pi)
 
 
@@ -105,7 +104,7 @@ def _torque_of_ends(scene: Any, turned: Any) -> tuple[Any, ...]:
 
 
 def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
-    """By coupling, permanent curvature, installed twist, and by ends that twist the rope by ``turned`` (rad)."""
+    """Torques by coupling, permanent curvature, installed twist, and ends that twist the rope by ``turned`` (rad)."""
     rope = scene.rope
     # the installed twist is part of the last
     ends = twist_torque(rope, turned) * (1 - 1e-9)
@@ -128,7 +127,7 @@ def _moments_missing(scene: Any, state: Any) -> tuple[Any, ...]:
 
 
 def _shown_below(number: Any) -> Any:
-    """``number``, cut to two decimals: what is below a bound of less than 10 does not look like it."""
+    """``number``, cut to two decimals: a number below a bound of less than 10 then looks different from it."""
     return floor(100.0 * number) / 100.0
 
 
@@ -243,7 +242,7 @@ UNRESOLVED_BEND: Rules = {
 }
 LONG_EXTRAPOLATION: Rules = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
 NO_AIR: Rules = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
-#: the guard that needs most of the model comes first: what makes it see makes the others see too
+#: the guard that needs most of the model comes first: a model that serves it serves the others
 BLIND_GUARDS: Rules = {
     warning_messages.no_torque_to_guard: _no_torque_to_guard,
     warning_messages.no_turns_to_guard: _no_turns_to_guard,
@@ -252,7 +251,7 @@ BLIND_GUARDS: Rules = {
 }
 ACCURACY_GIVEN_UP: Rules = {warning_messages.accuracy_given_up: _accuracy_given_up}
 
-#: of what is given for an end
+#: cases of the inputs of an end
 INPUTS: Rules = {
     warning_messages.positions_rounded: _positions_rounded,
     warning_messages.samples_repeated: _samples_repeated,

@@ -1,1 +1,1 @@
-"""What a running rope shows: signals, checks, derivatives and modes."""
+"""Outputs of a running rope: signals, checks, derivatives and modes."""

@@ -1,14 +1,14 @@
 """Whether the rope's motion is that of its forces: checks that do not go by the integrator's own error measure.
 
-Over each communication step H the change of the rope's momentum p and of its angular momentum L is compared with what
-acts from outside, the end forces and moments and the weight:
+Over each communication step H the change of the rope's momentum p and of its angular momentum L is compared with the
+end forces and moments and the weight:
 
     p_1 - p_0 - int (F_l + F_r + W) dt = H f,      L_1 - L_0 - int (M_l + M_r + M_W) dt = H m
 
 about a point midway between the ends.  f and m, mean missing force and moment, are zero for the exact motion.  End
 forces at the ends of a step are not their means in it: the trapezoidal rule errs by h^2 F_tt / 12, 20 N in an emergency
-stop.  What the method makes of the accelerations it must make of the forces: they get an auxiliary value b as these
-have (numerics.generalized_alpha), by which p balances to rounding and L, not linear in the motion, but for h^2.
+stop.  The forces need the same weights as the accelerations: they get an auxiliary value b as these have
+(numerics.generalized_alpha), by which p balances to rounding and L, not linear in the motion, but for h^2.
 
 Beside it: by how much the balance of energy changes, how much of an axial period of the longer leg a step takes, and
 how far the tangent turns in an element.
@@ -42,7 +42,7 @@ FEWEST_ELEMENTS = 4.0
 
 
 class Audit(NamedTuple):
-    """What the next communication step is compared with, and the worst so far.
+    """Reference of the next communication step's audit, and the worst so far.
 
     Loads are forces and moments about the origin, of both ends together.
     """

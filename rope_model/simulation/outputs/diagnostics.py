@@ -1,4 +1,4 @@
-"""What a hoist engineer reads off the rope's shape."""
+"""Quantities of the rope's shape for hoist engineers."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
     So it is where each leg is nowhere higher than its end and on its own side of a plane through the lowest node,
     across the line from left to right, by a margin that keeps a ``diameter`` (m) between them ``above`` (m) or more
     over that node, and the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so
-    that those of a loop that swings are told apart too.
+    that it separates the legs of a swinging loop too.
     """
     k, rows, across = int(q[:, 1].argmin()), q.T, heading(direction(q))
     if not 0 < k < lengths.size:
@@ -102,7 +102,7 @@ class LoopTurns(NamedTuple):
 
 
 def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
-    """Turns about Y of the right side about the left one, from the top down to the loop: what the yaw ends in.
+    """Turns about Y of the right side about the left one, from the top down to the loop, where they are the yaw.
 
     A side is a leg and, straight above it, the conveyance and its head ropes.  Counted is the direction of the
     horizontal vector between the sides over the height,
@@ -168,7 +168,7 @@ def interpolate_midpoints(values: Array, lengths: Array, s: Array) -> Array:
 
 
 def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float) -> Array:
-    """Tension (N) at arc lengths ``s``, from the balance of momentum of the rope to the left of them:
+    """Tension (N) at arc lengths ``s``, from the balance of momentum of the rope to the left of them.
 
         F(s) = int_0^s rho (a + g Y) dx - reaction at the left end,    T = F . t
 

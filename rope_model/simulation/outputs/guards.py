@@ -1,4 +1,4 @@
-"""What the guards of the loop see of the present rope: physics.guard says when they trip."""
+"""Guarded quantities of the present rope; physics.guard lets them trip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .diagnostics import LoopBottom, direction, loop_bottom
 
 
 def rise(scene: Scene, state: RopeState, bottom: LoopBottom) -> float:
-    """How far (m) the loop's lowest point is above its quasi-static place."""
+    """Height (m) of the loop's lowest point above its quasi-static place."""
     left, right = state.motion.q[[0, -1], 1].tolist()
     return float(loop_height(scene.rope, scene.layout, float(bottom.position[1]), left, right) - state.guard.rest)
 
@@ -30,7 +30,7 @@ def at_rest(scene: Scene, state: RopeState) -> RopeState:
 
 
 def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
-    """The state with what its guards see at its instant."""
+    """The state with its guards' quantities at its instant."""
     guard = scene.shaft.guard
     if guarded(guard) == 0:
         return state
@@ -47,7 +47,7 @@ def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
 
 
 def _sideways(r: Array, height: float, bottom: LoopBottom) -> float:
-    """How far (m) the lowest point is from midway between the ends or, at the switch's height, a leg from its end."""
+    """Distance (m) of the lowest point from midway between the ends or, at the switch, of a leg from its end."""
     if height <= -FAR:
         return float(sideways(bottom.position, r[0], r[-1]))
     below, lowest = r[:, 1] < height, int(np.argmin(r[:, 1]))

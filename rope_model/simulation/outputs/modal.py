@@ -15,7 +15,7 @@ from scipy.sparse.linalg import eigsh
 from ...physics.element import NODE_DOF, element_functions
 from ..rope_system import ANGLE, POSITION, Array, RopeSystem
 
-#: N/m: what the rounding of Qa / l leaves of a zero stiffness, a swivel that turns freely
+#: N/m: rounding by Qa / l of a zero stiffness, of a swivel that turns freely
 ROUNDING = 1e-5
 
 

@@ -1,4 +1,4 @@
-"""What each fidelity of the model leaves out: the outputs that are 0 and no results, and exact only without torque.
+"""Effects that a fidelity leaves out: outputs that are 0 and no results, and exact only without torque.
 
 One table for the warnings of both forms of the rope, the reports and the documents.
 """
@@ -11,12 +11,12 @@ from ..fidelity import FIDELITIES, Fidelity
 
 
 class Effect(NamedTuple):
-    """What the fidelities from ``lowest`` on compute, and those below it leave out."""
+    """Outputs that the fidelities from ``lowest`` on compute, and those below it leave out."""
 
-    lowest: Fidelity
-    words: str  # for reports
-    outputs: tuple[str, ...]  # names of outputs, or the part of the name that they share
-    by_torque: bool  # nothing without torque, so that 0 is then the result
+    lowest: Fidelity  #: lowest fidelity that computes them
+    words: str  #: text for reports
+    outputs: tuple[str, ...]  #: names of outputs, or their common part
+    by_torque: bool  #: whether 0 is exact without torque
 
     def has(self, name: str) -> bool:
         """Whether the output ``name`` is one of them."""
@@ -50,12 +50,12 @@ EFFECTS = (
 
 
 def neglected_effects(fidelity: Fidelity) -> tuple[Effect, ...]:
-    """What the fidelity leaves out."""
+    """Return the effects that the fidelity leaves out."""
     return tuple(effect for effect in EFFECTS if FIDELITIES.index(effect.lowest) > FIDELITIES.index(fidelity))
 
 
 def neglected_text(fidelity: Fidelity) -> str:
-    """The warning of a fidelity that runs where it leaves out something; '' of the complete one."""
+    """Return the warning of a fidelity with neglected effects; '' for the complete one."""
     if not (effects := neglected_effects(fidelity)):
         return ""
     names = [name for effect in effects for name in effect.outputs]

@@ -21,7 +21,7 @@ from ..rigid import tension_change
 from ..rope_system import ANGLE, Array
 from ..state import RopeState
 
-#: m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding
+#: m, m/s, m/s^2, and the same in rad: too small to bend the rope, large against rounding
 _SIZES = (1e-7, 1e-5, 1e-3)
 #: names of the signals that are differentiated
 LOADS = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
@@ -29,7 +29,7 @@ _NAMES = tuple(field.name for field in dataclasses.fields(EndMotion))
 
 
 class Linearised(Protocol):
-    """A rope that tells how it answers to its ends: simulation.simulator.RopeSimulator does."""
+    """A rope with answers to motions of its ends: simulation.simulator.RopeSimulator does."""
 
     @property
     def scene(self) -> Scene: ...
@@ -69,7 +69,7 @@ def added_mass_signals(rope: Linearised) -> dict[str, float]:
 
 
 def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Array:
-    """(12,): what LOADS gain when a coordinate of an end is moved as in ``answer``."""
+    """Return (12,): change of LOADS when a coordinate of an end is moved as in ``answer``."""
     state = rope.state
     if state.fidelity == "rigid":  # no side forces, no moments
         gained = np.zeros((2, 6))

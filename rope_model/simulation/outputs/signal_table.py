@@ -1,4 +1,4 @@
-"""The table of what a running rope tells the outside: names, units and descriptions; the FMU's outputs have them too.
+"""The table of a running rope's outputs: names, units and descriptions; the FMU's outputs have them too.
 
 The values are computed by simulation.outputs.signals and by its C.
 """
@@ -17,11 +17,11 @@ SHAPE_POINTS = 81
 
 
 class Signal(NamedTuple):
-    """Unit ('1' without one), description, and the kind of value."""
+    """Facts of an output."""
 
-    unit: str
-    description: str
-    kind: str = "real"
+    unit: str  #: unit, '1' of a pure number
+    description: str  #: meaning
+    kind: str = "real"  #: real, integer or boolean
 
 
 def _table() -> Iterator[tuple[str, Signal]]:
@@ -38,62 +38,56 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
         yield (
             f"{side}.added_mass",
-            Signal("kg", f"derivative of {side}.fy to {side}.ay held over a communication step, negated"),
+            Signal("kg", f"derivative of {side}.fy to {side}.ay held over a communication step, times -1"),
         )
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
-    yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, about Y, counted on through full turns")
-    yield (
-        "loop.clearance",
-        Signal("m", "smallest free distance between the legs, from one spacing above the loop's bottom"),
-    )
+    yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, counted through full turns")
+    yield ("loop.clearance", Signal("m", "smallest free distance between the legs, from one spacing above the bottom"))
     yield (
         "loop.turns",
-        Signal("1", "turns of one side of the rope, leg, conveyance and head ropes, about the other, over the height"),
+        Signal("1", "turns of one side (leg, conveyance and head ropes) about the other, over the height"),
     )
-    yield "loop.crossings", Signal("1", "times so far that one side of the rope has passed through the other")
-    yield "loop.crossed_at", Signal("s", "time at which it first did; 0 before")
-    yield "loop.crossed_y", Signal("m", "height at which it first did; 0 before")
-    yield "loop.overlap", Signal("m", "by how much the rope lay in itself at most so far, leg in leg or coil in coil")
-    yield (
-        "loop.touched_at",
-        Signal("s", "time at which it first touched itself; 0 before, and where it passed between two looks"),
-    )
+    yield "loop.crossings", Signal("1", "passages of one side through the other so far")
+    yield "loop.crossed_at", Signal("s", "time of the first passage; 0 before")
+    yield "loop.crossed_y", Signal("m", "height of the first passage; 0 before")
+    yield "loop.overlap", Signal("m", "largest depth of the rope in itself so far, leg in leg or coil in coil")
+    yield ("loop.touched_at", Signal("s", "time at which the rope first touched itself; 0 before"))
     yield "loop.touched_y", Signal("m", "height of loop.overlap")
-    yield "loop.rise", Signal("m", "height of the rope's lowest point over its quasi-static place")
-    yield "loop.sideways", Signal("m", "horizontal distance of the rope's lowest point from midway between the ends")
-    yield "guard.tripped", Signal("1", "whether a guard of the loop has tripped", "boolean")
+    yield "loop.rise", Signal("m", "height of the lowest point over its quasi-static place")
+    yield "loop.sideways", Signal("m", "horizontal distance of the lowest point from midway between the ends")
+    yield "guard.tripped", Signal("1", "whether a guard has tripped", "boolean")
     causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
-    yield "guard.cause", Signal("1", f"the guard that has tripped first: {causes}", "integer")
-    yield "guard.time", Signal("s", "time at which it has tripped; 0 before")
+    yield "guard.cause", Signal("1", f"the first guard that has tripped: {causes}", "integer")
+    yield "guard.time", Signal("s", "time of the first trip; 0 before")
     for place in (*SIDES, "loop"):
         where = "at the loop's lowest point" if place == "loop" else f"at the {place} end"
-        yield f"{place}.twist", Signal("rad/m", f"twist of the rope {where}: change of its lay")
+        yield f"{place}.twist", Signal("rad/m", f"twist {where}: change of the lay")
     yield "stress.bending_max", Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)")
     yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
     for name, what in (
         ("kinetic", "kinetic energy"),
         ("strain", "strain energy"),
         ("gravity", "potential energy of the weight, zero at height zero"),
-        ("contact", "energy stored where bodies in the shaft, or the rope itself, press the rope"),
-        ("total", "kinetic, strain and potential energy, and that of contact"),
-        ("work_ends", "work done on the rope by the conveyances since the start, where they strike it too"),
-        ("dissipated_material", "energy dissipated by material damping since the start"),
-        ("dissipated_swivel", "energy dissipated by swivel friction since the start"),
-        ("dissipated_contact", "energy dissipated by damping and friction of contact since the start"),
-        ("dissipated_wires", "energy dissipated by friction between the wires since the start"),
-        ("given_to_air", "energy given to the air since the start; negative where it blows and drives the rope"),
-        ("nonconservative", "energy taken up by the difference of Qb and Qc since the start"),
-        ("transformations", "energy change of all mesh transformations and rises of the fidelity since the start"),
+        ("contact", "energy stored in contact"),
+        ("total", "kinetic, strain, potential and contact energy"),
+        ("work_ends", "work of the conveyances on the rope, blows included"),
+        ("dissipated_material", "energy dissipated by material damping"),
+        ("dissipated_swivel", "energy dissipated by swivel friction"),
+        ("dissipated_contact", "energy dissipated in contact"),
+        ("dissipated_wires", "energy dissipated between wires"),
+        ("given_to_air", "energy given to the air; negative where it drives the rope"),
+        ("nonconservative", "energy taken up by the difference of Qb and Qc"),
+        ("transformations", "energy change by mesh transformations and rises of the fidelity"),
         ("residual", "residual of the energy balance: numerical dissipation is negative"),
     ):
         yield f"energy.{name}", Signal("J", what)
     for kind in KINDS:
-        words = {"conveyance": "a conveyance", "divider": "dividers"}.get(kind, f"the {kind.replace('_', ' ')}")
-        yield f"contact.{kind}", Signal("N", f"pressure of the rope and {words} on each other, summed along the rope")
+        words = "dividers" if kind == "divider" else kind.replace("_", " ")
+        yield f"contact.{kind}", Signal("N", f"pressure between rope and {words}, summed along the rope")
     yield "contact.rope", Signal("N", "pressure of the rope on itself, summed along it")
     for kind in (*KINDS, "rope"):
-        text = f"impulse of contact.{kind} since the start: unlike a blow's peak it hardly depends on contact.stiffness"
+        text = f"impulse of contact.{kind} since the start; it hardly depends on contact.stiffness"
         yield f"contact.{kind}.impulse", Signal("N.s", text)
     for name, what in (
         ("steps", "accepted time steps"),
@@ -105,48 +99,43 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"count.{name}", Signal("1", f"{what} since the start", "integer")
     yield (
         "status.end_force_error",
-        Signal("1", "estimated error of the end forces so far, root mean square, relative to the largest"),
+        Signal("1", "estimated RMS error of the end forces so far, relative to the largest"),
     )
     yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
     yield (
         "status.contact_error",
         Signal(
-            "1",
-            "estimated error of the bodies' pressure by the mesh, root mean square while they press, relative "
-            "to the largest",
+            "1", "estimated RMS error of the bodies' pressure by the mesh while they press, relative to the largest"
         ),
     )
     for name, unit in (("position", "m"), ("speed", "m/s"), ("acceleration", "m/s2")):
         of = f"misfit of given and followed {name} at an end so far"
         yield f"inputs.misfit.{name}", Signal(unit, f"largest {of}")
-        yield f"inputs.misfit.{name}_rms", Signal(unit, f"root mean square {of}")
+        yield f"inputs.misfit.{name}_rms", Signal(unit, f"RMS {of}")
     yield (
         "inputs.repeated",
-        Signal("1", "communication steps so far with the sample of an earlier one for an end that moves", "integer"),
+        Signal("1", "communication steps so far that repeat the sample of a moving end", "integer"),
     )
     for name, unit, what in (
-        ("momentum", "N", "largest missing force so far: of the momentum, against end forces and weight"),
-        ("moment", "N.m", "largest missing moment so far: of the angular momentum, about a point between the ends"),
+        ("momentum", "N", "largest force missing in the balance of momentum so far"),
+        ("moment", "N.m", "largest moment missing in the balance of angular momentum so far"),
         ("energy", "J", "largest change of energy.residual in a communication step so far"),
         ("force_change", "N", "largest change of an end's vertical force in a time step so far"),
         ("steps_per_period", "1", "fewest time steps in an axial period of the longer leg so far"),
-        ("elements_per_bend", "1", "fewest elements in half a turn as sharp as the sharpest so far"),
+        ("elements_per_bend", "1", "fewest elements in half a turn of the sharpest bend so far"),
     ):
         yield f"audit.{name}", Signal(unit, what)
-    yield (
-        "status.given_up",
-        Signal("1", "time steps since the start less accurate than asked for, because of solver.work_max", "integer"),
-    )
-    yield "status.given_up_since", Signal("s", "time from which on status.given_up counts; 0 before")
+    yield ("status.given_up", Signal("1", "time steps that gave up accuracy for solver.work_max", "integer"))
+    yield "status.given_up_since", Signal("s", "time of the first step that gave up accuracy; 0 before")
     for kind in KINDS:
-        yield f"clearance.{kind}", Signal("m", f"least distance of the rope from {BODIES[kind]}; 1e6: there is none")
+        yield f"clearance.{kind}", Signal("m", f"least distance from {BODIES[kind]}; 1e6: none")
     for kind in KINDS:
         of = f"nearest.{kind}"
         yield f"{of}.clearance", Signal("m", f"smallest clearance.{kind} so far")
         yield f"{of}.time", Signal("s", f"time of {of}.clearance")
         yield f"{of}.s", Signal("m", f"place of {of}.clearance along the rope, from its left end")
         yield f"{of}.y", Signal("m", f"height of {of}.clearance")
-        yield f"{of}.touched_at", Signal("s", f"time at which clearance.{kind} was first 0 or less; 0 before")
+        yield f"{of}.touched_at", Signal("s", "time of the first contact; 0 before")
     for axis in "xyz":
         for i in range(1, SHAPE_POINTS + 1):
             yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
@@ -175,7 +164,7 @@ _CHEAP = tuple(name for name in SIGNALS if not name.endswith(".added_mass"))
 
 
 def checked_names(names: Iterable[str] | None) -> tuple[str, ...]:
-    """The names of the signals asked for: without any, all but the added masses, which cost as much as a step."""
+    """Return the names of signals; without any, all but the added masses, which cost as much as a step."""
     if names is None:
         return _CHEAP
     wanted = tuple(names)

@@ -1,4 +1,4 @@
-"""Values of what a running rope tells the outside, by the names of simulation.outputs.signal_table."""
+"""Values of a running rope's outputs, by the names of simulation.outputs.signal_table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from .state_signals import STATE_SIGNALS
 
 
 class Evaluated(Linearised, Protocol):
-    """What the signals are computed from: simulation.simulator.RopeSimulator has it."""
+    """Source of the signals: simulation.simulator.RopeSimulator has it."""
 
     @property
     def loop(self) -> LoopBottom: ...
@@ -57,7 +57,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
 
 
 def state_signals(rope: Evaluated) -> dict[str, float]:
-    """What the state remembers."""
+    """Signals that the state remembers."""
     return {name: float(value(rope.state)) for name, value in STATE_SIGNALS.items()}
 
 
@@ -121,7 +121,7 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def error_signals(rope: Evaluated) -> dict[str, float]:
-    """Estimates of what the run errs by so far."""
+    """Estimates of the run's errors so far."""
     scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
     at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
     of_place = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
@@ -133,7 +133,7 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def audit_signals(rope: Evaluated) -> dict[str, float]:
-    """What the audit found worst so far; 0 where nothing was computed yet."""
+    """Worst findings of the audit so far; 0 before anything was computed."""
     names = (name for name in SIGNALS if name.startswith("audit."))
     return dict(zip(names, audit_values(rope.state.audit), strict=True))
 

@@ -51,7 +51,7 @@ def _energy(sum_of: Callable[[Any], Any], state: Any) -> Any:
     return sum_of(state.energy_balance)
 
 
-#: what stands under the same name in a part of the state
+#: signals with the same name in a part of the state
 _ALIKE = {"energy": ("energy_balance", EnergyBalance._fields), "guard": ("guard", ("cause", "time"))}
 _ALIKE["count"] = "counts", tuple(name.removeprefix("count.") for name in SIGNALS if name.startswith("count."))
 

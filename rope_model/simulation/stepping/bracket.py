@@ -1,7 +1,7 @@
-"""Where to look for the instant at which a function leaves the negative side: codegen.formulas makes the C of it.
+"""Search for the instant at which a function leaves the negative side: codegen.formulas makes the C of it.
 
-Regula falsi with the Illinois modification, and a bisection whenever that does not halve the interval twice in a row,
-or a value is infinite (the function may be kinked).
+Regula falsi with the Illinois modification.  It bisects when that fails to halve the interval twice in a row, or a
+value is infinite (the function may be kinked).
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from ...physics.elementary import both, larger, smaller, where
 
 
 class Bracket(NamedTuple):
-    """An interval, the values at its ends, f_low < 0 <= f_high, which of them moved last, -1 or 1, or 0, and how often
-    in a row it was not halved.
+    """An interval, and the values at its ends, f_low < 0 <= f_high.
+
+    ``side`` is the end that moved last, -1 or 1, or 0; then comes the number of rounds in a row that did not halve it.
     """
 
     low: float

@@ -1,4 +1,4 @@
-"""Where a function of time first leaves the negative side."""
+"""Instant at which a function of time first leaves the negative side."""
 
 from __future__ import annotations
 

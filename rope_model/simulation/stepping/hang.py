@@ -23,9 +23,8 @@ CURVATURE_STEPS = 8
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
 MOST_TURN = 2.0
-#: corrections after which turning in is given up: in searches that found no rest, and in all.  Ropes that come to rest
-#: need none of the former and half of the latter (tests/work.py)
-MOST_LOST, MOST_CORRECTIONS = 20_000, 320_000
+#: corrections after which turning in is given up (tests/work.py)
+MOST_CORRECTIONS = 100_000
 
 
 def hang(model: RopeModel, state: RopeState) -> RopeState:
@@ -33,36 +32,38 @@ def hang(model: RopeModel, state: RopeState) -> RopeState:
     q, held = state.motion.q, model.system(state).prescribed_motion(state.motion.t)[0]
     q[:, ANGLE] = held[0, ANGLE]
     twist = float(held[-1, ANGLE] - held[0, ANGLE])
-    return _turn_in(model, _let_curve(model, _turn_right_end(state, -twist)), twist)
+    return _turn_in(model, *_let_curve(model, _turn_right_end(state, -twist)), twist)
 
 
-def _let_curve(model: RopeModel, state: RopeState) -> RopeState:
-    """``state`` at rest, its rope straight first and then curved by and by."""
-    rope = model.scene.rope
+def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
+    """``state`` at rest, its rope straight first and then curved by and by, and the corrections that it took."""
+    rope, made = model.scene.rope, 0
     if not is_curved(rope, flexible(state.fidelity)):
-        return _equilibrium_in_frame(model, state)[0]
+        return _equilibrium_in_frame(model, state)
     for k in range(CURVATURE_STEPS + 1):
         k0 = rope.initial_curvature * k / CURVATURE_STEPS
         part = replace(model, scene=model.scene.with_(rope=replace(rope, initial_curvature=k0)))
         try:
-            state, _ = _equilibrium_in_frame(part, state)
+            state, corrections = _equilibrium_in_frame(part, state)
         except StaticsError as error:
             if k == 0:
                 raise
             raise StaticsError(messages.fails_at_curvature(k0, rope.initial_curvature, str(error))) from error
-    return state
+        made += corrections
+    return state, made
 
 
-def _turn_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:
+def _turn_in(model: RopeModel, state: RopeState, made: int, twist: float) -> RopeState:
     """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
 
-    Steps are halved where the rope turns far or finds no rest.  Where the shortest does, the way it was on ends at
-    a limit point: it snaps over, and goes on from where it comes to rest.
+    Steps are halved where the rope turns far, and go half the way to there as long as they get closer.  Where the
+    shortest turns far, the way it was on ends at a limit point: it snaps over, and goes on from where it comes to rest.
+    ``made`` are the corrections so far.
     """
-    left, step = twist, math.copysign(TWIST_STEP, twist)
-    lost = made = 0
+    left, beyond, size = twist, math.inf, TWIST_STEP
     while left != 0:
-        step = step if abs(step) < abs(left) else left
+        size = min(size, 0.5 * abs(left - beyond))
+        step = math.copysign(size, twist) if size < abs(left) else left
         last = abs(step) <= LEAST_TWIST_STEP
         if made >= MOST_CORRECTIONS:
             raise StaticsError(messages.fails_at_twist(twist - left, twist, abs(step), made, messages.takes_too_long()))
@@ -72,17 +73,18 @@ def _turn_in(model: RopeModel, state: RopeState, twist: float) -> RopeState:
             )
         except StaticsError as error:
             made += error.corrections
-            lost += 0 if error.turned else error.corrections
-            if last or lost >= MOST_LOST:
+            if not error.turned:
                 why = messages.fails_at_twist(twist - left, twist, abs(step), made, str(error))
                 raise StaticsError(why) from error
-            step *= 0.5
+            beyond = left - step
             continue
         made += corrections
         left -= step
         if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
             after = after._replace(snapped_at=twist - left)
-        state, step = after, math.copysign(min(2 * abs(step), TWIST_STEP), twist)
+        state, size = after, min(2 * abs(step), TWIST_STEP)
+        if last:
+            beyond = math.inf
     return state
 
 
@@ -93,7 +95,7 @@ def _equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float =
     motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
     state = _turn_right_end(state._replace(motion=motion), found.turn)
     balance = model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
-    # a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way
+    # a loop that yaws by psi turns the frame of the right end by -2 psi: which shows full turns on a long way
     yaw = state.loop_yaw - 0.5 * found.turn
     books = energies(state.energy_balance, balance)
     return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), found.iterations
@@ -106,7 +108,7 @@ def _turn_right_end(state: RopeState, angle: float) -> RopeState:
 
 
 def _twist_evenly(state: RopeState, angle: float) -> RopeState:
-    """The same, the angle spread along the rope."""
+    """The row with the angle spread along the rope."""
     m, s = state.motion, state.partition.nodes_s
     q = m.q.copy()
     q[:, ANGLE] += angle * (s / s[-1])

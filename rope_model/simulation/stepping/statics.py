@@ -5,9 +5,9 @@ choose; tau grows as the residual falls, and the method ends as Newton's.  Witho
 and the iteration creeps like the real rope would: it does not depend on a good first guess.  Each shape on the way is
 the reference of the frame for the next, so that no tangent is far from it.
 
-The tangent is symmetric and leaves out what Qk between strains has no energy for.  Near the end of the search that
-multiplies the error by i r, turned by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) make it
-fall fastest.
+The tangent is symmetric and leaves out the part of Qk, which has no energy.  Near the end of the search that multiplies
+the error by i r, turned by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) make it fall
+fastest.
 
 Where a motion costs no energy, as the turn of a buckled rod's helix about its axis, corrections along it never get
 small; the search ends when forces have been balanced to rounding often enough for the others to have gone.

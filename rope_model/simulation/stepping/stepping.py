@@ -26,8 +26,8 @@ log = logging.getLogger(__name__)
 
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
-#: Newton iterations of a communication step of up to so many s: 14 times the most that one took in tests/work.py
-MOST_WORK, WORK_INTERVAL = 20_000.0, 0.05
+#: Newton iterations of a communication step of up to so many s: over 3 times the most that one took in tests/work.py
+MOST_WORK, WORK_INTERVAL = 5_000.0, 0.05
 
 
 @dataclass(frozen=True)
