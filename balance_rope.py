@@ -24,15 +24,15 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.demo import add_demo
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
+    from hoist_demo.command_line.options import rope_values, settings
     from hoist_demo.command_line.results import named, results_folder
     from hoist_demo.command_line.ropes import add_ropes
-    from hoist_demo.command_line.settings import rope_values, settings
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.drive_fmu.description import drive_model, duration
     from hoist_demo.drive_fmu.interface import Tail
     from hoist_demo.study.catalogue import Catalogue
-    from hoist_demo.study.shared import tail_rope
+    from hoist_demo.study.run import tail_rope
     from rope_model import __version__
     from rope_model.parameters import LEVELS, Level, rope_120
 

@@ -26,8 +26,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion as HostMotion
-from rope_model import SIGNALS, EndMotion, Solver, balance_rope
+from rope_model import EndMotion, Solver, balance_rope
 
 from .kinematic import ends_at
 
@@ -69,15 +68,15 @@ def in_process(form: str, name: str) -> Stepper:
 
 def through_fmu(form: str, name: str, path: Path) -> Stepper:
     """Return the rope in an FMU, stepped by FMPy."""
-    ends, unread = motions(name), [signal for signal in SIGNALS if signal not in READ]
-    fmu = FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]}, unread)
+    ends, fmu = motions(name), FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]})
+    read = fmu.reader(READ)
 
-    def moved(t: float) -> list[HostMotion]:
-        return [HostMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends(t)]
+    def moved(t: float) -> list[EndMotion]:
+        return [EndMotion(y=end.y, vy=end.vy, ay=end.ay) for end in ends(t)]
 
     def step(t: float) -> bool:
         valid = fmu.step(round(t / H - 1) * H, H, *moved(t)).valid
-        fmu.signals()
+        read()
         return valid
 
     return Stepper(lambda: fmu.initialize(0.0, *moved(0.0)).valid, step)

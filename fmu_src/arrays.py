@@ -6,7 +6,9 @@ import re
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from .interface import Value, Variable
+from rope_model.scene_names import Value
+
+from .interface import Variable
 
 #: descriptions of the arrays as a whole
 DESCRIPTIONS = {

@@ -24,6 +24,7 @@ from pathlib import Path
 from pythonfmu.builder import FmuBuilder
 
 from rope_model.parameters import Level
+from rope_model.scene_names import Value
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.mesh.partition import fit_mesh, partition
 from rope_model.simulation.rope_kernels import write_bundle
@@ -31,7 +32,7 @@ from rope_model.simulation.scene_kernels import kernels_needed
 
 from .archive import read_archive, write_archive
 from .attachments import attachments
-from .interface import NO_CHANGES, Value, Variable, case_with, variables
+from .interface import NO_CHANGES, Variable, case_with, variables
 from .model_description import MODEL
 from .native.build import choose_platforms
 from .native.shell import shell

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from rope_model.parameters import CHOICES
+from rope_model.scene_names import choices_of
 
 from .arrays import Array
-from .interface import choices_of
 from .model_description import (
     Build,
     add_log_categories,
@@ -108,7 +108,7 @@ def _add_variable(parent: Element, array: Array) -> None:
     v = array.variable
     attributes = {"name": array.name, "valueReference": str(array.reference), **common_attributes(v)}
     kind = _KINDS[v.kind]
-    if choices_of(v.name) is None:
+    if not choices_of(v.name):
         attributes |= type_attributes(v)
     else:
         kind = "Enumeration"

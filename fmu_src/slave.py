@@ -21,15 +21,16 @@ from xml.etree.ElementTree import Element
 
 from pythonfmu import Fmi2Slave
 
-from fmu_src.interface import MOTION, Value, case_with, scene_of, variables
+from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
 from rope_model.parameters import Scene
+from rope_model.scene_names import Value, with_values
 from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends.paths import SIDES, EndMotion
-from rope_model.simulation.messages.cases import first_text
 from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.messages.warning_cases import LONG_EXTRAPOLATION
+from rope_model.simulation.messages.rules import first_text
+from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator
@@ -177,9 +178,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def _scene(self) -> Scene:
         values: dict[str, Value] = {}
         for v, value in zip(self._table, self._values, strict=False):
-            if v.causality == "parameter":
+            if v.causality == "parameter" and v.kind != "Boolean":
                 values[v.name] = int(value) if v.kind == "Integer" else value
-        return scene_of(values)
+        return with_values(Scene(), values)
 
     def _motions(self) -> tuple[EndMotion, EndMotion]:
         values, places = self._values, self._places

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .codegen.build import library
-from .codegen.layout import (
+from .codegen.state_structures import (
     ARRAYS,
     MESSAGE,
     AuditStructure,
@@ -64,7 +64,7 @@ def _event(event: EventStructure) -> Event:
     return Event(event.t, words[event.what], event.kinetic, event.potential)
 
 
-class _Memory(Structure):
+class _Allocator(Structure):
     _fields_ = (("take", c_void_p), ("give_back", c_void_p))
 
 
@@ -286,9 +286,9 @@ def _made(kind: type[NativeRope], scene: Scene, state: bytes) -> NativeRope:
     return rope
 
 
-def _memory() -> _Memory:
+def _memory() -> _Allocator:
     libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
-    return _Memory(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
+    return _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
 
 
 _VALID = Status(True)

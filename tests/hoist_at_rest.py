@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
+from drives import Plant, PlantInput, energy_residual
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantState, energy_residual
+from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 
 
@@ -16,13 +17,13 @@ def dead_weights(hoist: Hoist, y_left: float, y_right: float, acceleration: floa
     return -mass * (half + high) * (GRAVITY + acceleration), -mass * (half - high) * (GRAVITY - acceleration)
 
 
-def rest_at(plant: HoistPlant, heights: tuple[float, float]) -> tuple[PlantState, PlantInput]:
+def rest_at(plant: Plant, heights: tuple[float, float]) -> tuple[PlantState, PlantInput]:
     forces = dead_weights(plant.hoist, *heights, 0.0)
     state = plant.equilibrium(*heights, *forces)
     return state, PlantInput(float(state.x[0]), *forces)
 
 
-def state_with(plant: HoistPlant, state: PlantState, **values: float) -> PlantState:
+def state_with(plant: Plant, state: PlantState, **values: float) -> PlantState:
     """The state with some of its numbers replaced."""
     x = state.x.copy()
     for name, value in values.items():
@@ -32,7 +33,7 @@ def state_with(plant: HoistPlant, state: PlantState, **values: float) -> PlantSt
 
 def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> dict[str, np.ndarray]:
     """One trip by columns; the dead weights accelerate as the reference, so that the coupling has no delay."""
-    plant, reference = HoistPlant(hoist), s_curve(winding)
+    plant, reference = Plant(hoist), s_curve(winding)
     heights = (0.0, hoist.shaft_travel) if winding.travel > 0.0 else (hoist.shaft_travel, 0.0)
     state, u = rest_at(plant, heights)
     shown = at_rest = plant.outputs(state, u)
@@ -54,7 +55,7 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
             "power": shown.power,
             "slip_safety": hoist.slip_safety(shown.tension_ratio),
             "static_slip_safety": hoist.slip_safety(shown.static_tension_ratio),
-            "energy_residual": energy_residual(at_rest, shown, state.work),
+            "energy_residual": energy_residual(at_rest, shown, state.works[:5]),
         }
         rows.append(row)
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

@@ -46,7 +46,7 @@ class CLoopBottom(ct.Structure):
 
 #: functions that have no name in a library, and arrays of a state
 MORE = """
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 double mesh_centre(const Pattern *p) { return pattern_centre(p); }

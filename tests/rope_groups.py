@@ -9,8 +9,9 @@ import numpy as np
 
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
+from hoist_demo.cosimulation.schemes.interface import Reader
 from hoist_demo.ropes.table import READ
+from rope_model import EndMotion, Status
 
 CASE = CASES["rope-120"]
 KNOWN = 2.336e5
@@ -31,30 +32,24 @@ class Weight:
     forces: dict[str, float]
     ends: list[tuple[EndMotion, EndMotion]] = field(default_factory=list)
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self.ends.append((left, right))
-        return RopeStatus(True)
+        return Status(True)
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         self.ends.append((left, right))
-        return RopeStatus(True)
-
-    def signals(self) -> dict[str, float]:
-        return dict(self.forces)
+        return Status(True)
 
     def reader(self, names: Sequence[str]) -> Reader:
         return lambda: np.array([self.forces.get(name, math.nan) for name in names])
 
     def units(self) -> dict[str, str]:
-        return {}
+        return dict.fromkeys(self.forces, "")
 
     def save(self) -> Any:
         return None
 
     def restore(self, snapshot: Any) -> None:
-        raise AssertionError
-
-    def free(self, snapshot: Any) -> None:
         raise AssertionError
 
     def to_bytes(self, snapshot: Any) -> bytes:

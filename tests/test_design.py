@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from drives import Plant, PlantInput
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, s_curve
@@ -12,9 +13,8 @@ from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.swing import fit_swing
 from hoist_demo.design.tuning import Judged, Plan, search
-from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
 
 TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
 PLAN = Plan(sample=8, searches=2, steps=20, seed=1)
@@ -59,19 +59,19 @@ def test_fitted_swing_is_the_given_one(frequency: float, damping: float) -> None
 def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
     hoist = Hoist(tail_rope_mass=0.0)
     gains = Gains(feed_forward=0.0)
-    model, plant = low_fidelity(hoist, gains, 0.0, 90.0), HoistPlant(hoist)
+    model, plant = low_fidelity(hoist, gains, 0.0, 90.0), Plant(hoist)
     state = plant.equilibrium(0.0, 90.0, 0.0, 0.0)
     R = hoist.sheave_radius
     moved = np.array([1.0e4, 3.0 / R, 3.01, 87.005, 1.5 / R, 1.51, -1.49])
     x = np.array([3.0, 1.5, 0.0, 3.0, 3.01, -2.995, 1.5, 1.51, -1.49, 1.0e4 / R, 0.0])
-    rates = plant.rates(type(state)(moved, state.work, state.free_lengths), PlantInput(0.0, 0.0, 0.0))
+    rates = plant.rates(type(state)(moved, state.works[:5], state.free_lengths), PlantInput(0.0, 0.0, 0.0))
     found = np.asarray(model.rates(x, 0.0)).ravel()
     np.testing.assert_allclose(found[6:9], rates[4:7] * np.array([R, 1.0, 1.0]), rtol=1e-9)
 
 
 EVERYTHING = Hoist(
-    head_rope_modes=1, shaft=Shaft(), brake=Brake(), lining=Lining(), guides=Guides(), play=Play(), jam_left=Jam(),
-    jam_right=Jam(), power_limit=1e6,
+    head_rope_modes=1, drive_shaft=DriveShaft(), brake=Brake(), lining=Lining(), guides=Guides(), play=Play(),
+    jam_left=Jam(), jam_right=Jam(), power_limit=1e6,
 )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drives import Plant, PlantInput
 from numpy.testing import assert_allclose
 
 from fmu_src.interface import Variable
@@ -16,9 +17,9 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import CASES
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.plant import HoistPlant, PlantInput
 from hoist_demo.drive_fmu.description import DriveModel, drive_model
-from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces, start_heights
+from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces
+from hoist_demo.parameters import start_heights
 from rope_model.numerics.kernels import find_compiler
 
 NATIVE = Path(__file__).parents[1] / "fmu_src" / "native"
@@ -108,8 +109,8 @@ def drive(compiled: tuple[ctypes.CDLL, DriveModel]) -> Iterator[Drive]:
 
 def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float]]:
     """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.cosimulation.host."""
-    plant, reference = HoistPlant(case.hoist), s_curve(case.winding)
-    heights = start_heights(case)
+    plant, reference = Plant(case.hoist), s_curve(case.winding)
+    heights = start_heights(case.hoist, case.winding)
     state = plant.equilibrium(*heights, *rest_forces(case))
     shown = plant.outputs(state, PlantInput(float(state.x[0]), *rest_forces(case)))
     controller, memory = SpeedController(case.hoist, shown.torque), ControllerState()

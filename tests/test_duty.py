@@ -9,9 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import balance_rope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
 from hoist_demo.duty.schedule import Schedule, read_schedule
-from hoist_demo.duty.state import read_state, write_state
 from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, row, steady_from, table, worst
-from hoist_demo.duty.wind import Trip, wind
+from hoist_demo.duty.wind import Trip, read_state, wind, write_state
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.recording.time_series import Recording, read_csv
 from hoist_demo.study.reading import StudyError

@@ -8,8 +8,15 @@ from numpy.testing import assert_allclose
 
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
-from hoist_demo.recording.exposure import QUANTITIES, STATION_SIGNALS, bin_columns, exposure, together
-from hoist_demo.recording.spectra import spectra, strongest
+from hoist_demo.recording.exposure import (
+    QUANTITIES,
+    STATION_SIGNALS,
+    bin_columns,
+    exposure,
+    spectra,
+    strongest,
+    together,
+)
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.study.run import build
 

@@ -15,7 +15,7 @@ from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity, choose_fidelity, lowest_sufficient
-from rope_model.simulation.messages.fidelity_cases import expected_travel, force_error
+from rope_model.simulation.messages.fidelity_rules import expected_travel, force_error
 from rope_model.simulation.rigid import RigidRope, rigid_rope
 from rope_model.simulation.state import RopeState
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from drives import Plant, PlantInput, PlantOutput
 from hoist_at_rest import dead_weights, rest_at, state_with
 from scipy.optimize import brentq
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint, s_curve
-from hoist_demo.drive.plant import HoistPlant, PlantInput, PlantOutput
 from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 
@@ -23,7 +23,7 @@ BALANCED = Hoist(
 
 def _stop(hoist: Hoist, law: EmergencyLaw, speed: float, seconds: float) -> list[PlantOutput]:
     """Motion after a trip at mid-shaft, one output per 10 ms."""
-    plant, h = HoistPlant(hoist), 0.01
+    plant, h = Plant(hoist), 0.01
     state, u = rest_at(plant, (45.0, 45.0))
     controller = SpeedController(hoist, float(state.x[0]), Gains(speed=4.0 * hoist.moving_mass, integral_time=1.0))
     state = state_with(plant, state, phi_rate=speed / hoist.sheave_radius, v_left=speed, v_right=-speed, torque=0.0)

@@ -20,7 +20,7 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.plain_data import decode, encode
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 
 TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)

@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
+from hoist_demo.cosimulation.schemes.interface import Reader, RopePlant
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import read_csv, shape_rows, write_csv, write_shapes
 from hoist_demo.report.figures import write_figures
 from hoist_demo.report.rows import render
 from hoist_demo.report.summary import summarize
+from rope_model import EndMotion, Status
 
 RHO, G, LENGTH = 8.0, 9.81, 120.0
 
@@ -33,19 +34,16 @@ class FakeRope:
     closed: bool = False
     forces: dict[str, float] = field(default_factory=dict)
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self._hang(left, right)
-        return RopeStatus(t0 < self.fails_at, "no hanging shape")
+        return Status(t0 < self.fails_at, "no hanging shape")
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         self.times.append((t, h))
         self._hang(left, right)
         if t >= self.nan_at:
             self.forces["left.fy_mean"] = math.nan
-        return RopeStatus(t < self.fails_at, "the loop has turned over")
-
-    def signals(self) -> dict[str, float]:
-        return dict(self.forces)
+        return Status(t < self.fails_at, "the loop has turned over")
 
     def reader(self, names: Sequence[str]) -> Reader:
         return lambda: np.array([self.forces.get(name, math.nan) for name in names])
@@ -56,11 +54,8 @@ class FakeRope:
     def restore(self, snapshot: object) -> None:
         raise AssertionError("a rope that cannot save is not restored")
 
-    def free(self, snapshot: object) -> None:
-        assert snapshot is None
-
     def units(self) -> dict[str, str]:
-        return dict.fromkeys(("left.fy", "right.fy", "left.fy_mean", "right.fy_mean"), "N") | {"loop.y": "m"}
+        return {name: "m" if name.startswith(("loop.", "shape.")) else "N" for name in self.forces}
 
     def close(self) -> None:
         self.closed = True

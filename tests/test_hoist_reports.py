@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 
-from hoist_demo.command_line.interrupts import interruption
+from hoist_demo.command_line.results import interruption
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
 from hoist_demo.recording.time_series import Recording

@@ -27,11 +27,11 @@ from fmu_src.model_description3 import model_description3
 from fmu_src.native.table import c_table
 from fmu_src.ssp import export_ssp
 from hoist_demo.calibration.definition import read_measured
-from hoist_demo.calibration.rope_file import write_rope_file
+from hoist_demo.calibration.page import write_rope_file
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
-from hoist_demo.drive_fmu.documentation import attachments
+from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.report.html import page, sheet
+from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import SummaryRow
@@ -148,10 +148,10 @@ def _study_page(text: str, folder: Path) -> str:
 
 
 def _sheet_page(text: str, folder: Path) -> str:
-    parts = [(text, sheet.grid((text,), [(text,)]) + sheet.paragraphs([text]))]
-    parts.append(("", sheet.bars([sheet.Bar(text, 0.1, 0.9, 0.5)], [(0.5, text)], text)))
+    parts = [(text, page.grid((text,), [(text,)]) + page.paragraphs([text]))]
+    parts.append(("", page.bars([page.Bar(text, 0.1, 0.9, 0.5)], [(0.5, text)], text)))
     parts.append(("", page.table(text, [(text, text, text, text)])))
-    return sheet.write_sheet(folder / "sheet.html", text, parts).read_text(encoding="utf-8")
+    return page.write_sheet(folder / "page.html", text, parts).read_text(encoding="utf-8")
 
 
 PAGES: dict[str, Callable[[str, Path], str]] = {

@@ -14,7 +14,7 @@ from browser import BROWSER, END, POINTS, STEPS, Seen, bottom, curve, look, run
 
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.report.html.along import ROPE_ROWS
+from hoist_demo.report.html.packing import ROPE_ROWS
 from hoist_demo.report.html.run import run_report
 from hoist_demo.report.html.study import study_report
 

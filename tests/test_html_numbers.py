@@ -9,8 +9,8 @@ import pytest
 
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.report import events
-from hoist_demo.report.html import along, packing
+from hoist_demo.report import panels
+from hoist_demo.report.html import packing
 
 
 def unpack(packed: dict) -> np.ndarray:
@@ -60,17 +60,17 @@ def test_frames_hold_the_first_and_the_last_row(count: int, most: int) -> None:
 
 def test_each_part_of_the_length_shows_the_largest_value_in_it() -> None:
     # a peak of one point, 0.1 m wide, in parts of 1 m; the rope moves on by 40 m between the frames
-    place = np.linspace(0.0, along.ROPE_ROWS, 10 * along.ROPE_ROWS + 1)
+    place = np.linspace(0.0, packing.ROPE_ROWS, 10 * packing.ROPE_ROWS + 1)
     values = np.zeros((2, place.size))
     values[0, 404] = values[1, 804] = 7.0
-    picture = along.over_length(values, [place, place], float(along.ROPE_ROWS))
+    picture = packing.over_length(values, [place, place], float(packing.ROPE_ROWS))
     assert picture[40, 0] == picture[80, 1] == 7.0
     assert np.count_nonzero(picture) == 2
 
 
 def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
-    picture = along.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
-    upper_ends = 2.0 + 8.0 * np.arange(1, along.ROPE_ROWS + 1) / along.ROPE_ROWS
+    picture = packing.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
+    upper_ends = 2.0 + 8.0 * np.arange(1, packing.ROPE_ROWS + 1) / packing.ROPE_ROWS
     np.testing.assert_allclose(picture[:, 0], upper_ends, rtol=1e-12)
 
 
@@ -82,13 +82,13 @@ def curved_rope(**along_it: list[float]) -> Recording:
 
 
 def test_quantities_along_the_rope_are_shown_in_their_units_over_its_length() -> None:
-    shown = along.along(curved_rope(bending=[0.0, 3e7, 0.0], torsion=[2e6, 2e6, 2e6], tension=[-1e3, 0.0, 9e3]))
+    shown = packing.along(curved_rope(bending=[0.0, 3e7, 0.0], torsion=[2e6, 2e6, 2e6], tension=[-1e3, 0.0, 9e3]))
     assert (shown["length"], shown["note"]) == (4.0, "")
     kept = {m["id"]: (m["unit"], m["values"]["hi"], m["quiet"]) for m in shown["maps"]}
     expected = {"bending": ("MPa", 30.0, False), "torsion": ("MPa", 2.0, True), "tension": ("kN", 9.0, False)}
     assert {name: (unit, pytest.approx(hi), quiet) for name, (unit, hi, quiet) in kept.items()} == expected
-    rows = unpack(shown["maps"][0]["values"]).reshape(along.ROPE_ROWS, 2)
-    assert np.argmax(rows[:, 0]) in (along.ROPE_ROWS // 4 - 1, along.ROPE_ROWS // 4)
+    rows = unpack(shown["maps"][0]["values"]).reshape(packing.ROPE_ROWS, 2)
+    assert np.argmax(rows[:, 0]) in (packing.ROPE_ROWS // 4 - 1, packing.ROPE_ROWS // 4)
 
 
 def recording(**signals: list[float]) -> Recording:
@@ -98,18 +98,18 @@ def recording(**signals: list[float]) -> Recording:
 
 def test_slips_last_until_the_row_in_which_the_swivel_sticks_again() -> None:
     run = recording(time=[0, 1, 2, 3, 4, 5], left__swivel__slipping=[0, 1, 1, 0, 0, 1])
-    assert events.slips(run, "left") == [(1.0, 3.0), (5.0, 5.0)]
-    assert events.slips(run, "right") == []
+    assert panels.slips(run, "left") == [(1.0, 3.0), (5.0, 5.0)]
+    assert panels.slips(run, "right") == []
 
 
 def test_transformations_are_where_their_count_grows() -> None:
     run = recording(time=[0, 1, 2, 3, 4], count__transformations=[0, 0, 1, 1, 3])
-    assert events.transformations(run) == [2.0, 4.0]
+    assert panels.transformations(run) == [2.0, 4.0]
 
 
 def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
     run = SimpleNamespace(
         recording=recording(time=[0, 5, 9]), completed=False, cause="?", trajectory=SimpleNamespace(duration=12.0)
     )
-    found = events.marks(run, Winding(emergency_at=4.0))
+    found = panels.marks(run, Winding(emergency_at=4.0))
     assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]

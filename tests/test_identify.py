@@ -14,10 +14,10 @@ from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH,
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.settings import rope_values
+from hoist_demo.command_line.options import rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.reading import StudyError, file_statuses, read_values
+from hoist_demo.study.reading import Problems, StudyError, file_statuses, read_values
 from rope_model import KnownRope, Rope, Scene, rope
 
 ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
@@ -134,7 +134,7 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     catalogue = Catalogue(PARAMETERS_KNOWN)
     values = rope_values(made, catalogue)
     assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
-    problems: list[str] = []
+    problems = Problems()
     assert read_values(catalogue, "[fixed]", {"from": str(made), "rope": {"EI": 99.0}}, problems) == {
         **values,
         "rope.EI": 99.0,
@@ -162,7 +162,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
     assert "contradicted: " in told.out
     made = tmp_path / "rope.toml"
     assert "# the measurements contradict the model" in made.read_text(encoding="utf-8")
-    problems: list[str] = []
+    problems = Problems()
     again = read_known(made, tomllib.loads(made.read_text(encoding="utf-8")), problems)
     assert isinstance(again, KnownRope)
     bending = again.data["bending_stiffness"]

@@ -25,6 +25,7 @@ MAY_IMPORT = rules(
 rope_model.parameter_table:
 rope_model.parameters: .parameter_table .shaft_parameters
 rope_model.shaft_parameters: .parameter_table
+rope_model.scene_names: .parameter_table .parameters .shaft_parameters
 rope_model.catalogue: .parameter_table .parameters
 rope_model.physics:
 rope_model.numerics:
@@ -35,32 +36,39 @@ rope_model.public: .catalogue .parameters .shaft_parameters .numerics .simulatio
 rope_model.version:
 rope_model.texts:
 rope_model: .public .version
-fmu_src.native: rope_model.parameters rope_model.shaft_parameters rope_model.simulation rope_model.numerics
-    rope_model.codegen rope_model.texts fmu_src
-fmu_src.export: rope_model.parameters rope_model.simulation rope_model.version fmu_src .native
-fmu_src: rope_model.parameter_table rope_model.parameters rope_model.shaft_parameters rope_model.simulation
+fmu_src.native: rope_model.parameters rope_model.scene_names rope_model.shaft_parameters rope_model.simulation
+    rope_model.numerics rope_model.codegen rope_model.texts fmu_src
+fmu_src.export: rope_model.parameters rope_model.scene_names rope_model.simulation rope_model.version fmu_src .native
+fmu_src: rope_model.parameter_table rope_model.parameters rope_model.scene_names rope_model.shaft_parameters
+    rope_model.simulation
     rope_model.texts rope_model.version
-hoist_demo.parameters:
+hoist_demo.parameters: rope_model.physics
 hoist_demo.drive: .parameters rope_model.numerics
-hoist_demo.control: .parameters
+hoist_demo.control: .parameters rope_model.physics
 hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control
-hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model.parameters rope_model.texts
+hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table
+    rope_model.scene_names rope_model.texts
 hoist_demo.cases: .parameters .control rope_model.parameters
-hoist_demo.cosimulation.schemes:
+hoist_demo.cosimulation.schemes: rope_model
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
+    rope_model.scene_names
 hoist_demo.cosimulation: .parameters .drive .control .recording .cosimulation.schemes .cosimulation.participants
+    rope_model
 hoist_demo.report: .parameters .recording .cosimulation .cosimulation.participants .study rope_model.texts
 hoist_demo.study: .parameters .control .design .cases .recording .cosimulation .cosimulation.participants
-    rope_model rope_model.texts
-hoist_demo.duty: .design .recording .cosimulation .cosimulation.participants .study rope_model
-hoist_demo.ropes: .cases .parameters .recording .cosimulation .cosimulation.participants .study rope_model
-hoist_demo.calibration: .parameters .control .cases .cosimulation.participants .report .study rope_model
-    rope_model.catalogue rope_model.physics rope_model.simulation rope_model.texts
-hoist_demo.uncertainty: .calibration .cases .recording .cosimulation .cosimulation.participants .report .study
+    .cosimulation.schemes
+    rope_model rope_model.scene_names rope_model.texts
+hoist_demo.duty: .parameters .design .recording .cosimulation .cosimulation.participants .cosimulation.schemes .study
     rope_model
+hoist_demo.ropes: .cases .parameters .recording .cosimulation .cosimulation.participants .cosimulation.schemes
+    .study rope_model
+hoist_demo.calibration: .parameters .control .cases .cosimulation.participants .report .study rope_model
+    rope_model.catalogue rope_model.physics rope_model.scene_names rope_model.simulation rope_model.texts
+hoist_demo.uncertainty: .parameters .calibration .cases .recording .cosimulation .cosimulation.participants .report
+    .study rope_model
 hoist_demo.command_line: .parameters .cases .recording .cosimulation .cosimulation.participants
-    .cosimulation.schemes .report .study .duty .ropes .calibration .uncertainty
+    .cosimulation.schemes .report .study .duty .ropes .calibration .uncertainty rope_model.scene_names
 hoist_demo:"""
 )
 #: library: modules or packages in which it may be imported; numpy is welcome everywhere
@@ -68,14 +76,14 @@ HOMES = rules(
     """\
 casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
-    rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.cases
+    rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.rules
     rope_model.codegen.formulas rope_model.codegen.tables
     hoist_demo.design hoist_demo.drive
     hoist_demo.drive_fmu.kernels
-scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling
-    hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.spectra
+scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
+    hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
-fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_parameters
+fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description
 matplotlib: hoist_demo.report.figures hoist_demo.report.exposure_figures
 rainflow: hoist_demo.recording.exposure
 tqdm: hoist_demo.cosimulation.progress hoist_demo.command_line.study hoist_demo.command_line.uncertain

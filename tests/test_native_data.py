@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from scenes import CHOICES as WINDINGS
 from scenes import Choice
 
-from fmu_src.interface import scene_of, variables
-from rope_model.codegen.layout import FollowingStructure
+from fmu_src.interface import variables
+from rope_model import scene_names
+from rope_model.codegen.state_structures import FollowingStructure
 from rope_model.codegen.structures import EndStructure, SceneStructure, end_structure, scene_structure
 from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
@@ -153,7 +154,7 @@ def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
 
 def message_of(values: dict[str, Any]) -> str:
     try:
-        scene_of(values)
+        scene_names.with_values(Scene(), {n: x for n, x in values.items() if n != "inputs_at_step_end"})
     except ValueError as error:
         return str(error)
     return ""

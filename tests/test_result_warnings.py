@@ -27,9 +27,9 @@ from rope_model.shaft_parameters import Air, Shaft
 from rope_model.simulation.ends.following import Following
 from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.messages import warning_messages
-from rope_model.simulation.messages.cases import first_text
 from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.messages.warning_cases import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
+from rope_model.simulation.messages.rules import first_text
+from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
 from rope_model.simulation.state import Crossing, RopeState
 
 WARNING = 1

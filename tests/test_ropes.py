@@ -1,7 +1,7 @@
 """Several ropes in one hoist: forces and moments add up, neighbours are near where they are, a broken rope falls."""
 
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,11 +12,11 @@ from rope_groups import CASE, KNOWN, Weight, rope
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
-from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope, between
+from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import GRAVITY, Coupling
-from hoist_demo.recording.neighbours import polygon_distance
-from rope_model import Neighbours
+from hoist_demo.ropes.table import polygon_distance
+from rope_model import EndMotion, Neighbours
 
 HEIGHT = 90.0
 
@@ -152,9 +152,9 @@ def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
     after = EndMotion(
         x=0.1021, y=1.16, z=-0.004, vx=0.11, vy=8.01, vz=-0.2, ax=0.0, ay=0.6, az=0.1, yaw=0.11, yaw_rate=0.6
     )
-    assert_allclose(between(before, after, h, 0.0), before, atol=1e-12)
-    assert_allclose(between(before, after, h, h), after, atol=1e-9)
-    near, at, far = (np.array(between(before, after, h, 0.4 * h + k * size)) for k in (-1, 0, 1))
+    assert_allclose(astuple(before.on_the_way(after, h, 0.0)), astuple(before), atol=1e-12)
+    assert_allclose(astuple(before.on_the_way(after, h, h)), astuple(after), atol=1e-9)
+    near, at, far = (np.array(astuple(before.on_the_way(after, h, 0.4 * h + k * size))) for k in (-1, 0, 1))
     rates = (far - near) / (2.0 * size)
     # rounding over the difference, and its square times a third derivative of some 1e4
     assert_allclose(rates[[*range(6), 9]], at[[*range(3, 9), 10]], atol=1e-5)

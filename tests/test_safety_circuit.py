@@ -10,10 +10,10 @@ from numpy.testing import assert_array_equal
 
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, EmergencyLaw, Hoist, Winding
 from hoist_demo.parameters.components import Brake
-from hoist_demo.recording.guards import guard_trip
+from hoist_demo.recording.incidents import guard_trip
 
 WINDING = Winding(travel=20.0, settle=1.0)
 BRAKED = Hoist(brake=Brake(torque=3e5))

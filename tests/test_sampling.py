@@ -10,11 +10,11 @@ from numpy.testing import assert_allclose
 from hoist_demo.control.controller import Command, Measurement, SpeedController
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
-from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.schemes.interface import Scheme
+from hoist_demo.cosimulation.run_state import Result
+from hoist_demo.cosimulation.schemes.interface import Reader, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Hoist, Winding
+from rope_model import EndMotion, Status
 
 TRIP = Winding(travel=4.0, speed=4.0, jerk=2.0, start_delay=0.2, settle=0.8)
 FORCES = {"left.fy": -2000.0, "right.fy": -7500.0, "left.fy_mean": -2000.0, "right.fy_mean": -7500.0}
@@ -27,16 +27,13 @@ class Spring:
         self.stiffness = stiffness
         self.forces = dict(FORCES)
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         return self.step(t0, 0.0, left, right)
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         places = {"left": left.y, "right": right.y}
         self.forces = {name: f - self.stiffness * places[name.partition(".")[0]] for name, f in FORCES.items()}
-        return RopeStatus(True)
-
-    def signals(self) -> dict[str, float]:
-        return dict(self.forces)
+        return Status(True)
 
     def reader(self, names: Sequence[str]) -> Reader:
         return lambda: np.array([self.forces.get(name, np.nan) for name in names])
@@ -49,8 +46,6 @@ class Spring:
 
     def restore(self, snapshot: dict[str, float]) -> None:
         self.forces = dict(snapshot)
-
-    def free(self, snapshot: object) -> None: ...
 
     def to_bytes(self, snapshot: Any) -> bytes:
         raise RuntimeError("not kept in files")

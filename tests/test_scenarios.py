@@ -8,12 +8,11 @@ import pytest
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.parameters.components import Jam
-from hoist_demo.recording.jams import jams
+from hoist_demo.recording.incidents import jams, slip
 from hoist_demo.recording.passages import passages
-from hoist_demo.recording.slip import slip
 from hoist_demo.recording.time_series import Recording
 
 

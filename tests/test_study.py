@@ -11,13 +11,13 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import Parameter, quantity
+from hoist_demo.study.catalogue import leaves, with_values
 from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.metrics import Arrival
-from hoist_demo.study.nested import Leaf, leaves, with_values
 from hoist_demo.study.reading import StudyError
 from hoist_demo.study.run import build
-from hoist_demo.study.sampling import Range, latin_hypercube
+from hoist_demo.study.tuning import Range, latin_hypercube
 
 Read = Callable[..., Study]
 
@@ -179,11 +179,11 @@ class Whole:
 
 def test_parts_are_reached_by_dotted_names() -> None:
     assert list(leaves(Whole)) == [
-        Leaf("count", "Integer", "1"),
-        Leaf("part.delay", "Real", "s"),
-        Leaf("part.share", "Real", "1"),
-        Leaf("limit", "Real", "N.m"),
-        Leaf("name", "String", "1"),
+        Parameter("count", "1", "Integer"),
+        Parameter("part.delay", "s", "Real"),
+        Parameter("part.share", "1", "Real"),
+        Parameter("limit", "N.m", "Real"),
+        Parameter("name", "1", "String"),
     ]
     assert with_values(Whole(), {"part.share": 0.9, "part.delay": 1.0, "limit": 2.0}) == Whole(3, Part(1.0, 0.9), 2.0)
 

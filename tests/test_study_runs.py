@@ -16,8 +16,8 @@ from test_study import Read
 from test_study import read as read
 
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.partners import Stopwatch
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
+from hoist_demo.cosimulation.schemes.interface import Stopwatch
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.cluster import cluster, run_samples
@@ -217,12 +217,12 @@ def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Clien
     store = Store(tmp_path / "out")
     performed = perform(study, store, partial(run_samples, client, study, store=store))
     table = pd.read_parquet(performed.table)
-    series = store.signals(table["key"][0])
+    kept = read_results(tmp_path / "out" / "signals" / f"{table['key'][0]}.parquet")
+    series = kept.table
     # 120 m of 8 kg/m, hung from ends 90 m apart: 105 m below the upper end, 15 m below the lower one
     assert series["right.fy"][0] == pytest.approx(-105 * 8 * 9.81, rel=0.01)
     assert series["left.fy"][0] == pytest.approx(-15 * 8 * 9.81, rel=0.02)
     # with their instants and units, or they would mean nothing
-    kept = read_results(tmp_path / "out" / "signals" / f"{table['key'][0]}.parquet")
     assert kept.units == {"time": "s", "left.fy": "N", "right.fy": "N"}
     np.testing.assert_allclose(np.diff(series["time"]), 0.01, rtol=1e-9)
     # a draft leaves torsion out, and its yaw is not zero but unknown

@@ -7,12 +7,21 @@ Both halves are solved exactly within a step, by the matrix exponential, so that
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import expm
 
-from hoist_demo.cosimulation.schemes.interface import Load, Memory, Motion, Pair, Sample, Scheme
+from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Load, Memory, Pair, Reader, Sample, Scheme
+from rope_model import EndMotion, Status
+
+NOTHING = EndMotion()
+
+
+def both(left: float) -> np.ndarray:
+    """Return the value of the left end, and 0 at the right one."""
+    return np.array([left, 0.0])
 
 
 @dataclass(frozen=True)
@@ -55,7 +64,7 @@ def driven(A: np.ndarray, b: np.ndarray, x: np.ndarray, h: float, c: np.ndarray)
 
 
 class Drive:
-    """The left half; state (y, v)."""
+    """The left half; state (y, v). The right end of the interface rests, and no force acts there."""
 
     def __init__(self, data: Data, state: np.ndarray) -> None:
         self.data, self.state = data, state
@@ -67,14 +76,19 @@ class Drive:
         return ""
 
     def place(self) -> np.ndarray:
-        return self.state[:1]
+        return both(self.state[0])
 
-    def motion(self, load: Load, s: float) -> Motion:
+    def motion(self, load: Load, s: float) -> InterfaceMotion:
         d, (y, v) = self.data, self.state
-        return Motion(np.array([y]), np.array([v]), (d.f - d.k * y + load.at(s)) / (d.m + load.added_mass))
+        force = load.start[0] + s * (load.rise[0] + s * load.bend[0])
+        a = (d.f - d.k * y + force) / (d.m + load.added_mass[0])
+        return InterfaceMotion(both(y), both(v), both(a))
+
+    def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
+        return EndMotion(y=motion.place[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING
 
     def mobility(self) -> np.ndarray:
-        return np.array([[1.0 / self.data.m]])
+        return np.diag(both(1.0 / self.data.m))
 
     def work(self) -> float:
         """Work of F: the energy less the work of f."""
@@ -94,9 +108,9 @@ class Follower:
     def __init__(self, data: Data, state: np.ndarray, end: np.ndarray, mean: float, h: float) -> None:
         self.data, self.state, self.end, self.mean, self.h = data, state, end, mean, h
 
-    def step(self, t: float, h: float, motion: Motion) -> str:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         d, (y0, v0, a0), before = self.data, self.end, self.state
-        new = np.array([motion.place[0], motion.speed[0], motion.acceleration[0]])
+        new = np.array([left.y, left.vy, left.ay])
         dx, dv, da = new[0] - y0 - h * v0 - h * h * a0 / 2, h * (new[1] - v0 - h * a0), h * h * (new[2] - a0)
         c = np.array([10 * dx - 4 * dv + da / 2, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + da / 2])
         c = np.concatenate(([y0, h * v0, h * h * a0 / 2], c))
@@ -105,26 +119,27 @@ class Follower:
         self.state = driven(A, np.array([0.0, 1.0 / d.m_2]), before, h, force)
         self.mean = -(d.m_e * (new[1] - v0) + d.m_2 * float(self.state[1] - before[1])) / h
         self.end, self.h = new, h
-        return ""
+        return Status(True)
 
-    def forces(self) -> tuple[np.ndarray, np.ndarray]:
+    def reader(self, names: Sequence[str]) -> Reader:
+        signals = {"left.fy": self.force, "left.fy_mean": lambda: self.mean, "left.added_mass": self.added_mass}
+        return lambda: np.array([signals[name]() if name in signals else 0.0 for name in names])
+
+    def force(self) -> float:
         d, (x, w), (y, v, a) = self.data, self.state, self.end
-        return np.array([-d.m_e * a - d.k_2 * (y - x) - d.c_2 * (v - w)]), np.array([self.mean])
+        return -d.m_e * a - d.k_2 * (y - x) - d.c_2 * (v - w)
 
-    def added_mass(self) -> np.ndarray:
+    def added_mass(self) -> float:
         """Answer to an acceleration held over the last step."""
         still = Follower(self.data, np.zeros(2), np.array([0.0, 0.0, 1.0]), 0.0, self.h)
-        still.step(0.0, self.h, Motion(np.array([self.h**2 / 2]), np.array([self.h]), np.array([1.0])))
-        return -still.forces()[0]
+        still.step(0.0, self.h, EndMotion(y=self.h**2 / 2, vy=self.h, ay=1.0), NOTHING)
+        return -still.force()
 
     def save(self) -> tuple:
         return self.state, self.end, self.mean, self.h
 
     def restore(self, snapshot: tuple) -> None:
         self.state, self.end, self.mean, self.h = snapshot
-
-    def free(self, snapshot: object) -> None:
-        """Nothing is held."""
 
 
 def start(data: Data, t: float, H: float) -> tuple[Pair, Memory]:
@@ -133,7 +148,7 @@ def start(data: Data, t: float, H: float) -> tuple[Pair, Memory]:
     for past in (t - 2 * H, t - H, t):
         (_, v, _, w), before, (force, a) = data.exact(past), data.exact(past - H), data.forces(past)
         impulse = data.m_e * (v - before[1]) + data.m_2 * (w - before[3])
-        samples.append(Sample(past, np.array([force]), np.array([-impulse / H]), np.array([a])))
+        samples.append(Sample(past, both(force), both(-impulse / H), both(a)))
     y, v, x, w = data.exact(t)
     follower = Follower(data, np.array([x, w]), np.array([y, v, a]), float(samples[-1].mean[0]), H)
     return Pair(Drive(data, np.array([y, v])), follower), Memory(tuple(samples))

@@ -16,7 +16,7 @@ from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel
 from rope_model.parameters import FidelityChoice, rope_120, rope_240
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
-from rope_model.simulation.messages import fidelity_cases
+from rope_model.simulation.messages import fidelity_rules
 
 P120, P240 = rope_120(), rope_240()
 #: of the estimates' windings: m/s to m/s^2 and m/s^3; EI (N m^2) and spacing (m)
@@ -52,7 +52,7 @@ def estimate(scene: Scene, trip: Trip, until: float | None) -> tuple[object, ...
     travel = Travel(trip.travel, reference.peak_speed, trip.acceleration, trip.jerk)
     swivels = "locked" if scene.left.mode == "locked" else f"released at {scene.left.release_time:g} s"
     head = scene.rope.length, swivels, trip.speed, scene.rope.EI, scene.layout.spacing
-    of_planar = force_error(planar.force, full.force), fidelity_cases.force_error(scene, "planar", travel)
+    of_planar = force_error(planar.force, full.force), fidelity_rules.force_error(scene, "planar", travel)
     of_rigid = force_error(rigid.force, planar.force), longitudinal_error(scene, travel) + lean_error(scene, travel)
     return *head, *of_planar, *of_rigid
 

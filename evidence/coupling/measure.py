@@ -20,7 +20,7 @@ from hoist_demo.cases.installed import INSTALLED
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative

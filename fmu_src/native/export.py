@@ -11,11 +11,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rope_model.parameters import Level, RopeCase
+from rope_model.scene_names import Value
 
 from ..archive import write_archive
 from ..arrays import arrays, scalars
 from ..attachments import attachments, xml_bytes
-from ..interface import NO_CHANGES, Value, Variable, case_with, variables
+from ..interface import NO_CHANGES, Variable, case_with, variables
 from ..model_description import MODEL, Build, model_description
 from ..model_description3 import build_description, model_description3
 from ..profile import Profile

@@ -23,7 +23,7 @@ from .table import c_table, start_values
 _HERE = Path(__file__).resolve().parent
 
 
-class Model(Protocol):
+class ExportedModel(Protocol):
     """A model to export, without arrays and directional derivatives.
 
     Its outputs at an instant depend on no input of that instant (after initialisation).
@@ -60,7 +60,7 @@ class Model(Protocol):
         """Dependencies of the outputs during initialisation, see Build."""
 
 
-def export_model(destination: Path, model: Model, platforms: Sequence[str] | None = None, fmi: int = 2) -> Path:
+def export_model(destination: Path, model: ExportedModel, platforms: Sequence[str] | None = None, fmi: int = 2) -> Path:
     """Write the FMU of ``model`` to ``destination``; ``platforms`` as for the rope."""
     table = [Variable(*variable) for variable in model.variables]
     sources = model_sources(table, model.sources, fmi)

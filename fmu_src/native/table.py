@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
+from rope_model.scene_names import choices_of
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.outputs.sensitivity import LOADS
 from rope_model.simulation.outputs.signal_table import SIGNALS
 from rope_model.texts import c_string
 
 from ..arrays import arrays, scalars
-from ..interface import RATES, Variable, choices_of
+from ..interface import RATES, Variable
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
 _TEXTS = {"status.fidelity": "FIDELITY_NAME", "status.fidelity_reason": "FIDELITY_REASON", "status.warning": "WARNING"}
@@ -67,11 +68,11 @@ def _array(declaration: str, rows: Iterable[str]) -> str:
 
 def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
     words = choices_of(v.name)
-    choices = "NULL" if words is None else c_string(", ".join(f"{i} {word}" for i, word in enumerate(words)))
-    kind = "ENUMERATION" if words is not None and fmi == 3 else v.kind.upper()
+    choices = c_string(", ".join(f"{i} {word}" for i, word in enumerate(words))) if words else "NULL"
+    kind = "ENUMERATION" if words and fmi == 3 else v.kind.upper()
     source = "FROM_ENTRY" if v.causality != "output" else _SOURCES.get(v.name, "FROM_MODEL")
     return (
-        f"{{{c_string(v.name)}, {choices}, {len(words or ())}, {length}, {rate}, KIND_{kind}, "
+        f"{{{c_string(v.name)}, {choices}, {len(words)}, {length}, {rate}, KIND_{kind}, "
         f"CAUSALITY_{v.causality.upper()}, VARIABILITY_{v.variability.upper()}, {source}}}"
     )
 

@@ -21,10 +21,10 @@ from pathlib import Path
 from typing import Any, TypeGuard, get_args
 
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.parameters.quantity import Parameter
 from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.reading import StudyError, flat, read_statuses, read_tables, read_text, read_values
+from hoist_demo.study.reading import Problems, StudyError, flat, read_statuses, read_tables, read_text, read_values
 from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope
 from rope_model.texts import printable
 
@@ -60,9 +60,9 @@ class Measured:
     given: Mapping[str, str]  # where each value of [fixed] comes from
 
 
-def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measured:
+def read_measured(path: Path, parameters: Mapping[str, Parameter]) -> Measured:
     """Return the contents of a file for a rope with these parameters; raise StudyError with all problems."""
-    problems = list[str]()
+    problems = Problems()
     raw = read_tables(path, "measurements", _TABLES, problems)
     known = read_known(path, raw, problems)
     fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
@@ -87,7 +87,7 @@ def read_measured(path: Path, parameters: Mapping[str, FmuParameter]) -> Measure
     return Measured(path, bench, tuple(m for m in found if m is not None), wanted, given)
 
 
-def _sought(path: Path, catalogue: Catalogue, table: Mapping[str, Any], problems: list[str]) -> dict[str, Datum]:
+def _sought(path: Path, catalogue: Catalogue, table: Mapping[str, Any], problems: Problems) -> dict[str, Datum]:
     """The ranges of what is looked for beside the properties; what is wrong is added to the problems."""
     found = {}
     for name, content in flat(table):
@@ -113,7 +113,7 @@ def _sought(path: Path, catalogue: Catalogue, table: Mapping[str, Any], problems
     return found
 
 
-def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> KnownRope | None:
+def read_known(path: Path, raw: Mapping[str, Any], problems: Problems) -> KnownRope | None:
     """The rope of [rope] with the ranges of [known]; None where something is wrong, which is added to the problems."""
     head, before = raw.get("rope", {}), len(problems)
     for key, content in head.items():
@@ -151,7 +151,7 @@ def read_known(path: Path, raw: Mapping[str, Any], problems: list[str]) -> Known
     return replace(found, data=data)
 
 
-def _check_facts(where: str, table: Mapping[str, Any], problems: list[str]) -> None:
+def _check_facts(where: str, table: Mapping[str, Any], problems: Problems) -> None:
     """What is wrong with status and source of a property is added to the problems."""
     if (status := table.get("status", "measured")) not in get_args(DatumStatus):
         known = ", ".join(get_args(DatumStatus))
@@ -181,7 +181,7 @@ def _datum(path: Path, before: Datum, content: Any) -> Datum | None:
     )
 
 
-def _measurement(number: int, table: Mapping[str, Any], problems: list[str]) -> Measurement | None:
+def _measurement(number: int, table: Mapping[str, Any], problems: Problems) -> Measurement | None:
     """One of the measurements; None where something is wrong with it, which is added to the problems."""
     what, before = table.get("what"), len(problems)
     where = f"measured {number}"
@@ -257,7 +257,7 @@ def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
     return ""
 
 
-def _numbers(where: str, name: str, content: Any, unit: str, problems: list[str]) -> tuple[float, ...]:
+def _numbers(where: str, name: str, content: Any, unit: str, problems: Problems) -> tuple[float, ...]:
     """A number, or a list of them."""
     found = content if isinstance(content, list) else [content]
     if content is None:
@@ -271,7 +271,7 @@ def _numbers(where: str, name: str, content: Any, unit: str, problems: list[str]
     return tuple(float(x) for x in found)
 
 
-def _text(where: str, name: str, content: Any, problems: list[str]) -> str:
+def _text(where: str, name: str, content: Any, problems: Problems) -> str:
     known = tuple(SIGNALS) if name == "signal" else PLANES
     if content not in known:
         hint = "one of docs/reference/variables.md, outputs" if name == "signal" else f"one of {', '.join(PLANES)}"
@@ -279,7 +279,7 @@ def _text(where: str, name: str, content: Any, problems: list[str]) -> str:
     return str(content)
 
 
-def _wanted(table: Mapping[str, Any], problems: list[str]) -> Wanted | None:
+def _wanted(table: Mapping[str, Any], problems: Problems) -> Wanted | None:
     before = len(problems)
     for key in table.keys() - {"signal", "left_y", "right_y"}:
         problems.append(f"[wanted] {key} = {table[key]!r} is not a key: it has signal, left_y, right_y")

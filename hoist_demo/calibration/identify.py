@@ -9,7 +9,7 @@ import numpy as np
 
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
-from hoist_demo.calibration.measurements import Bench, Measurement
+from hoist_demo.calibration.measurements import Bench, Measurement, Numbers
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
 from hoist_demo.study.provenance import Known, of_rope
@@ -159,66 +159,34 @@ def candidates(bench: Bench, shares: Array) -> list[Measurement]:
     data = trial.scene.rope
     load = 0.5 * data.length * data.mass_per_length * trial.scene.layout.gravity
     torsion = trial.properties["torsional_stiffness"]
+    none: Numbers = {}
     level = {"left_y": (0.0,), "right_y": (0.0,)}
     width = bench.predict(shares, [Measurement("", "loop width", "m", (0.0,), 1.0, {}, {})])[0]
-    sample = {"load": (load,), "twist": (0.0,)}
+    sample, long = {"load": (load,), "twist": (0.0,)}, {"load": (load,), "length": (10.0,)}
     turn = 0.05 * load * data.diameter / torsion  # rad/m, for a torque like those of torque factors
-    return [
-        Measurement("width of the free loop, to 1 %", "loop width", "m", (0.0,), 0.01 * width, {}, {}),
-        Measurement("mass, to 0.5 %", "mass", "kg/m", (0.0,), 5e-3 * data.mass_per_length, {}, {}),
-        Measurement(
-            f"torque of a sample under {1e-3 * load:.3g} kN, to 0.05 % of load times diameter",
-            "sample torque",
-            "N.m",
-            (0.0,),
-            5e-4 * load * data.diameter,
-            sample,
-            {},
+    torque, kilonewtons = 5e-4 * load * data.diameter, f"under {1e-3 * load:.3g} kN"
+    share = "to 0.05 % of load times diameter"
+    rows: list[tuple[str, str, str, float, Numbers, str]] = [
+        ("width of the free loop, to 1 %", "loop width", "m", 0.01 * width, none, ""),
+        ("mass, to 0.5 %", "mass", "kg/m", 5e-3 * data.mass_per_length, none, ""),
+        (f"torque of a sample {kilonewtons}, {share}", "sample torque", "N.m", torque, sample, ""),
+        (
+            f"torque of a sample {kilonewtons} turned in by {turn:.2g} rad/m, {share}",
+            *("sample torque", "N.m", torque, {**sample, "twist": (turn,)}, ""),
         ),
-        Measurement(
-            f"torque of a sample under {1e-3 * load:.3g} kN turned in by {turn:.2g} rad/m, "
-            "to 0.05 % of load times diameter",
-            "sample torque",
-            "N.m",
-            (0.0,),
-            5e-4 * load * data.diameter,
-            {**sample, "twist": (turn,)},
-            {},
-        ),
-        Measurement(
-            f"rotation of a 10 m sample under {1e-3 * load:.3g} kN, to 5 degrees",
-            "sample rotation",
-            "rad",
-            (0.0,),
-            np.deg2rad(5),
-            {"load": (load,), "length": (10.0,)},
-            {},
-        ),
-        Measurement(
-            f"extension of a 10 m sample under {1e-3 * load:.3g} kN, to 0.5 mm",
-            "sample extension",
-            "m",
-            (0.0,),
-            5e-4,
-            {"load": (load,), "length": (10.0,)},
-            {},
-        ),
-        Measurement(
+        (f"rotation of a 10 m sample {kilonewtons}, to 5 degrees", "sample rotation", "rad", np.deg2rad(5), long, ""),
+        (f"extension of a 10 m sample {kilonewtons}, to 0.5 mm", "sample extension", "m", 5e-4, long, ""),
+        (
             "yaw of the loop at equal heights, by camera, to 1 degree",
             "at rest",
             "rad",
-            (0.0,),
             np.deg2rad(1),
             level,
-            {"signal": "loop.yaw"},
+            "loop.yaw",
         ),
-        Measurement(
-            "torque of the left end at equal heights, to 0.5 N m",
-            "at rest",
-            "N.m",
-            (0.0,),
-            0.5,
-            level,
-            {"signal": "left.swivel.torque"},
-        ),
+        ("torque of the left end at equal heights, to 0.5 N m", "at rest", "N.m", 0.5, level, "left.swivel.torque"),
+    ]
+    return [
+        Measurement(name, what, unit, (0.0,), sigma, numbers, {"signal": signal} if signal else {})
+        for name, what, unit, sigma, numbers, signal in rows
     ]

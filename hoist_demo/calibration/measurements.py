@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.inprocess_rope import with_parameters
 from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, Datum, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
+from rope_model.scene_names import with_values
 from rope_model.simulation.outputs.modal import natural_modes
 
 Array = NDArray[np.float64]
@@ -264,7 +264,7 @@ class Bench:
     def scene_at(self, shares: Array) -> Scene:
         """The rope in its shaft at these shares."""
         found = {name: self.value(name, shares) for name in self.sought}
-        return with_parameters(self.scene.with_(rope=self.rope(shares)), found)
+        return with_values(self.scene.with_(rope=self.rope(shares)), found)
 
     def trial(self, shares: Array) -> Trial:
         """Return the rope that has these shares, ready to be measured."""

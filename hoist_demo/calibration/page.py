@@ -1,17 +1,18 @@
-"""Result of a fit, as text for the terminal and as a page."""
+"""Result of a fit: as text for the terminal, as a page, and as the parameter file for other commands."""
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
 from hoist_demo.calibration.identify import Identified
-from hoist_demo.report.html.page import engineering, number, unit_text
-from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
-from hoist_demo.report.provenance import table as data_table
-from hoist_demo.report.provenance import told
-from hoist_demo.report.rows import SummaryRow
+from hoist_demo.calibration.measurements import FOLLOWING
+from hoist_demo.report.html.page import Bar, bars, engineering, grid, number, paragraphs, unit_text, write_sheet
+from hoist_demo.report.rows import SummaryRow, told
+from hoist_demo.report.rows import table as data_table
 from rope_model import SIGNALS
+from rope_model.texts import printable, toml_string
 
 #: standard errors to either side that the picture of the residuals shows
 SIDE = 4.0
@@ -48,13 +49,7 @@ def write_page(found: Identified, path: Path) -> Path:
     """Write the page."""
     bench = found.measured.bench
     ranges = [
-        Bar(
-            f"{name.replace('_', ' ')}",
-            float(low),
-            float(high),
-            float(share),
-            found.told(name),
-        )
+        Bar(f"{name.replace('_', ' ')}", float(low), float(high), float(share), found.told(name))
         for name, share, (low, high) in zip(found.names, found.fit.shares, found.intervals, strict=True)
     ]
     residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(found)]
@@ -67,11 +62,7 @@ def write_page(found: Identified, path: Path) -> Path:
         "status before",
     )
     known = [
-        (
-            *row,
-            f"{number(factor * datum.low)} to {number(factor * datum.high)}",
-            f"{datum.status}: {datum.source}",
-        )
+        (*row, f"{number(factor * datum.low)} to {number(factor * datum.high)}", f"{datum.status}: {datum.source}")
         for row, name in zip(_properties(found), found.names, strict=True)
         for datum in (bench.data[name],)
         for factor in (_unit(found, name)[0],)
@@ -82,6 +73,7 @@ def write_page(found: Identified, path: Path) -> Path:
     ]
     left = [(c.measurement.name, f"{number(c.error)} {_wanted_unit(found)}") for c in found.candidates]
     title, data = data_table(found.provenance())
+    pairs = _pairs(found)
     notes = [text for text in (misfit(found), *found.warnings) if text]
     parts = [
         ("", paragraphs(notes) + grid(head, known)),
@@ -96,7 +88,7 @@ def write_page(found: Identified, path: Path) -> Path:
         ),
         ("Measured and fitted", grid(("measurement", "measured", "fitted", "sigma", "unit"), fitted)),
         ("Undetermined by the data", paragraphs(_open(found) or ["None."])),
-        ("Determined only together", _pairs_grid(found)),
+        ("Determined only together", grid(("properties", "correlation"), pairs) if pairs else paragraphs(["None."])),
         (
             f"Best next measurement of {found.measured.wanted.signal}",
             paragraphs([f"It is {number(found.wanted)} {_wanted_unit(found)}, its standard error {_error(found)}."])
@@ -138,11 +130,6 @@ def _pairs(found: Identified) -> list[tuple[str, str]]:
     return [(f"{one} and {other}", f"{value:+.2f}") for one, other, value in found.strong_correlations()]
 
 
-def _pairs_grid(found: Identified) -> str:
-    pairs = _pairs(found)
-    return grid(("properties", "correlation"), pairs) if pairs else paragraphs(["None."])
-
-
 def _error(found: Identified) -> str:
     return f"{number(found.wanted_error)} {_wanted_unit(found)}"
 
@@ -163,3 +150,35 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
 
 def _residuals(found: Identified) -> list[tuple[str, float]]:
     return [(name, (predicted - value) / sigma) for name, value, predicted, sigma, _ in _values(found)]
+
+
+def write_rope_file(found: Identified, path: Path) -> Path:
+    """Write what was found."""
+    known = found.known
+    rope = found.measured.bench.rope(found.fit.shares)
+    lines = [
+        f"# Found by balance-rope identify from {printable(found.measured.path.name)}. demo and export take it as",
+        '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
+        *_warning(found),
+        "[rope]",
+        f"construction = {toml_string(known.construction)}",
+        f"diameter = {known.diameter!r}",
+        f"length = {known.length!r}",
+        f"lay = {toml_string(known.lay)}",
+        "",
+        "[known]",
+    ]
+    for name, datum in known.data.items():
+        facts = f"status = {toml_string(datum.status)}, source = {toml_string(datum.source)}"
+        lines.append(f"{name} = {{ low = {datum.low:.6g}, high = {datum.high:.6g}, {facts} }}")
+    lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in FOLLOWING)]
+    for name in found.measured.bench.sought:
+        status = toml_string(found.data[name].status)
+        lines.append(f"{name} = {{ value = {found.value(name):.6g}, status = {status} }}")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    return path
+
+
+def _warning(found: Identified) -> list[str]:
+    """Return warnings to readers of the file, as comments."""
+    return [f"# {printable(line)}" for line in textwrap.wrap(misfit(found), 110)]

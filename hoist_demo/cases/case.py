@@ -8,11 +8,10 @@ from dataclasses import dataclass, field
 from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import Hoist, Winding
 
-LOCKED, COULOMB = 0, 2
-"""Codes of swivel.mode, docs/reference/variables.md."""
+LOCKED, COULOMB = 0, 2  #: Codes of swivel.mode, docs/reference/variables.md.
 
+#: What the source of the published rope states of it.
 PUBLISHED_ROPE = ("rope.length", "rope.Qb", "rope.Qc", "hoist.tail_rope_length")
-"""What the source of the published rope states of it."""
 
 
 def swivels(mode: int, **data: float) -> dict[str, float]:

@@ -31,10 +31,7 @@ _DEEP = Hoist(shaft_travel=200.0, tail_rope_length=240.0)
 
 SCENARIOS = {
     "overwind": Case(
-        replace(_HOIST, shaft_travel=_OVERWIND),
-        replace(_WINDING, travel=_OVERWIND),
-        rope=_ROPE,
-        stated=PUBLISHED_ROPE,
+        replace(_HOIST, shaft_travel=_OVERWIND), replace(_WINDING, travel=_OVERWIND), rope=_ROPE, stated=PUBLISHED_ROPE
     ),
     "slack-rope": Case(
         replace(_HOIST, brake=Brake(torque=8e5)),

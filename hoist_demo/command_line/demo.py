@@ -13,43 +13,39 @@ from typing import TYPE_CHECKING, Any
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
-from hoist_demo.command_line.interrupts import interruption
-from hoist_demo.command_line.options import KERNELS, add_data, add_trip
-from hoist_demo.command_line.results import named, results_folder
-from hoist_demo.command_line.settings import rope_values, settings
+from hoist_demo.command_line.options import KERNELS, add_data, add_trip, rope_values, settings
+from hoist_demo.command_line.results import interruption, named, results_folder
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter, read_outputs, read_parameters
-from hoist_demo.cosimulation.participants.fmu_rope import NOT_READ, FmuRope
+from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
 from hoist_demo.cosimulation.progress import listen, progress_bar
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
+from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.parameters import ASSUMED_DATA, Coupling
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import CAUSE, WARNING, render
 from hoist_demo.report.slip import slip_warning
-from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.nested import with_values
-from hoist_demo.study.probe import Probe
+from hoist_demo.study.catalogue import Catalogue, with_values
 from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.reading import GIVEN, file_statuses
-from hoist_demo.study.run import RunData, build_trip, fmu_part
-from hoist_demo.study.shared import contradictions, tail_rope
+from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part, tail_rope
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 
-LAST_GOOD = "last_good.npz"
-"""File in the output folder with the last good state of a run that stopped."""
+LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
 
 _CASE = "rope-120"
 
+#: Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is.
 _QUICK = {"travel": 10.0, "settle": 2.0}
-"""Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is."""
 
 _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
@@ -212,7 +208,7 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
     return values | {"coupling.step": options.step, "coupling.scheme": options.scheme}
 
 
-def _parameters(options: argparse.Namespace) -> dict[str, FmuParameter]:
+def _parameters(options: argparse.Namespace) -> dict[str, Parameter]:
     """Return the parameters of the rope that can be set."""
     if options.in_process:
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
@@ -240,11 +236,13 @@ def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRo
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
             f"`balance-rope export --level {options.level}`"
         )
-    signals = match_signals(options.signals, [*DRIVE_UNITS, *read_outputs(options.fmu)])
+    outputs = read_outputs(options.fmu)
+    signals = match_signals(options.signals, [*DRIVE_UNITS, *outputs])
     if asked and (problems := Probe(options.fmu).rejection(run)):
         raise ValueError("; ".join(problems))
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
-    return FmuRope(options.fmu, {**kernels, **run.fmu}, NOT_READ.difference(signals)), signals
+    recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # of which those are dear
+    return FmuRope(options.fmu, {**kernels, **run.fmu}, recorded), signals
 
 
 def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:

@@ -8,16 +8,16 @@ from functools import cached_property
 from pathlib import Path
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, without_remarked
 from hoist_demo.recording.time_series import Recording, shape_rows, write_csv, write_shapes
-from hoist_demo.report.provenance import told
-from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow
+from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, told
 from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.study.provenance import Known, statuses, write_data
 from hoist_demo.study.run import RunData
 
+#: Outputs that an FMU may have been exported without, and what the reports then lack.
 _DRAWN = {
     "shape.": "3-D rope, shapes.png and stress along the rope",
     "station.": "exposure.png",
@@ -26,7 +26,6 @@ _DRAWN = {
     "energy.": "energies of the rope",
     "left.swivel.": "swivels.png",
 }
-"""Outputs that an FMU may have been exported without, and what the reports then lack."""
 
 
 @dataclass(frozen=True)
@@ -75,12 +74,12 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
     `signals` are the columns of signals.csv, none: the usual.
     """
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.events import marks
     from hoist_demo.report.exposure_figures import write_exposure_figure, write_spectra_figure
     from hoist_demo.report.figures import write_figures
     from hoist_demo.report.html.parameter_tables import rope_tables, tables
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import write_report
+    from hoist_demo.report.panels import marks
 
     run, result, rope, status = wound.run, wound.result, wound.rope, statuses(wound.known)
     recording, hoist, winding = result.recording, run.hoist, run.winding

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.interrupts import interruption
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import interruption, named, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
@@ -29,8 +28,7 @@ if TYPE_CHECKING:
     from hoist_demo.duty.table import Worst
     from hoist_demo.duty.wind import Trip
 
-STATE = "last_trip.npz"
-"""File in the output folder with the state after the last trip that is wound."""
+STATE = "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
 
 _DESCRIPTION = """\
 Wind the trips of a schedule one after the other with the rope in this process: yaw, swing and swivel angles go on from
@@ -73,9 +71,9 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
-    from hoist_demo.report.provenance import told
+    from hoist_demo.report.rows import told
     from hoist_demo.study.provenance import of_host, of_rope, write_data
-    from hoist_demo.study.shared import contradictions
+    from hoist_demo.study.run import contradictions
 
     schedule = read_schedule(options.schedule, rope_parameters(), options.repeat)
     if options.check:
@@ -91,10 +89,7 @@ def _duty(options: argparse.Namespace) -> int:
         return 130
     exposed = _exposure(trips)
     run = schedule.pattern[0]
-    known = [
-        *of_host(run, schedule.given),
-        *of_rope(find_case(run.case), rope.data(), schedule.given),
-    ]
+    known = [*of_host(run, schedule.given), *of_rope(find_case(run.case), rope.data(), schedule.given)]
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
     print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows(exposed) if exposed else ()
@@ -118,15 +113,14 @@ def _wind(
     schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> tuple[Recording | None, Trip | None]:
     """The table of all trips, None for no trip, and the last trip that was wound here."""
-    from hoist_demo.duty.state import read_state, write_state
     from hoist_demo.duty.table import place_at_rest, row, table
-    from hoist_demo.duty.wind import wind
+    from hoist_demo.duty.wind import read_state, wind, write_state
 
     cycle, rest = len(schedule.pattern), place_at_rest(schedule, rope)
     rows, after, last = list[dict[str, float]](), None, None
     if state.is_file():
-        standing = read_state(state, rope, schedule)
-        rows, after = standing.rows[: schedule.count], standing.end
+        kept, after = read_state(state, rope, schedule)
+        rows = kept[: schedule.count]
         if counted != ("station.s[1]" in rows[0]):
             raise ValueError(f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so")
         print(f"{len(rows)} of {schedule.count} trips are there already")
@@ -148,7 +142,8 @@ def _wind(
 
 def _as_it_is(rope: InProcessRope) -> Recording:
     """The rope's signals as they are, one row, without what its fidelity leaves out."""
-    signals = {TIME: np.zeros(1)} | {name: np.array([value]) for name, value in rope.signals().items()}
+    names = [*rope.units()]
+    signals = {TIME: np.zeros(1), **dict(zip(names, rope.reader(names)()[:, None], strict=True))}
     return mask_neglected(Recording(signals, {}), rope.data().torque_free)
 
 
@@ -183,7 +178,7 @@ def _worst_text(one: Worst, unit: str) -> str:
 
 def _exposure(trips: Recording) -> Recording | None:
     """Return the load history of places in the rope over all trips; None if it was not counted."""
-    from hoist_demo.duty.state import rows_of
+    from hoist_demo.duty.wind import rows_of
 
     rows = rows_of(trips)
     return together([gather(row) for row in rows]) if "station.s[1]" in trips else None

@@ -19,17 +19,6 @@ examples:
   balance-rope identify MEASURED.toml --check      read and check the file, compute nothing
   balance-rope demo --in-process --rope out/identify/MEASURED/rope.toml    wind with what was found
 
-a file of measurements:
-  [rope]
-  construction = "34x7"       # of docs/howto/rope_data.md, whose ranges bound what is found
-  diameter = 0.046            # m
-  length = 700.0              # m
-
-  [[measured]]
-  what = "loop width"         # or mass, sample torque, sample rotation, sample extension, at rest, track, swept, swing
-  value = 2.9                 # SI units
-  sigma = 0.05                # its standard error
-
 Results in --out: rope.toml, the parameters for other commands, data.csv, where each number comes from, and report.html.
 The file is explained in docs/reference/files.md.
 exit code: 0 found, 1 a compromise between measurements that contradict the model, 2 wrong file or arguments, 130
@@ -58,8 +47,7 @@ def _identify(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
     from hoist_demo.calibration.definition import read_measured
     from hoist_demo.calibration.identify import identify
-    from hoist_demo.calibration.page import misfit, summary, write_page
-    from hoist_demo.calibration.rope_file import write_rope_file
+    from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.study.provenance import write_data
 

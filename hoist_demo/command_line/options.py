@@ -1,17 +1,19 @@
-"""Options of `balance-rope demo` for the winding and for what is computed and written."""
+"""Options of `balance-rope demo`, and values for one run: `NAME=VALUE` and files of parameters."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.cosimulation.participants.rope_data import words_of
 from hoist_demo.parameters import EmergencyLaw
-from hoist_demo.study.reading import LEVELS
+from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.study.reading import LEVELS, flat, strip_unit, with_file
+from rope_model.scene_names import choices_of
 
-KERNELS = words_of("solver.kernels")
-"""Choices of the FMU's integer parameter, in the order of its codes."""
+KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
 
 
 def add_trip(demo: argparse.ArgumentParser) -> None:
@@ -19,10 +21,7 @@ def add_trip(demo: argparse.ArgumentParser) -> None:
     demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
     demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
     demo.add_argument(
-        "--creep-distance",
-        type=float,
-        metavar="S",
-        help="creep over the last S [m], stop included (that of the case)",
+        "--creep-distance", type=float, metavar="S", help="creep over the last S [m], stop included (that of the case)"
     )
     demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the case)")
     demo.add_argument(
@@ -72,3 +71,51 @@ def add_data(demo: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)",
     )
+
+
+STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")  #: First parts of the names that only a study takes.
+
+
+def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
+    """The values by name, each of its parameter's type and within its bounds; ValueError names what is not."""
+    found: dict[str, Value] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
+        if name.partition(".")[0] in STUDY_ONLY:
+            raise ValueError(f"--set {text}: {name} is for studies: see docs/reference/files.md")
+        parameter = catalogue[name]
+        if name in found:
+            raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
+        found[name] = parameter.read(_value(parameter, value))
+    return found
+
+
+def rope_values(path: Path | None, catalogue: Catalogue) -> dict[str, Value]:
+    """The values of [fixed] of a parameter file, as --rope names it; none without a file."""
+    table = {} if path is None else with_file({"from": str(path)})
+    if path is not None and not table:
+        raise ValueError(f"--rope {path} has no [fixed]: {_ROPE_FILE}")
+    found: dict[str, Value] = {}
+    for name, content in flat(table):
+        if not name.startswith(("rope.", "air.")):
+            raise ValueError(f"--rope {path}: {name} is none of rope.* and air.*: {_ROPE_FILE}, or set it by --set")
+        parameter = catalogue[name]
+        found[name] = parameter.read(strip_unit(parameter, content))
+    return found
+
+
+_ROPE_FILE = "give a file that balance-rope identify has written"
+
+
+def _value(parameter: Parameter, text: str) -> Value:
+    """Return the parameter's value for a text; a meaningless text is left for the parameter's check."""
+    if parameter.kind == "Boolean":
+        return {"true": True, "false": False}.get(text.lower(), text)
+    if parameter.kind in ("Real", "Integer"):
+        try:
+            return float(text)
+        except ValueError:
+            return text
+    return text

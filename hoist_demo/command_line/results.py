@@ -1,9 +1,13 @@
-"""Folders of results."""
+"""Folders of results, and interrupts while a command computes or writes."""
 
 from __future__ import annotations
 
 import argparse
+import signal
+import sys
 import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -30,3 +34,24 @@ def named(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("'' names nothing: give a name, or leave --out away")
     return Path(text)
+
+
+@contextmanager
+def interruption(doing: str = "") -> Iterator[Callable[[], bool]]:
+    """Yield a function that reports an interrupt heard meanwhile; it stops nothing, and prints ``doing``.
+
+    A run that asks between two steps never stops within the rope, and what does not ask finishes.
+    """
+    heard = False
+
+    def hear(*_: object) -> None:
+        nonlocal heard
+        heard = True
+        if doing:
+            print(f"\nbalance-rope: {doing}; a moment", file=sys.stderr)
+
+    before = signal.signal(signal.SIGINT, hear)
+    try:
+        yield lambda: heard
+    finally:
+        signal.signal(signal.SIGINT, before)

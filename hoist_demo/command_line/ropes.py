@@ -13,15 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hoist_demo.command_line.interrupts import interruption
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import interruption, named, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import write_csv
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
 
 if TYPE_CHECKING:
-    from hoist_demo.cosimulation.result import Result
+    from hoist_demo.cosimulation.run_state import Result
     from hoist_demo.ropes.definition import Ropes
     from hoist_demo.ropes.table import Neighbours
 
@@ -66,7 +65,7 @@ def _ropes(options: argparse.Namespace) -> int:
     # ropes and figures load slowly and are needed here only
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
     from hoist_demo.report.figures import write_ropes_figure
-    from hoist_demo.report.provenance import told
+    from hoist_demo.report.rows import told
     from hoist_demo.ropes.definition import read_ropes
     from hoist_demo.ropes.table import COLUMNS, neighbours, row, without_neglected
     from hoist_demo.study.provenance import write_data

@@ -58,11 +58,10 @@ def _study(options: argparse.Namespace) -> int:
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
-    from hoist_demo.cosimulation.participants.fmu_parameters import fmi_version
+    from hoist_demo.cosimulation.participants.fmu_description import fmi_version
     from hoist_demo.report.html.page import unit_text
-    from hoist_demo.report.provenance import table as data_table
-    from hoist_demo.report.provenance import told
-    from hoist_demo.report.rows import render
+    from hoist_demo.report.rows import render, told
+    from hoist_demo.report.rows import table as data_table
     from hoist_demo.study.definition import read_study
     from hoist_demo.study.provenance import of_study, write_data
 
@@ -86,9 +85,7 @@ def _study(options: argparse.Namespace) -> int:
             tqdm(total=total, initial=there, desc="winding", unit="run", file=sys.stderr, disable=None) as bar,
         ):
             performed = perform(
-                study,
-                store,
-                partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
+                study, store, partial(run_samples, client, study, store=store, finished=lambda *_: bar.update())
             )
     except KeyboardInterrupt:
         kept = write_what_is_there(study, store)

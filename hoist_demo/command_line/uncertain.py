@@ -23,16 +23,6 @@ examples:
   balance-rope uncertain SCENE.toml --check        read and check the file, wind nothing
   balance-rope uncertain SCENE.toml --workers 1    in this process
 
-a file:
-  [uncertain]
-  case = "rope-120"            # hoist, winding and ends
-  samples = 64                 # a power of two
-  [rope]
-  construction = "34x7"        # of docs/howto/rope_data.md; or from = "out/identify/NAME/rope.toml"
-  diameter = 0.044             # m
-  [known]
-  mass_per_length = 7.7        # what is known better: a number, or { low, high }
-
 Results in --out: windings.csv, a row per winding, data.csv, where each number comes from, and report.html.
 The file is explained in docs/reference/files.md.
 exit code: 0 all windings wound to the end, 1 some did not, 2 wrong file or arguments, 130 interrupted.

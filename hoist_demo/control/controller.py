@@ -8,20 +8,78 @@ F_loss the known friction at the reference speed. The three terms that follow th
 share of them between 0 (plain PI) and 1 is used.
 The command is cut at the limits of torque and power, and the integral then stands still as long as it would push
 further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
-When the reference says that the safety brake stops the hoist, the motor is off and `emergency.py` asks for the brake.
+When the reference says that the safety brake stops the hoist, the motor is off and `EmergencyBrake` asks for the brake.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-from hoist_demo.control.emergency import BrakeState, EmergencyBrake
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.components import require
 from hoist_demo.parameters.quantity import quantity
+from rope_model.physics.elementary import both, larger, smaller, tanh, where
+
+
+@dataclass(frozen=True)
+class BrakeState:
+    """Memory of a regulated stop."""
+
+    bite_speed: float  # m/s, at the rim when the brake began to bite, with its sign
+    integral: float = 0.0  # N
+
+
+class EmergencyBrake:
+    """Emergency stops of one hoist with the brake; the motor is off, and the state explicit.
+
+        torque:        the full torque once the dead time is over
+        two-stage:     a part of it, and the full torque from a given time after the trip
+        deceleration:  regulated: the speed shall fall as |v_b| - a (t - t_b) from v_b, at which the brake bites,
+
+            T = R [ m a - F_r + k_v e + I ] ,     e = |v| - v_asked ,     I <- I + H k_v e / T_i ,
+
+    with the force F_r that slows the hoist anyway: friction, and the imbalance when the heavier side rises. A brake can
+    only brake: T is cut to 0 and the full torque, and I then stands still. Once v_asked is 0 the full torque holds.
+    """
+
+    def __init__(self, hoist: Hoist, gain: float, integral_time: float) -> None:
+        """Gain k_v [N s/m] and integral time T_i [s] of a regulated stop."""
+        self._hoist = hoist
+        self._gain, self._integral_time = gain, integral_time
+
+    def command(
+        self, braking: Braking, speed: float, resistance: float, state: BrakeState | None, h: float
+    ) -> tuple[float, BrakeState | None]:
+        """Return the fraction of the full torque for the step of h [s] that begins now, and the state to go on with.
+
+        `speed` is that of the rim [m/s], `resistance` F_r [N].
+        """
+        brake = self._hoist.brake
+        if brake is None:
+            raise ValueError(f"emergency_law = {braking.law!r} must be 'drive' for a hoist without a brake: fit one")
+        if braking.elapsed < brake.delay:
+            return 0.0, None
+        if braking.law == "torque":
+            return 1.0, None
+        if braking.law == "two-stage":
+            return brake.first_stage if braking.elapsed < brake.first_stage_time else 1.0, None
+
+        # regulated: the ramp begins where the brake bites
+        state = BrakeState(speed) if state is None else state
+        asked = abs(state.bite_speed) - braking.deceleration * (braking.elapsed - brake.delay)
+        if asked <= 0.0:
+            return 1.0, state
+        error = math.copysign(1.0, state.bite_speed) * speed - asked
+        wanted = self._hoist.moving_mass * braking.deceleration - resistance + self._gain * error + state.integral
+        fraction = wanted * self._hoist.sheave_radius / brake.torque
+        if not 0.0 <= fraction <= 1.0:
+            return min(max(fraction, 0.0), 1.0), state
+        integral = state.integral + h * self._gain * error / self._integral_time
+        return fraction, BrakeState(state.bite_speed, integral)
 
 
 @dataclass(frozen=True)
@@ -74,14 +132,13 @@ class Controller(Protocol):
 
     def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
         """Command for the step of length h [s] that begins now; `state` is the last command's, None at first."""
-        ...
 
 
 class SpeedController:
-    """The control law; its state is explicit."""
+    """The control law; its state is explicit. The host evaluates its text, and exported drives have C made of it."""
 
-    def __init__(self, hoist: Hoist, holding_torque: float, gains: Gains | None = None) -> None:
-        """`holding_torque` [N m] is the motor's torque at rest at the start."""
+    def __init__(self, hoist: Hoist, holding_torque: Any, gains: Any = None) -> None:
+        """`holding_torque` [N m] is the motor's torque at rest at the start; it and the `Gains` may be symbols."""
         self._gains = Gains() if gains is None else gains
         self._radius = hoist.sheave_radius
         self._mass, self._imbalance_rate = hoist.moving_mass, hoist.imbalance_rate
@@ -95,30 +152,43 @@ class SpeedController:
     ) -> Command:
         """Torque command for the step of length h [s] that begins now."""
         state = ControllerState() if state is None else state
-        position, speed, acceleration, _, braking = reference
+        *motion, _, braking = reference
         if braking is not None:
             return self._brake(braking, measured, state, h)
-        gains, (travel, moved) = self._gains, measured
-        error = speed + gains.position * (position - travel) - moved
-        ahead = self._mass * acceleration + self._imbalance_rate * position
-        ahead += self._loss(speed)
-        force = gains.feed_forward * ahead + gains.speed * error + state.integral
+        torque, limited, integral = self.law(motion, *measured, state.integral, h)
+        return Command(torque, limited, ControllerState(integral))
+
+    def law(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any) -> tuple[Any, Any, Any]:
+        """Return the torque [N m], whether it is limited, and the integral part after h; of numbers or symbols.
+
+        `motion` is the reference's position, speed and acceleration.
+        """
+        force, error = self.force(motion, travel, speed, integral)
         wanted = self._holding_torque + self._radius * force
-        limit = self._hoist.torque_available(moved / self._radius)
-        torque = min(max(wanted, -limit), limit)
-        limited = torque != wanted
+        limit = self._hoist.torque_available(speed / self._radius)
+        torque = smaller(larger(wanted, -limit), limit)
         # anti-windup: integrate unless that would push further into the limit
-        if limited and error * wanted > 0.0:
-            return Command(torque, limited, state)
-        return Command(torque, limited, ControllerState(state.integral + h * gains.speed * error / gains.integral_time))
+        stands = both(torque != wanted, error * wanted > 0.0)
+        grown = integral + h * self._gains.speed * error / self._gains.integral_time
+        return torque, torque != wanted, where(stands, integral, grown)
+
+    def force(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any) -> tuple[Any, Any]:
+        """Return the force at the rim beyond the one that holds [N], and the error of the speed [m/s]."""
+        error = motion[1] + self._gains.position * (motion[0] - travel) - speed
+        return self._gains.feed_forward * self.ahead(motion) + self._gains.speed * error + integral, error
+
+    def ahead(self, motion: Sequence[Any]) -> Any:
+        """Return the force at the rim that a full feed-forward asks for, beyond the one that holds [N]."""
+        position, speed, acceleration = motion
+        return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)
 
     def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
         """Motor off, brake after its law."""
         holding_force = self._holding_torque / self._radius + self._imbalance_rate * measured.travel
         resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
-        asked = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
-        return Command(0.0, False, ControllerState(0.0, asked.state), asked.fraction)
+        fraction, brake = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
+        return Command(0.0, False, ControllerState(0.0, brake), fraction)
 
-    def _loss(self, speed: float) -> float:
+    def _loss(self, speed: Any) -> Any:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""
-        return self._coulomb * math.tanh(speed / self._hoist.loss_speed) + self._viscous * speed
+        return self._coulomb * tanh(speed / self._hoist.loss_speed) + self._viscous * speed

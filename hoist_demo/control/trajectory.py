@@ -250,3 +250,23 @@ def _cut(trip: Trajectory, at: float, then: Trajectory) -> Trajectory:
     """`trip` before time `at`, `then` from it on."""
     kept = [(t, p) for t, p in zip(trip.starts, trip.points, strict=True) if t < at]
     return Trajectory(tuple(t for t, _ in kept) + then.starts, tuple(p for _, p in kept) + then.points)
+
+
+@dataclass(frozen=True)
+class Course:
+    """The trip as it is wound: its reference, and its data with the stop that there was.
+
+    The safety circuit stops the hoist by the law of its winding. A guard of the balance rope's loop opens it, or head
+    ropes whose pull on a conveyance is below `Hoist.slack_tension`. The stop begins at the first sample that sees the
+    trip. One that is under way already stays as it is, and a reference that has come to rest needs none.
+    """
+
+    trajectory: Trajectory
+    winding: Winding
+
+    def stopped(self, at: float) -> Course:
+        """The course with an emergency stop from `at` [s] on, where none has begun before."""
+        begun = self.winding.emergency_at
+        if at >= self.trajectory.duration or (begun is not None and begun <= at):
+            return self
+        return Course(stopped_at(self.trajectory, at, self.winding), replace(self.winding, emergency_at=at))

@@ -1,7 +1,7 @@
 """The last good state of a run in a file, to be looked at or to go on from.
 
-A NumPy archive: the drive's state, the controller's, what the coupling remembers, the rope's own bytes (of an FMU its
-serialized state), the recording, and the data of the run as text, which must be the same to go on.
+A NumPy archive: the fields of Checkpoint as text, and their arrays beside it, by name. Those of the recording are
+`recording.signals['time']` and so on.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import json
 import re
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,18 +18,13 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.cosimulation.plain_data import decode, encode
-from hoist_demo.cosimulation.schemes.interface import Memory, Sample, Vector
-from hoist_demo.drive.plant import PlantOutput, PlantState
-from hoist_demo.drive.sliding import Slide
-from hoist_demo.recording.time_series import Recording
+from hoist_demo.cosimulation.schemes.interface import Memory, Vector
+from hoist_demo.drive.plant import PlantState
+from hoist_demo.recording.time_series import Array, Recording
 
-_FIELDS = ("force", "mean", "acceleration")
+_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
 
-_FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")
-"""A single value in the text of a dataclass."""
-
-CONTROLLER = "the controller's state"
-"""What messages call it."""
+CONTROLLER = "the controller's state"  #: What messages call it.
 
 
 @dataclass(frozen=True)
@@ -41,7 +36,6 @@ class Checkpoint:
     plant: PlantState
     controller: Any  # plain data
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
-    at_rest: PlantOutput  # of the drive, at the start
     memory: Memory
     rope: bytes  # b"" when the rope cannot save its state
     recording: Recording  # of the run until it stopped, as its recorder keeps it; it goes on behind this sample's row
@@ -50,30 +44,11 @@ class Checkpoint:
 
     def write(self, path: Path) -> None:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""
-        memory, plant = self.memory, self.plant
-        arrays = {f"sample.{name}": np.array([getattr(s, name) for s in memory.samples]) for name in _FIELDS}
-        arrays |= {f"plant.{n}": getattr(plant, n) for n, v in plant._asdict().items() if isinstance(v, np.ndarray)}
-        arrays |= {"rope": np.frombuffer(self.rope, dtype=np.uint8)}
-        names = list(self.recording.signals)
-        if names:
-            arrays["recording"] = np.array([self.recording[name] for name in names])
-        text = {
-            "version": version("balance-rope"),
-            "sample": self.sample,
-            "t": self.t,
-            "controller": encode(self.controller, CONTROLLER),
-            "input": self.input.tolist(),
-            "at_rest": vars(self.at_rest),
-            "free_lengths": plant.free_lengths,
-            "step_next": plant.step_next,
-            "slide": plant.slide,
-            "times": [s.t for s in memory.samples],
-            "memory": [memory.step_next, memory.exchanges, memory.taken_back, memory.residual],
-            "names": names,
-            "units": dict(self.recording.units),
-            "data": self.data,
-            "cause": self.cause,
-        }
+        arrays = dict[str, Array]()
+        text: dict[str, Any] = {"version": version("balance-rope")}
+        for field in fields(self):
+            name = CONTROLLER if field.name == "controller" else field.name
+            text[field.name] = encode(getattr(self, field.name), name, arrays)
         arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("wb") as file:
@@ -100,8 +75,8 @@ class Checkpoint:
             with np.load(path, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
             text = json.loads(arrays["text"].tobytes())
-            there = text.get("version", "an earlier one")
-            kept = _checkpoint(arrays, text) if there == here else None
+            there, controller = text.pop("version", "an earlier one"), text.pop("controller", None)
+            kept = _checkpoint(text, arrays) if there == here else None
         except OSError as error:
             raise ValueError(
                 f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
@@ -113,33 +88,16 @@ class Checkpoint:
                 f"'{path}' must be of version {here}, it was written by {there}: go on with that version, or start "
                 "anew in another folder"
             )
-        return replace(kept, controller=decode(kept.controller))
+        return replace(kept, controller=decode(controller, arrays))
 
 
-def _checkpoint(arrays: Mapping[str, Any], x: Mapping[str, Any]) -> Checkpoint:
-    """The checkpoint of an archive's arrays and text, its controller's state as it was written."""
-    rows = zip(x["times"], *(arrays[f"sample.{name}"] for name in _FIELDS), strict=True)
-    samples = tuple(Sample(t, *values) for t, *values in rows)
-    plant = {n.removeprefix("plant."): v for n, v in arrays.items() if n.startswith("plant.")}
-    table = arrays.get("recording", np.zeros((0, 0)))
-    return Checkpoint(
-        sample=x["sample"],
-        t=x["t"],
-        plant=PlantState(
-            free_lengths=(x["free_lengths"][0], x["free_lengths"][1]),
-            step_next=x["step_next"],
-            slide=Slide(*x["slide"]),
-            **plant,
-        ),
-        controller=x["controller"],
-        input=np.array(x["input"]),
-        at_rest=PlantOutput(**x["at_rest"]),
-        memory=Memory(samples, *x["memory"]),
-        rope=arrays["rope"].tobytes(),
-        recording=Recording(dict(zip(x["names"], table, strict=True)), x["units"]),
-        data=x["data"],
-        cause=x["cause"],
-    )
+def _checkpoint(text: Mapping[str, Any], arrays: Mapping[str, Array]) -> Checkpoint:
+    """The checkpoint of an archive's text and arrays, without the controller's state."""
+    found = Checkpoint(controller=None, **{name: decode(value, arrays) for name, value in text.items()})
+    kinds = {"plant": PlantState, "memory": Memory, "recording": Recording, "rope": bytes, "input": np.ndarray}
+    if wrong := [name for name, kind in kinds.items() if not isinstance(getattr(found, name), kind)]:
+        raise TypeError(f"{', '.join(wrong)} of other kinds")
+    return found
 
 
 def differences(there: str, here: str, most: int = 6) -> str:

@@ -9,26 +9,22 @@ import numpy as np
 
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
-from hoist_demo.cosimulation.participants.partners import HoistParticipant
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Memory, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
-from hoist_demo.drive.outputs import SHOWN, PlantOutput, tension_ratio
-from hoist_demo.drive.plant import energy_left_over
+from hoist_demo.drive.outputs import SHOWN, tension_ratio
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import TIME, Array, Recording
 
+_REFERENCE = ("position", "speed", "acceleration", "jerk")
 DRIVE_UNITS = {
     TIME: "s",
-    "reference.position": "m",
-    "reference.speed": "m/s",
-    "reference.acceleration": "m/s2",
-    "reference.jerk": "m/s3",
-    "conveyance.left.y": "m",
-    "conveyance.left.vy": "m/s",
-    "conveyance.left.ay": "m/s2",
-    "conveyance.right.y": "m",
-    "conveyance.right.vy": "m/s",
-    "conveyance.right.ay": "m/s2",
+    **dict(zip((f"reference.{name}" for name in _REFERENCE), ("m", "m/s", "m/s2", "m/s3"), strict=True)),
+    **{
+        f"conveyance.{side}.{name}": unit
+        for side in SIDES
+        for name, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))
+    },
     "drive.angle": "rad",
     "drive.rate": "rad/s",
     "drive.torque_command": "N.m",
@@ -36,32 +32,21 @@ DRIVE_UNITS = {
     "drive.torque_limited": "1",
     "drive.motor_power": "W",
     "drive.brake_torque": "N.m",
-    "drive.tension_left": "N",
-    "drive.tension_right": "N",
+    **{f"drive.tension_{side}": "N" for side in SIDES},
     "drive.tension_ratio": "1",
     "drive.slip_safety": "1",
     "drive.slip": "m",
     "drive.slip_speed": "m/s",
-    "drive.pull_left": "N",
-    "drive.pull_right": "N",
-    "drive.slack_left": "m",
-    "drive.slack_right": "m",
-    "drive.jam_left": "N",
-    "drive.jam_right": "N",
-    "drive.work_motor": "J",
-    "drive.work_losses": "J",
-    "drive.work_slip": "J",
-    "drive.work_rope_damping": "J",
-    "drive.work_from_balance_rope": "J",
-    "drive.energy_kinetic": "J",
-    "drive.energy_potential": "J",
-    "drive.energy_residual": "J",
+    **{f"drive.{name}_{side}": unit for name, unit in (("pull", "N"), ("slack", "m"), ("jam", "N")) for side in SIDES},
+    **{f"drive.work_{name}": "J" for name in ("motor", "losses", "slip", "rope_damping", "from_balance_rope")},
+    **{f"drive.energy_{name}": "J" for name in ("kinetic", "potential", "residual")},
     "coupling.energy": "J",
     "coupling.exchanges": "1",
 }
 
 
 _MOTION = {"y": "y", "v": "vy", "a": "ay"}
+#: Signals that are numbers of OUTPUTS.
 _SHOWN_AS = {
     **{f"{name}_{side}": f"conveyance.{side}.{spelt}" for side in SIDES for name, spelt in _MOTION.items()},
     **{f"{name}_{side}": f"drive.{name}_{side}" for side in SIDES for name in ("tension", "pull", "slack", "jam")},
@@ -70,12 +55,11 @@ _SHOWN_AS = {
         for name in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
     },
 }
-"""Signals that are numbers of PlantOutput."""
-_BESIDE = "beside."
-"""Before the names of what a row has beside them."""
+_BESIDE = "beside."  #: Before the names of what a row has beside them.
+#: What `drive_row` gives, by name.
 ROW = (
     TIME,
-    *(f"reference.{name}" for name in ("position", "speed", "acceleration", "jerk")),
+    *(f"reference.{name}" for name in _REFERENCE),
     "drive.torque_command",
     "drive.torque_limited",
     "drive.slip",
@@ -86,11 +70,10 @@ ROW = (
     *(f"{_BESIDE}work_{name}" for name in WORK_NAMES),
     *(f"{_BESIDE}losses_{name}" for name in LOSS_NAMES),
 )
-"""What `drive_row` gives, by name."""
 
 
 def drive_row(
-    t: float, reference: TrajectoryPoint, command: Command, drive: HoistParticipant, memory: Memory
+    t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, memory: Memory
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
     state, (position, speed, acceleration, jerk, _) = drive.state, reference
@@ -99,14 +82,14 @@ def drive_row(
     return (*numbers, memory.residual, memory.exchanges), drive.outputs, state.works
 
 
-def with_drive_signals(rows: Recording, at_rest: PlantOutput, hoist: Hoist) -> Recording:
-    """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's; `at_rest` is the start's."""
+def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:
+    """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's."""
     kept = rows.signals
-    work = [kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES]
-    motor, losses, ropes, left, right = work
+    motor, losses, ropes, left, right = (kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
     tensions = kept["drive.tension_left"], kept["drive.tension_right"]
     ratio = np.array([tension_ratio(*pair) for pair in zip(*(side.tolist() for side in tensions), strict=True)])
     kinetic, potential = kept["drive.energy_kinetic"], kept["drive.energy_potential"]
+    gained = kinetic + potential - kinetic[:1] - potential[:1]
     computed = {
         "drive.motor_power": kept["drive.torque"] * kept[f"{_BESIDE}motor_rate"],
         "drive.tension_ratio": ratio,
@@ -116,7 +99,7 @@ def with_drive_signals(rows: Recording, at_rest: PlantOutput, hoist: Hoist) -> R
         "drive.work_slip": kept[f"{_BESIDE}losses_lining"],
         "drive.work_rope_damping": ropes,
         "drive.work_from_balance_rope": left + right,
-        "drive.energy_residual": energy_left_over(at_rest, kinetic, potential, work),
+        "drive.energy_residual": motor + left + right - losses - ropes - gained,
     }
     drive = {name: computed[name] if name in computed else kept[name] for name in DRIVE_UNITS}
     rope = {name: values for name, values in kept.items() if name not in ROW}

@@ -5,8 +5,8 @@
 T is H unless the controller samples less often; where it samples more often, T is H and the drive asks it within its
 step. A rope or drive that cannot go on, or a coupling that cannot be solved, ends the loop; what was recorded stays,
 and the result names the cause. A guard of the rope that trips, and head ropes that go slack, stop the hoist
-(`hoist_demo.control.safety`) at the first sample that sees it. The state is kept once per second, and where the user
-stops the run, as a checkpoint, from which `run` goes on.
+(`Course`) at the first sample that sees it. The state is kept once per second, and where the user stops the run, as a
+checkpoint, from which `run` goes on.
 """
 
 from __future__ import annotations
@@ -22,40 +22,34 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
-from hoist_demo.control.safety import Course
-from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
+from hoist_demo.control.trajectory import Course, Trajectory, TrajectoryPoint, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, ROW, drive_row, with_drive_signals
-from hoist_demo.cosimulation.participants.partners import HoistParticipant, NextCommand, RopeParticipant, Stopwatch
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner, NextCommand
 from hoist_demo.cosimulation.plain_data import encode, private_copy
-from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.run_state import RunState, TripEnd
+from hoist_demo.cosimulation.run_state import Result, RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.interface import Pair, Scheme, Vector
-from hoist_demo.cosimulation.schemes.stability import StabilityEstimate
-from hoist_demo.cosimulation.stability import estimate_stability_at_rest
+from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
+from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN
-from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant, PlantState
-from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits
+from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
+from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits, start_heights
 from hoist_demo.recording.time_series import Array, Recorder, Recording
+from rope_model import EndMotion
 
 _log = logging.getLogger(__name__)
 
+#: Called after every step with the fraction done and the time [s]; False stops the run.
 Progress = Callable[[float, float], bool]
-"""Called after every step with the fraction done and the time [s]; False stops the run."""
 
 
-KEPT_EVERY = 1.0
-"""Simulated time from one state that is kept to the next [s]."""
-LOADING = (0.25, 0.75)
-"""Parts of a dwell between which the payload changes to that of the next trip [assumed]."""
-LOADED_EVERY = 0.1
-"""Time between two changes of a payload that is being loaded [s]."""
+KEPT_EVERY = 1.0  #: Simulated time from one state that is kept to the next [s].
+LOADING = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
+LOADED_EVERY = 0.1  #: Time between two changes of a payload that is being loaded [s].
 
 _GUARD = ("guard.tripped", "guard.time")
-_Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
+_Y_LEFT, _RATE, _TORQUE = SHOWN["y_left"], SHOWN["rate"], SHOWN["torque"]
 _PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
@@ -104,14 +98,10 @@ class Host:
 
     @property
     def start_heights(self) -> tuple[float, float]:
-        """Heights of left and right conveyance before the trip [m].
-
-        Those of the trip before; else the landings, left below when it is to rise.
-        """
-        low, high = 0.0, self.hoist.shaft_travel
-        if self._after is not None:
-            return self._after.landing, high - self._after.landing
-        return (low, high) if self.winding.travel > 0.0 else (high, low)
+        """Heights of left and right conveyance before the trip [m]: where the one before has ended, or the landings."""
+        if self._after is None:
+            return start_heights(self.hoist, self.winding)
+        return self._after.landing, self.hoist.shaft_travel - self._after.landing
 
     @property
     def samples(self) -> int:
@@ -142,7 +132,6 @@ class Host:
         cause = self._wind(run, progress, save_to)
         start, T = self.coupling.start, self.coupling.period
         checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
-        run.forget()
         saved = None
         if checkpoint is not None and save_to is not None:
             try:
@@ -150,7 +139,7 @@ class Host:
                 saved = save_to
             except ValueError as error:  # the record of the run is worth more
                 cause += f"; {save_to} is not written: {error}"
-        recording = with_drive_signals(run.recorder.recording(), run.at_rest, self.hoist)
+        recording = with_drive_signals(run.recorder.recording(), self.hoist)
         result = replace(self._result(recording, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
         landing = self._start_height + self.trajectory.points[-1].position
         if cause or run.course != self._course:
@@ -169,48 +158,41 @@ class Host:
     def _hang(self) -> RunState | str:
         """A run at rest; the cause when the rope does not hang."""
         start, (y_left, y_right) = self.coupling.start, self.start_heights
-        rope = RopeParticipant(self.rope, self.rope_clock)
-        if cause := rope.start(start, EndMotion(y=y_left), EndMotion(y=y_right), self.start_clock):
-            return cause
-        forces, _ = rope.forces()
-        state = self.plant.equilibrium(y_left, y_right, *forces.tolist())
-        held = np.zeros(len(INPUT_NAMES))
-        held[0], held[list(FORCES)] = state.x[0], forces
-        drive = self._drive(state, held, rope)
-        run = RunState(drive, rope, Pair(drive, rope).start(start), drive.output(), self._recorder(), self._course)
-        self.stability = estimate_stability_at_rest(self.scheme, self.coupling, run.pair, run.memory)
+        with self.start_clock:
+            status = self.rope.initialize(start, EndMotion(y=y_left), EndMotion(y=y_right))
+            forces = answer(status, self.rope.reader(ROPE_FORCES))
+        if isinstance(forces, str):
+            return f"rope, at the start: {forces}"
+        state = self.plant.equilibrium(y_left, y_right, *forces[:2].tolist())
+        u = np.zeros(len(INPUT_NAMES))
+        u[0], u[list(FORCES)] = state.x[0], forces[:2]
+        drive = HoistPartner(self.plant, state, u, self.drive_clock)
+        pair = Pair(drive, self.rope, self.rope_clock)
+        memory, held = pair.start(start), drive.outputs.item(_TORQUE)
+        run = RunState(drive, pair, memory, held, self._recorder(), self._course)
+        coupling = self.coupling
+        self.stability = predict_stability(self.scheme, coupling.scheme, pair, run.memory, start, coupling.step)
         return run
 
     def _go_on(self, after: TripEnd) -> RunState:
         """A run whose drive and rope are where the trip before has left them."""
-        rope = RopeParticipant(self.rope, self.rope_clock)
-        drive = self._drive(after.plant, after.input, rope)
-        return RunState(drive, rope, after.memory, drive.output(), self._recorder(), self._course)
-
-    def _drive(self, state: PlantState, held: Vector, rope: RopeParticipant) -> HoistParticipant:
-        drive = HoistParticipant(self.plant, state, held, self.drive_clock)
-        if self.hoist.play is not None:
-            rope.beside = drive.ends
-        return drive
-
-    def _holding_torque(self, run: RunState) -> float:
-        """Return the motor torque that holds the hoist at rest where the trip starts [N m]."""
-        if self._after is None:
-            return run.at_rest.torque
-        forces, _ = run.rope.forces()
-        return self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
+        drive = HoistPartner(self.plant, after.plant, after.input, self.drive_clock)
+        pair = Pair(drive, self.rope, self.rope_clock)
+        forces, _ = pair.forces()
+        held = self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
+        return RunState(drive, pair, after.memory, held, self._recorder(), self._course)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
         units = self.rope.units()
-        names = [name for name in self.rope.signals() if name not in DRIVE_UNITS]
+        names = [name for name in units if name not in DRIVE_UNITS]
         self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
         self._guard = tuple(names.index(name) for name in _GUARD if name in names)
         return Recorder([*ROW, *names], units | DRIVE_UNITS)
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
-        controller = _made(self._controller, self.hoist, self._holding_torque(run))
+        controller = _made(self._controller, self.hoist, run.holding_torque)
         start, T, last = self.coupling.start, self.coupling.period, self.samples
         if self.coupling.per_step > 1:
             run.drive.per_step, run.drive.next_command = self.coupling.per_step, self._sampler(run, controller)
@@ -261,7 +243,7 @@ class Host:
         return command
 
     def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
-        """The controller's answer to what the hoist shows, the numbers of PlantOutput."""
+        """The controller's answer to what the hoist shows, OUTPUTS of the drive."""
         travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
         if not isinstance(command, Command):

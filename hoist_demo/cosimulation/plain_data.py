@@ -9,34 +9,45 @@ from __future__ import annotations
 
 import base64
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+Arrays = Mapping[str, NDArray[Any]]
+NO_ARRAYS: Arrays = {}
 KINDS = "numbers, texts, bytes, NumPy arrays, and lists, tuples, dictionaries, data classes and named tuples of them"
 
 
-def encode(value: Any, name: str) -> Any:
-    """The value as JSON can write it; ValueError with its place under `name` where it is no plain data."""
+def encode(value: Any, name: str, arrays: dict[str, NDArray[Any]] | None = None) -> Any:
+    """The value as JSON can write it; ValueError with its place under `name` where it is no plain data.
+
+    Arrays go into `arrays`, by their place, where that is given.
+    """
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
         return value
     if kind is list:
-        return [encode(x, f"{name}[{k}]") for k, x in enumerate(value)]
+        return [encode(x, f"{name}[{k}]", arrays) for k, x in enumerate(value)]
     if kind is tuple:
-        return {"tuple": encode(list(value), name)}
+        return {"tuple": encode(list(value), name, arrays)}
     if kind is dict:
-        return {"dict": [[encode(k, f"a key of {name}"), encode(x, f"{name}[{k!r}]")] for k, x in value.items()]}
+        return {
+            "dict": [[encode(k, f"a key of {name}"), encode(x, f"{name}[{k!r}]", arrays)] for k, x in value.items()]
+        }
     if kind is bytes:
         return {"bytes": _text(value)}
     if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufc":
+        if arrays is not None and kind is np.ndarray:
+            arrays[name] = np.asarray(value)
+            return {"array": name}
         shape = list(value.shape) if kind is np.ndarray else None
         return {"array": [value.dtype.str, shape, _text(value.tobytes())]}
     if (names := _fields(kind)) is not None and _class(kind.__module__, kind.__qualname__) is kind:
-        inside = {field: encode(getattr(value, field), f"{name}.{field}") for field in names}
+        inside = {field: encode(getattr(value, field), f"{name}.{field}", arrays) for field in names}
         return {"class": [kind.__module__, kind.__qualname__, inside]}
     at_top = ", and classes must stand at the top of their module" if names is not None else ""
     raise ValueError(
@@ -45,14 +56,14 @@ def encode(value: Any, name: str) -> Any:
     )
 
 
-def decode(value: Any) -> Any:
+def decode(value: Any, arrays: Arrays = NO_ARRAYS) -> Any:
     """Decode the data that `encode` was given."""
     if isinstance(value, list):
-        return [decode(x) for x in value]
+        return [decode(x, arrays) for x in value]
     if not isinstance(value, dict):
         return value
     ((kind, content),) = value.items()
-    return _READERS[kind](content)
+    return _READERS[kind](content, arrays)
 
 
 _NEVER_CHANGE = frozenset({type(None), bool, int, float, str, bytes})
@@ -89,7 +100,7 @@ def _class(module: str, name: str) -> Any:
     return found
 
 
-def _construct(content: list[Any]) -> Any:
+def _construct(content: list[Any], arrays: Arrays) -> Any:
     """A data class or named tuple with these values."""
     module, name, inside = content
     kind = _class(module, name)
@@ -99,7 +110,7 @@ def _construct(content: list[Any]) -> Any:
             f"the checkpoint's controller remembers a {module}.{name} with {', '.join(inside) or 'nothing'}, which is "
             "not known here: import that module, in the version that wrote it, before reading"
         )
-    values = {field: decode(x) for field, x in inside.items()}
+    values = {field: decode(x, arrays) for field, x in inside.items()}
     if issubclass(kind, tuple):
         return tuple.__new__(kind, (values[field] for field in names))
     made = object.__new__(kind)
@@ -108,7 +119,9 @@ def _construct(content: list[Any]) -> Any:
     return made
 
 
-def _array(content: list[Any]) -> Any:
+def _array(content: Any, arrays: Arrays) -> Any:
+    if isinstance(content, str):
+        return arrays[content].copy()
     kind, shape, text = content
     flat = np.frombuffer(base64.b64decode(text), dtype=kind)
     return flat[0] if shape is None else flat.reshape(shape).copy()
@@ -118,10 +131,10 @@ def _text(data: bytes) -> str:
     return base64.b64encode(data).decode()
 
 
-_READERS: dict[str, Callable[[Any], Any]] = {
-    "tuple": lambda content: tuple(decode(content)),
-    "dict": lambda content: {decode(key): decode(x) for key, x in content},
-    "bytes": base64.b64decode,
+_READERS: dict[str, Callable[[Any, Arrays], Any]] = {
+    "tuple": lambda content, arrays: tuple(decode(content, arrays)),
+    "dict": lambda content, arrays: {decode(key): decode(x, arrays) for key, x in content},
+    "bytes": lambda content, _: base64.b64decode(content),
     "array": _array,
     "class": _construct,
 }

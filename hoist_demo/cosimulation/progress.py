@@ -1,8 +1,4 @@
-"""Messages of a running winding: a bar on stderr on request, and its warnings for a collector.
-
-with progress_bar() as progress:
-    result = Host(rope, hoist, winding).run(progress)
-"""
+"""Messages of a running winding: a bar on stderr on request, and its warnings for a collector."""
 
 from __future__ import annotations
 
@@ -30,19 +26,6 @@ def progress_bar() -> Iterator[Callable[[float, float], bool]]:
 
 
 @contextmanager
-def warnings_of(logger: str) -> Iterator[list[str]]:
-    """The warnings that a logger and those below it get meanwhile, in a list and nowhere else."""
-    heard: list[str] = []
-    log, ear = logging.getLogger(logger), _Ear(heard)
-    handlers, propagates = log.handlers, log.propagate
-    log.handlers, log.propagate = [ear], False
-    try:
-        yield heard
-    finally:
-        log.handlers, log.propagate = handlers, propagates
-
-
-@contextmanager
 def listen(logger: str) -> Iterator[list[str]]:
     """The warnings that a logger and those below it get meanwhile; they go where they went before, too."""
     heard: list[str] = []
@@ -52,6 +35,19 @@ def listen(logger: str) -> Iterator[list[str]]:
         yield heard
     finally:
         log.removeHandler(ear)
+
+
+@contextmanager
+def warnings_of(logger: str) -> Iterator[list[str]]:
+    """The warnings that a logger and those below it get meanwhile, in a list and nowhere else."""
+    log = logging.getLogger(logger)
+    handlers, propagates = log.handlers, log.propagate
+    log.handlers, log.propagate = [], False
+    try:
+        with listen(logger) as heard:
+            yield heard
+    finally:
+        log.handlers, log.propagate = handlers, propagates
 
 
 class _Ear(logging.Handler):

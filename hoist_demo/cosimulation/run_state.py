@@ -1,34 +1,25 @@
-"""State of a run: its parts, its sampling, and its checkpoints."""
+"""State of a run: its parts, its sampling, its checkpoints, and what comes of it."""
 
 from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hoist_demo.control.controller import Command
-from hoist_demo.control.safety import Course
+from hoist_demo.control.trajectory import Course, Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.participants.partners import HoistParticipant, RopeParticipant
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.plain_data import private_copy
-from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Vector
-from hoist_demo.drive.plant import PlantOutput, PlantState
-from hoist_demo.recording.time_series import Recorder
+from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Stopwatch, Vector
+from hoist_demo.drive.plant import PlantState
+from hoist_demo.parameters import Winding
+from hoist_demo.recording.time_series import Recorder, Recording
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class _Kept:
-    """A run's state at one sample; that of the rope as a snapshot in memory."""
-
-    k: int
-    drive: tuple[PlantState, Vector]
-    controller: Any
-    memory: Memory
-    rope: Any
 
 
 @dataclass(frozen=True)
@@ -39,7 +30,6 @@ class TripEnd:
     landing: float  # m, at which the left conveyance was to arrive
     plant: PlantState
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
-    shown: PlantOutput  # by the drive
     memory: Memory
 
     def books_closed(self) -> TripEnd:
@@ -52,68 +42,66 @@ class TripEnd:
 class RunState:
     """Everything at the latest communication point, and at the latest sample that is kept."""
 
-    drive: HoistParticipant
-    rope: RopeParticipant
+    drive: HoistPartner
+    pair: Pair  # drive and rope, for the scheme
     memory: Memory
-    at_rest: PlantOutput  # of the drive, at the start
+    holding_torque: float  # N m, of the motor at rest where the trip starts
     recorder: Recorder
     course: Course
     controller: Any = None  # the controller's state
     commands: list[Command] = field(default_factory=list)  # since the latest communication point that is recorded
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
-    pair: Pair = field(init=False)  # drive and rope, for the scheme
-    _kept: _Kept | None = None
-
-    def __post_init__(self) -> None:
-        self.pair = Pair(self.drive, self.rope)
+    #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
+    _kept: tuple[int, tuple[Any, Any], Any, Memory] | None = None
 
     def keep(self, k: int) -> None:
         """Keep the state at sample k, and none before."""
-        self.forget()
-        # the controller may change what it is handed
-        self._kept = _Kept(k, self.drive.save(), private_copy(self.controller), self.memory, self.rope.save())
-
-    def forget(self) -> None:
-        """Free what is kept."""
-        if self._kept is not None:
-            self.rope.free(self._kept.rope)
         self._kept = None
+        # the controller may change what it is handed
+        self._kept = k, self.pair.save(), private_copy(self.controller), self.memory
 
     def end(self, t: float, landing: float) -> TripEnd:
         """The state at t, where a trip to the landing has ended."""
-        return TripEnd(t, landing, self.drive.state, self.drive.input, self.drive.output(), self.memory)
+        return TripEnd(t, landing, self.drive.state, self.drive.input, self.memory)
 
     def go_on_from(self, checkpoint: Checkpoint, steps: int) -> None:
         """Take over a checkpoint, made after so many communication steps."""
-        self.drive.restore((checkpoint.plant, checkpoint.input))
-        self.rope.restore_bytes(checkpoint.rope)
+        self.pair.restore(((checkpoint.plant, checkpoint.input), self.pair.rope.from_bytes(checkpoint.rope)))
         self.recorder.resume(checkpoint.recording, checkpoint.sample)
         self.controller = private_copy(checkpoint.controller)
-        self.memory, self.at_rest = checkpoint.memory, checkpoint.at_rest
+        self.memory = checkpoint.memory
         self.first, self.steps = checkpoint.sample, steps
 
     def checkpoint(self, start: float, sample_time: float, data: str, cause: str) -> Checkpoint | None:
         """The state that is kept, with the run's data and why it stopped; None when nothing is kept."""
-        kept = self._kept
-        if kept is None:
+        if self._kept is None:
             return None
+        k, ((plant, acting), snapshot), controller, memory = self._kept
         rope = b""
-        if kept.rope is not None:
+        if snapshot is not None:
             try:
-                rope = self.rope.to_bytes(kept.rope)
+                rope = self.pair.rope.to_bytes(snapshot)
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
-        return Checkpoint(
-            sample=kept.k,
-            t=start + kept.k * sample_time,
-            plant=kept.drive[0],
-            controller=kept.controller,
-            input=kept.drive[1],
-            at_rest=self.at_rest,
-            memory=kept.memory,
-            rope=rope,
-            recording=self.recorder.recording(),
-            data=data,
-            cause=cause,
-        )
+        record = self.recorder.recording()
+        return Checkpoint(k, start + k * sample_time, plant, controller, acting, memory, rope, record, data, cause)
+
+
+@dataclass(frozen=True)
+class Result:
+    """Record, outcome and clocks of one run."""
+
+    recording: Recording
+    completed: bool
+    cause: str  # "" when completed
+    steps: int  # communication steps done
+    trajectory: Trajectory
+    winding: Winding  # with the emergency stop that a guard of the rope asked for
+    drive_clock: Stopwatch  # of the drive's steps
+    rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
+    start_clock: Stopwatch  # of the rope's initialization
+    warning: str = ""  # of the coupling, before the start
+    checkpoint: Checkpoint | None = None  # the last state that was kept, when the run stopped after its first sample
+    saved: Path | None = None  # where it was written
+    end: TripEnd | None = None  # for the trip after this one, when completed without an emergency stop by a guard

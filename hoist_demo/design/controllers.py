@@ -16,8 +16,8 @@ from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise, re
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.parameters import Hoist, Winding
 
-CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")
 DESIGNED = ("input-shaping", "optimised-trajectory")
+CONTROLLERS = ("pi", "pi-feed-forward", *DESIGNED)
 
 
 @dataclass(frozen=True)

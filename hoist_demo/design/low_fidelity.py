@@ -25,7 +25,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.control.controller import Gains
+from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, equations, numbers_of, parts_of
 from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
@@ -46,7 +46,7 @@ class LowFidelityModel:
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
     """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
-    hoist = replace(hoist, head_rope_modes=0, shaft=None, brake=None, lining=None, power_limit=None)
+    hoist = replace(hoist, head_rope_modes=0, drive_shaft=None, brake=None, lining=None, power_limit=None)
     hoist = replace(hoist, guides=None, play=None, jam_left=None, jam_right=None)
     plant, R = HoistPlant(hoist), hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
@@ -56,11 +56,8 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     # the controller; forces at the rim
     reference, q, v = ca.SX.sym("r", 3), ca.SX.sym("q", 3), ca.SX.sym("v", 3)
     motor, integral, jerk = ca.SX.sym("m"), ca.SX.sym("I"), ca.SX.sym("j")
-    error = reference[1] + gains.position * (reference[0] - q[1]) - v[0]
-    coulomb, viscous = hoist.travel_loss
-    loss = coulomb * ca.tanh(reference[1] / hoist.loss_speed) + viscous * reference[1]
-    ahead = hoist.moving_mass * reference[2] + hoist.imbalance_rate * reference[0] + loss
-    command = held + gains.feed_forward * ahead + gains.speed * error + integral
+    controller, motion = SpeedController(hoist, held, gains), ca.vertsplit(reference)
+    force, error = controller.force(motion, q[1], v[0], integral)
 
     drive = ca.vertcat(R * motor, q[0] / R, y_left + q[1], y_right + q[2], v[0] / R, v[1:])
     acceleration = _accelerations(plant, rest)(drive)
@@ -71,13 +68,13 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
         v,
         R * acceleration[0],
         acceleration[1:],
-        (command - motor) / hoist.torque_lag,
+        (held + force - motor) / hoist.torque_lag,
         gains.speed * error / gains.integral_time,
     )
     start = np.zeros(STATES)
     start[9] = held
     x = ca.vertcat(reference, q, v, motor, integral)
-    fed = ca.Function("ahead", ca.vertsplit(reference), [held + ahead], ["r0", "r1", "r2"], ["force"])
+    fed = ca.Function("ahead", motion, [held + controller.ahead(motion)], ["r0", "r1", "r2"], ["force"])
     rates = ca.cse(rates)  # the mass matrix is in the accelerations and in B
     return LowFidelityModel(ca.Function("low_fidelity", [x, jerk], [rates]), fed, start)
 

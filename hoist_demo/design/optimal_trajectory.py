@@ -17,15 +17,12 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
-from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, low_fidelity
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, Vector, low_fidelity
+from hoist_demo.parameters import Hoist, Winding, start_heights
 from hoist_demo.parameters.quantity import quantity
-
-Vector = NDArray[np.float64]
 
 _INSIDE = 0.9  # 1, share of the limits that the first guess uses
 _SUBSTEP = 0.05  # s, at most a sixth of the period of the swings that matter
@@ -69,9 +66,7 @@ class Optimum:
 def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Optimum:
     """Solve the problem; a solver that does not converge is an error with its status."""
     require_no_creep(winding)
-    low, high = 0.0, hoist.shaft_travel
-    y_left, y_right = (low, high) if winding.travel > 0.0 else (high, low)
-    model = low_fidelity(hoist, gains, y_left, y_right)
+    model = low_fidelity(hoist, gains, *start_heights(hoist, winding))
     N = limits.intervals
     # start from an S-curve that keeps off the limits, as an interior-point method likes it
     gentle = {name: _INSIDE * getattr(winding, name) for name in ("speed", "acceleration", "jerk")}

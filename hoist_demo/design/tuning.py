@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FIRST_STEP, LAST_STEP = 0.2, 5e-3
-"""Radii of the trust region at the start and at the end, in parts of the ranges."""
+FIRST_STEP, LAST_STEP = 0.2, 5e-3  #: Radii of the trust region at the start and at the end, in parts of the ranges.
 
 
 class Judged(NamedTuple):
@@ -48,8 +47,8 @@ class Judged(NamedTuple):
         return max(0.0, *self.excess, 0.0), self.cost
 
 
+#: Judges points, shape (points, dimensions), each coordinate between 0 and 1; called from several threads.
 Evaluate = Callable[[Array], Sequence[Judged]]
-"""Judges points, shape (points, dimensions), each coordinate between 0 and 1; called from several threads."""
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,7 @@ from hoist_demo.drive.friction import BrakeFriction, JamFriction, SlidingFrictio
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam, Play
 
-STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
-"""First entries of every state."""
+STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")  #: First entries of every state.
 
 SIDES = ("left", "right")
 INPUT_NAMES = (
@@ -53,19 +52,17 @@ INPUT_NAMES = (
     *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
-LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")
-"""The parts of the losses."""
+LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
 
 
-FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)
-"""Places of the two vertical forces in an input."""
+FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)  #: Places of the two vertical forces in an input.
+#: Places of the two vertical accelerations in the rates.
 ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
-"""Places of the two vertical accelerations in the rates."""
 
 
 def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
     """Names of the coordinates that the hoist has beyond phi, y_left and y_right."""
-    names = ["twist"] if hoist.shaft is not None else []
+    names = ["twist"] if hoist.drive_shaft is not None else []
     names += [f"eta{j}_{side}" for side in SIDES for j in range(1, hoist.head_rope_modes + 1)]
     if hoist.play is not None:
         names += [f"{name}_{side}" for side in SIDES for name in ("x", "z", "yaw")]
@@ -116,7 +113,7 @@ class Equations:
 
     rates: Any  # (x, u, l0, p) -> dx/dt
     powers: Any  # the same arguments -> W, in the order of WORK_NAMES and LOSS_NAMES
-    outputs: Any  # the same arguments -> PlantOutput's numbers in their order
+    outputs: Any  # the same arguments -> OUTPUTS
     mobility: Any  # the same arguments -> change of the conveyances' accelerations per force on either, (2, 2) [1/kg]
     hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
 
@@ -179,7 +176,7 @@ def equations(parts: Hoist) -> Equations:
     along_slip = ca.DM(np.array([name == "slip" for name in at.names], dtype=float))
 
     # motor: the torque follows its command with a lag, both within the limits
-    available = _available(hoist, rate + twist_rate)
+    available = hoist.torque_available(rate + twist_rate)
     motor = torque if hoist.power_limit is None else ca.fmin(ca.fmax(torque, -available), available)
     command = ca.fmin(ca.fmax(given["torque_command"], -hoist.torque_limit), hoist.torque_limit)
 
@@ -272,17 +269,10 @@ def _lateral_motion(at: _Coordinates, a: Any) -> list[Any]:
     return shown
 
 
-def _available(hoist: Hoist, rate: Any) -> Any:
-    """Torque that the power limit leaves at a speed of rotation [N m]; see Hoist.torque_available."""
-    if hoist.power_limit is None:
-        return hoist.torque_limit
-    return hoist.power_limit / ca.fmax(ca.fabs(rate), hoist.power_limit / hoist.torque_limit)
-
-
 def _rotation(hoist: Hoist, at: _Coordinates) -> tuple[Any, Any, Any]:
     """Kinetic and potential energy and Rayleigh's function of sheave, shaft and motor."""
     (_, rate), (twist, twist_rate) = at("phi"), at("twist")
-    R, shaft = hoist.sheave_radius, hoist.shaft
+    R, shaft = hoist.sheave_radius, hoist.drive_shaft
     if shaft is None:
         return hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0
     motor, sheave = shaft.motor_mass * R**2, (hoist.sheave_mass - shaft.motor_mass) * R**2

@@ -16,53 +16,43 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive.equations import equations, numbers_of, parts_of, state_names
-from hoist_demo.drive.kernels import CHUNK, drive_kernels
-from hoist_demo.drive.runge_kutta import ORDER
+from hoist_demo.drive.equations import numbers_of, parts_of
+from hoist_demo.drive.kernels import CHUNK, ORDER, drive_kernels
 from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import Kernel, KernelForm
 
 Vector = NDArray[np.float64]
-Watch = Callable[[Vector], float]
-"""Of a state and what PlantOutput has there, as one vector; positive once the steps are to end."""
+Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 
-SHORTEST = 1e-7
-"""Step of the integrator [s] below which it gives up."""
-SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5
-"""Of its steps: factor from the error, and its bounds."""
-LOCATED = 1e-9
-"""How long before the end of the steps what is watched may have become positive [s]."""
+SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
+SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
+LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
 
 
+#: Where steps have ended: all that `advance` of kernels.py gives there, size of the next one, s.
 Reached = tuple[Vector, float, float]
-"""Where steps have ended: all that `advance` of kernels.py gives there, size of the next one, s."""
 
 
 class Integrator:
     """Integrator for all hoists with the same parts; not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
-        self.names = state_names(hoist)
-        parts = parts_of(hoist)
-        self.equations = equations(parts)
-        kernels = drive_kernels(parts, form)
-        given, self.result = kernels.layout.given, kernels.layout.result
+        kernels = drive_kernels(parts_of(hoist), form)
+        self.names, given, self.result = kernels.names, kernels.given, kernels.result
         self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
         self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
         self._s, self._h, self._H, self._l0 = (given[name].start for name in ("s", "h", "H", "l0"))
         self._x, self._works, self._path = (self._z[given[name]] for name in ("x", "works", "path"))
-        self._added_mass = self._z[given["added_mass"]]
+        self._added_mass, self._numbers = self._z[given["added_mass"]], self._z[given["p"]]
         self._start = self._z[self._reached]
-        self.numbers = self._z[given["p"]]
         self.load(hoist)
         self.evaluations = 0  # of `advance`, so far
-        self._rates = Kernel(kernels.rates, [(kernels.layout.states,)])
-        self._mobility = Kernel(kernels.mobility, [(2, 2)])
+        self._hold, self._mobility = kernels.hold, Kernel(kernels.mobility, [(2, 2)])
 
     def load(self, hoist: Hoist) -> None:
         """Go on with the numbers of a hoist of the same parts."""
-        self.numbers[:] = numbers_of(hoist)
+        self._numbers[:] = numbers_of(hoist)
 
     def give(
         self, x: Vector, works: Vector, lengths: tuple[float, float], h: float, path: Vector, added_mass: Vector
@@ -72,14 +62,13 @@ class Integrator:
         z[self._H], z[l0], z[l0 + 1] = h, *lengths
         self._x[...], self._works[...], self._path[...], self._added_mass[...] = x, works, path, added_mass
 
-    def rates(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
-        """dx/dt under the input."""
-        (value,) = self._rates(x, u, np.array(lengths), self.numbers)
-        return value
+    def holding_torque(self, x: Vector, lengths: tuple[float, float]) -> float:
+        """Return the motor's torque that holds the state at rest [N m]."""
+        return float(self._hold(x, lengths, self._numbers))
 
     def mobility(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
         """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
-        (columns,) = self._mobility(x, u, np.array(lengths), self.numbers)
+        (columns,) = self._mobility(x, u, np.array(lengths), self._numbers)
         return columns.T
 
     def at(self, s: float) -> Vector:

@@ -9,50 +9,21 @@ sheave, by other equations, and when they hold again.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from operator import attrgetter
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hoist_demo.drive.equations import (
-    INPUT_NAMES,
-    LOSS_NAMES,
-    SIDES,
-    STATE_NAMES,
-    WORK_NAMES,
-)
-from hoist_demo.drive.integrator import SHORTEST, Integrator, Watch
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES
+from hoist_demo.drive.integrator import SHORTEST, Integrator, Vector, Watch
 from hoist_demo.drive.kernels import WORKS
-from hoist_demo.drive.outputs import PlantOutput
 from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of
 from hoist_demo.parameters import GRAVITY, Hoist
 from rope_model.numerics.kernels import KernelForm
 
-__all__ = [
-    "LOSS_NAMES",
-    "SIDE_FORCES",
-    "STATE_NAMES",
-    "WORK_NAMES",
-    "HoistPlant",
-    "PlantInput",
-    "PlantInputPath",
-    "PlantOutput",
-    "PlantState",
-    "PlantStep",
-    "energy_residual",
-    "free_lengths_at",
-    "side_forces",
-]
-
-Vector = NDArray[np.float64]
-
+#: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
-"""The rope's signals that act on conveyances with play."""
-MOST_SWITCHES = 200
-"""Within one step of the drive, between head ropes that hold and head ropes that slide."""
+MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
 
 _HELD = Slide()
 
@@ -61,46 +32,10 @@ class PlantState(NamedTuple):
     """State x = (M [N m], phi [rad], y_L, y_R [m], phi' [rad/s], v_L, v_R [m/s], ...), work and free lengths."""
 
     x: Vector  # in the order of HoistPlant.state_names, which begin with STATE_NAMES
-    works: Vector  # J, (10,): `work` and `losses`
+    works: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
     slide: Slide = _HELD  # of the head ropes on the sheave
-
-    @property
-    def work(self) -> Vector:
-        """Work by the motor, into losses, into rope damping, by all balance ropes' left, right ends, (5,) [J]."""
-        return self.works[: len(WORK_NAMES)]
-
-    @property
-    def losses(self) -> Vector:
-        """The parts of work[1], in the order of LOSS_NAMES [J]."""
-        return self.works[len(WORK_NAMES) :]
-
-
-@dataclass(frozen=True)
-class PlantInput:
-    """Held over one communication step; forces are those of one balance rope on the conveyances."""
-
-    torque_command: float  # N m
-    force_left: float  # N, of the balance rope on the conveyance, negative is down
-    force_right: float  # N
-    brake: float = 0.0  # -, fraction of the brake's full torque
-    fx_left: float = 0.0  # N, in the plane of the loop; the sides and the moment act where the hoist has play
-    fz_left: float = 0.0  # N, out of plane
-    my_left: float = 0.0  # N m, about the vertical
-    fx_right: float = 0.0
-    fz_right: float = 0.0
-    my_right: float = 0.0
-
-
-@dataclass(frozen=True)
-class PlantInputPath:
-    """Input over one communication step, s = 0 .. 1: start + rise s + bend s^2, and forces less m_a times a."""
-
-    start: PlantInput
-    rise: PlantInput
-    bend: PlantInput
-    added_mass: tuple[float, float] = (0.0, 0.0)  # kg, m_a of the left and the right end
 
 
 class PlantStep(NamedTuple):
@@ -110,7 +45,7 @@ class PlantStep(NamedTuple):
     message: str
     state: PlantState
     acting: Vector = np.zeros(0)  # input at the step's end, in the order of INPUT_NAMES
-    shown: Vector = np.zeros(0)  # what PlantOutput has under it, as numbers
+    shown: Vector = np.zeros(0)  # OUTPUTS under it
 
 
 class HoistPlant:
@@ -174,14 +109,10 @@ class HoistPlant:
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
             for side, length in zip(("left", "right"), lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
-        x[0] = float(self._holding.equations.hold(x, lengths, self._holding.numbers))
-        if hoist.shaft is not None:
-            x[self.state_names.index("twist")] = x[0] / hoist.shaft.stiffness
+        x[0] = self._holding.holding_torque(x, lengths)
+        if hoist.drive_shaft is not None:
+            x[self.state_names.index("twist")] = x[0] / hoist.drive_shaft.stiffness
         return PlantState(x, np.zeros(WORKS), lengths)
-
-    def step(self, state: PlantState, h: float, u: PlantInput | PlantInputPath) -> PlantStep:
-        """State h [s] later under the input, held or along its path; a failure is a status."""
-        return self.advance(state, h, *_pack_path(u))
 
     def advance(
         self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
@@ -225,25 +156,12 @@ class HoistPlant:
         integrator, x, _ = self._at(state)
         return integrator.mobility(x, np.zeros(len(INPUT_NAMES)), state.free_lengths)
 
-    def loads_at(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
-        """Return the loads at s = 0 .. 1 of a path for a drive in this state."""
-        return unpack(self.loads_and_outputs(state, *_pack_path(path), s)[0])
-
-    def outputs(self, state: PlantState, u: PlantInput) -> PlantOutput:
-        """Measured quantities; accelerations and tensions belong to the held input u."""
-        return PlantOutput(*self.loads_and_outputs(state, *_pack_path(u), 0.0)[1].tolist())
-
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
-        """The input that acts at s, and what PlantOutput has, as numbers."""
+        """The input that acts at s, and OUTPUTS."""
         integrator, x, _ = self._at(state)
         integrator.give(x, state.works, state.free_lengths, 0.0, path, added_mass)
         y, result = integrator.at(s), integrator.result
         return y[result["acting"]], y[result["shown"]]
-
-    def rates(self, state: PlantState, u: PlantInput) -> Vector:
-        """dx/dt, in the order of state_names; of ropes that slide their integrator's."""
-        integrator, x, _ = self._at(state)
-        return integrator.rates(x, np.array(_pack(u)), state.free_lengths)
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
         """Positive root of s = l (1 + (m g - n F + mu g l / 2) / EA) [m]."""
@@ -263,43 +181,6 @@ def free_lengths_at(hoist: Hoist, state: PlantState) -> tuple[float, float]:
     return state.free_lengths[0] - wound, state.free_lengths[1] + wound
 
 
-def energy_residual(start: PlantOutput, now: PlantOutput, work: Vector) -> float:
-    """Motor and balance rope work minus losses minus the hoist's energy gained [J]; 0 for an exact integration."""
-    return float(energy_left_over(start, now.energy_kinetic, now.energy_potential, work))
-
-
-def energy_left_over(start: PlantOutput, kinetic: Any, potential: Any, work: Any) -> Any:
-    """Return the energy left over at one or more instants; the five of WORK_NAMES come first in `work`."""
-    motor, losses, ropes, left, right = work
-    gained = kinetic + potential - start.energy_kinetic - start.energy_potential
-    return motor + left + right - losses - ropes - gained
-
-
-def side_forces(signals: Mapping[str, float]) -> dict[str, float]:
-    """The balance rope's horizontal forces and its moments about the vertical, as keywords of PlantInput."""
-    sided = (name.partition(".") for name in SIDE_FORCES)
-    return {f"{force}_{side}": signals.get(f"{side}.{force}", 0.0) for side, _, force in sided}
-
-
-_inputs_of = attrgetter(*INPUT_NAMES)
-
-
-def _pack(u: PlantInput) -> list[float]:
-    return [*_inputs_of(u)]
-
-
-def _pack_path(u: PlantInput | PlantInputPath) -> tuple[Vector, Vector]:
-    """A path as one vector, and its added masses."""
-    if isinstance(u, PlantInput):
-        return np.array([*_pack(u), *_NO_CHANGE]), np.zeros(2)
-    return np.array([*_pack(u.start), *_pack(u.rise), *_pack(u.bend)]), np.array(u.added_mass)
-
-
-def unpack(u: Vector) -> PlantInput:
-    """An input from its numbers in the order of INPUT_NAMES."""
-    return PlantInput(**dict(zip(INPUT_NAMES, u.tolist(), strict=True)))
-
-
 def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:
     """Name the inputs that are not finite, now or later in a step that cannot be integrated; else the likely cause."""
     numbers = path.reshape(3, -1).T.tolist()
@@ -310,9 +191,6 @@ def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:
         return f"input is not finite: {', '.join(bad)}"
     steps = f"no steps of {SHORTEST:g} s or longer keep to the tolerance"
     return f"state is not finite, or {steps}: check rope forces and torque command"
-
-
-_NO_CHANGE = (0.0,) * (2 * len(INPUT_NAMES))
 
 
 def _without_lining(hoist: Hoist) -> Hoist:

@@ -15,14 +15,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hoist_demo.drive.integrator import Integrator, Watch
+from hoist_demo.drive.integrator import Integrator, Vector, Watch
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import KernelForm
-
-Vector = NDArray[np.float64]
 
 _TENSIONS = SHOWN["tension_left"], SHOWN["tension_right"]
 

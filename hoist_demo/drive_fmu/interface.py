@@ -9,25 +9,26 @@ ropes each has vertical forces of its own, behind its name; the drive adds them 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
-from hoist_demo.drive.plant import SIDE_FORCES, PlantOutput
-from hoist_demo.parameters import GRAVITY, Hoist
-from hoist_demo.parameters.quantity import units_of
-from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.plant import SIDE_FORCES
+from hoist_demo.parameters import GRAVITY, Hoist, start_heights
+from hoist_demo.parameters.quantity import fmi_unit, units_of
+from rope_model import EndMotion
+from rope_model.parameter_table import parameters_of
+from rope_model.scene_names import Variable as Variable
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
+#: Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side.
 _LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
-"""Inputs of the rope's ends, and what they are called in PlantOutput, but for the side."""
-_MOST = 1e9
-"""Largest value of a parameter that has no other bound."""
+_MOST = 1e9  #: Largest value of a parameter that has no other bound.
 
-#: field of PlantOutput -> name, unit and description of an output
+#: one of OUTPUTS -> name, unit and description of an output
 _DRIVE = {
     "angle": ("drive.angle", "rad", "angle of the sheave, positive lifts the left conveyance"),
     "rate": ("drive.rate", "rad/s", "rate of drive.angle"),
@@ -50,23 +51,12 @@ _CONTROL = {
     "reference.acceleration": ("m/s2", "its second derivative"),
     "drive.torque_command": ("N.m", "torque that the controller asked for in the last step"),
 }
-#: units and descriptions of motions and forces, "{}" stands for the side
-_MOTION_WORDS = {
-    "y": ("m", "height of the {} conveyance's rope suspension, up"),
-    "vy": ("m/s", "speed of the {} conveyance's rope suspension, up"),
-    "ay": ("m/s2", "acceleration of the {} conveyance's rope suspension, up"),
-    "yaw": ("rad", "yaw of the {} conveyance about the vertical"),
-    "yaw_rate": ("rad/s", "rate of {}.yaw"),
-    **{
-        f"{rate}{axis}": (unit, f"{what} of the {{}} conveyance between its guides, {where}")
-        for rate, unit, what in (("", "m", "position"), ("v", "m/s", "speed"), ("a", "m/s2", "acceleration"))
-        for axis, where in (("x", "in the plane of the loop"), ("z", "out of plane"))
-    },
-}
+#: units and descriptions of forces, "{side}" stands for the side
+_MOTIONS = {name: (p.unit, p.description) for name, p in parameters_of(EndMotion).items()}
 _FORCE_WORDS = {
-    "fx": ("N", "force of the balance rope on the {} conveyance in the plane of the loop"),
-    "fz": ("N", "force of the balance rope on the {} conveyance out of plane"),
-    "my": ("N.m", "moment of the balance rope on the {} conveyance about the vertical"),
+    "fx": ("N", "force of the balance rope on the {side} conveyance in the plane of the loop"),
+    "fz": ("N", "force of the balance rope on the {side} conveyance out of plane"),
+    "my": ("N.m", "moment of the balance rope on the {side} conveyance about the vertical"),
 }
 
 
@@ -76,26 +66,6 @@ class Tail(NamedTuple):
     name: str
     mass_per_length: float  # kg/m
     length: float  # m
-
-
-class Variable(NamedTuple):
-    """One FMI variable; ``start`` is None for outputs, ``unit`` empty where there is none."""
-
-    name: str
-    causality: Literal["parameter", "input", "output"]
-    variability: Literal["fixed", "tunable", "continuous", "discrete"]
-    kind: Literal["Real", "Boolean", "String"]
-    unit: str
-    start: float | None
-    description: str
-    minimum: float | None = None
-    maximum: float | None = None
-
-
-def start_heights(case: Case) -> tuple[float, float]:
-    """Return the start heights of left and right conveyance [m]: the landings, left below when it is to rise."""
-    low, high = 0.0, case.hoist.shaft_travel
-    return (low, high) if case.winding.travel > 0.0 else (high, low)
 
 
 def force_inputs(tails: Sequence[Tail]) -> tuple[str, ...]:
@@ -114,7 +84,7 @@ def holding(tails: Sequence[Tail]) -> dict[str, tuple[str, ...]]:
 
 def rest_forces(case: Case, tail: Tail | None = None) -> tuple[float, float]:
     """Weight of a balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
-    left, right = start_heights(case)
+    left, right = start_heights(case.hoist, case.winding)
     rope = tail or Tail("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
     weight = GRAVITY * rope.mass_per_length
     middle = 0.5 * rope.length
@@ -122,7 +92,7 @@ def rest_forces(case: Case, tail: Tail | None = None) -> tuple[float, float]:
 
 
 def motions(hoist: Hoist) -> dict[str, str]:
-    """Outputs that a balance rope takes in, and their fields of PlantOutput."""
+    """Outputs that a balance rope takes in, and their names in OUTPUTS."""
     found = {f"{side}.{name}": f"{field}_{side}" for side in _SIDES for name, field in _UPRIGHT.items()}
     if hoist.play is not None:
         found |= {f"{side}.{name}": f"{name}_{side}" for side in _SIDES for name in _LATERAL}
@@ -135,15 +105,15 @@ def side_forces(hoist: Hoist) -> tuple[str, ...]:
 
 
 def plant_outputs(hoist: Hoist) -> tuple[str, ...]:
-    """Fields of PlantOutput that are shown, in the order of the table."""
+    """OUTPUTS that are shown, in the order of the table."""
     return (*motions(hoist).values(), *_DRIVE)
 
 
 def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Variable, ...]:
     """The table; ``step`` is the largest internal step [s], ``tails`` are the balance ropes where there are several."""
-    outputs = [(name, *_words(_MOTION_WORDS, name)) for name in motions(case.hoist)]
+    outputs = [(name, *_words(_MOTIONS, name)) for name in motions(case.hoist)]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
-    assert {f.name for f in fields(PlantOutput)} >= set(plant_outputs(case.hoist))
+    assert set(plant_outputs(case.hoist)) <= SHOWN.keys()
     return (
         *_parameters(case, step),
         *_inputs(case, tails),
@@ -179,4 +149,4 @@ def _words(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
     """Unit and description of an end's variable."""
     side, _, rest = name.partition(".")
     unit, text = table[rest]
-    return unit, text.format(side)
+    return unit, text.format(side=side)

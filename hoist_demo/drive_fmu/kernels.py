@@ -15,6 +15,7 @@ import json
 import math
 from dataclasses import dataclass, fields
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -22,15 +23,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cases.case import Case
-from hoist_demo.control.controller import Gains
+from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.drive.equations import INPUT_NAMES, equations, numbers_of, parts_of
-from hoist_demo.drive.plant import HoistPlant, PlantOutput
-from hoist_demo.drive.runge_kutta import runge_kutta_step
-from hoist_demo.drive_fmu.interface import plant_outputs, start_heights
-from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.drive.kernels import runge_kutta_step
+from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.drive_fmu.interface import plant_outputs
+from hoist_demo.parameters import GRAVITY, Hoist, start_heights
 
+#: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.
 LIMIT = 0.25
-"""Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable."""
 
 DEGREE = 4
 
@@ -91,7 +93,8 @@ def generate(case: Case) -> Kernels:
 def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
     """(F_left, F_right) -> x, l0 (2), at the start heights."""
     nodes = 0.5 * lowest * (1.0 - np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1)))
-    states = [[plant.hanging_state(*start_heights(case), float(f), float(g)) for g in nodes] for f in nodes]
+    heights = start_heights(case.hoist, case.winding)
+    states = [[plant.hanging_state(*heights, float(f), float(g)) for g in nodes] for f in nodes]
     values = np.array([[[*s.x, *s.free_lengths] for s in row] for row in states])
     force = ca.SX.sym("F", 2)
     weights = [_lagrange(nodes, force[i]) for i in range(2)]
@@ -138,31 +141,19 @@ def _step(plant: HoistPlant) -> Any:
 def _outputs(plant: HoistPlant) -> Any:
     """(x, u, l0) -> the fields that the interface shows."""
     x, u, l0 = _arguments(plant)
-    names = [field.name for field in fields(PlantOutput)]
     shown = equations(parts_of(plant.hoist)).outputs(x, u, l0, numbers_of(plant.hoist))
     return ca.Function(
-        "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[names.index(n)] for n in plant_outputs(plant.hoist)))]
+        "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[SHOWN[n]] for n in plant_outputs(plant.hoist)))]
     )
 
 
 def _control(hoist: Hoist) -> Any:
-    """SpeedController.command: (reference s v a, travel, speed, M_hold, I, h, gains) -> (M_c, I)."""
-    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(ca.SX.sym("sample", 8))
-    sample = ca.vertcat(s, v, a, travel, speed, hold, integral, h)
-    gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
-    k_v = gains["speed"]
-    error = v + gains["position"] * (s - travel) - speed
-    ahead = hoist.moving_mass * a + hoist.imbalance_rate * s
-    coulomb, viscous = hoist.travel_loss
-    ahead += coulomb * ca.tanh(v / hoist.loss_speed) + viscous * v
-    wanted = hold + hoist.sheave_radius * (gains["feed_forward"] * ahead + k_v * error + integral)
-    limit: Any = hoist.torque_limit
-    if hoist.power_limit is not None:
-        limit = hoist.power_limit / ca.fmax(ca.fabs(speed / hoist.sheave_radius), hoist.power_limit / limit)
-    torque = ca.fmin(ca.fmax(wanted, -limit), limit)
-    stands = ca.logic_and(torque != wanted, error * wanted > 0)
-    grown = ca.if_else(stands, integral, integral + h * k_v * error / gains["integral_time"])
-    return ca.Function("drive_control", [sample, ca.vertcat(*gains.values())], [torque, grown])
+    """SpeedController.law: (reference s v a, travel, speed, M_hold, I, h, gains) -> (M_c, I)."""
+    sample = ca.SX.sym("sample", 8)
+    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(sample)
+    gains = SimpleNamespace(**{field.name: ca.SX.sym(field.name) for field in fields(Gains)})
+    torque, _, grown = SpeedController(hoist, hold, gains).law((s, v, a), travel, speed, integral, h)
+    return ca.Function("drive_control", [sample, ca.vertcat(*vars(gains).values())], [torque, grown])
 
 
 def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:
@@ -171,7 +162,7 @@ def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:
     jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(_rates(plant, x, u, l0), x)])
     fastest = 0.0
     for force in (0.0, -GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length):
-        for heights in (start_heights(case), start_heights(case)[::-1]):
+        for heights in ((low := start_heights(case.hoist, case.winding)), low[::-1]):
             state = plant.hanging_state(*heights, force, force)
             held = np.zeros(u.size1())
             held[:3] = state.x[0], force, force

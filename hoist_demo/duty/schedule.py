@@ -16,16 +16,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
-from hoist_demo.study.catalogue import Catalogue, Value
-from hoist_demo.study.reading import StudyError, read_head, read_statuses, read_tables, read_values
+from hoist_demo.parameters import start_heights
+from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.study.reading import Problems, StudyError, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
 
 _TABLES = {"duty": dict, "fixed": dict, "trip": list}
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
-_ROUNDING = 1e-9
-"""Of heights [m]."""
+_ROUNDING = 1e-9  #: Of heights [m].
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,7 @@ class Schedule:
 
     def landing(self, number: int) -> float:
         """Height of the left conveyance after so many trips [m]; the first begins at an end of the shaft."""
-        first = self.trip(1)
-        start = 0.0 if first.winding.travel > 0.0 else first.hoist.shaft_travel
+        start, _ = start_heights(self.trip(1).hoist, self.trip(1).winding)
         return start + sum(self.trip(k).winding.travel for k in range(1, number + 1))
 
     @property
@@ -60,7 +59,7 @@ class Schedule:
         return repr((self.case, self.level, self.pattern))
 
 
-def read_schedule(path: Path, rope: Mapping[str, FmuParameter], repeat: int | None = None) -> Schedule:
+def read_schedule(path: Path, rope: Mapping[str, Parameter], repeat: int | None = None) -> Schedule:
     """The schedule of a file for a rope with these parameters; `repeat` replaces the file's.
 
     Raises StudyError with all problems.
@@ -72,7 +71,7 @@ class _Reader:
     """Collects the problems while it reads."""
 
     def __init__(self, path: Path, catalogue: Catalogue) -> None:
-        self._path, self._catalogue, self._problems = path, catalogue, list[str]()
+        self._path, self._catalogue, self._problems = path, catalogue, Problems()
         self._raw = read_tables(path, "a duty", _TABLES, self._problems)
 
     def schedule(self, given: Mapping[str, Value]) -> Schedule:
@@ -91,10 +90,8 @@ class _Reader:
         self._stop_where_wrong()
         pattern: list[RunData] = []
         for k, values in enumerate(own, 1):
-            try:
+            with self._problems.collect(f"trip {k}"):
                 pattern.append(build(head["case"], {**fixed, **values}))
-            except ValueError as error:
-                self._problems.append(f"trip {k}: {error}")
         self._stop_where_wrong()
         given = read_statuses(self._raw.get("fixed", {}))
         for trip in trips:

@@ -12,15 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, RopePlant
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.duty.wind import Trip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.study.metrics import METRICS, ROPE_SIGNALS, measure
+from rope_model import EndMotion
 
-READ = ROPE_SIGNALS | {"loop.turns"}
-"""Outputs of the rope that the table is made of."""
+READ = ROPE_SIGNALS | {"loop.turns"}  #: Outputs of the rope that the table is made of.
 
+#: Metrics of a study; sway is from where the loop hung at rest before the first trip.
 _MEASURED = (
     "rope_force_ripple",
     "rope_force_peak",
@@ -39,8 +40,8 @@ _MEASURED = (
     "torque_rms",
     "motor_energy_drawn",
 )
-"""Metrics of a study; sway is from where the loop hung at rest before the first trip."""
 
+#: Columns of the table, each with unit and meaning.
 COLUMNS = {
     "trip": ("1", "number, from 1"),
     "start": ("s", "time at which it begins, waiting included"),
@@ -52,16 +53,15 @@ COLUMNS = {
     "turns": ("1", "of one side of the rope about the other, largest magnitude"),
     **{name: METRICS[name] for name in _MEASURED},
 }
-"""Columns of the table, each with unit and meaning."""
 
 UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1"}
 
 _SMALLEST_IS_WORST = ("clearance", "slip_safety")
+#: Columns of which the worst trip is told.
 JUDGED = (
     *("rope_force_ripple", "rope_force_range", "sway", "sway_across", "loop_yaw", "turns", "clearance"),
     *("left_swivel_torque", "right_swivel_torque", "slip_safety"),
 )
-"""Columns of which the worst trip is told."""
 REPEATING = ("rope_force_ripple", "sway", "sway_across", "loop_yaw", "yaw_start", "left_swivel_torque")
 STEADY = 0.01
 NEGLIGIBLE = {"N": 1.0, "m": 1e-3, "rad": 1e-3, "N.m": 0.1}

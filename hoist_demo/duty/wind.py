@@ -6,18 +6,21 @@ anew, with the torque that holds the hoist and its present payload.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
+import numpy as np
+
+from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.host import Host, Progress
-from hoist_demo.cosimulation.participants.rope_plant import RopePlant
-from hoist_demo.cosimulation.result import Result
-from hoist_demo.cosimulation.run_state import TripEnd
+from hoist_demo.cosimulation.run_state import Result, TripEnd
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Drive, drive
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.recording.fidelity import mask_neglected
-from hoist_demo.recording.guards import guard_trip
-from hoist_demo.recording.jams import jams
+from hoist_demo.recording.incidents import guard_trip, jams
+from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.run import RunData
 
 
@@ -68,3 +71,41 @@ def wind(
 
 def _drive(run: RunData) -> Drive:
     return drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
+
+
+def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule) -> None:
+    """Write the state after the last row of `trips`, whole or not at all."""
+    checkpoint = Checkpoint(
+        sample=trips["trip"].size,
+        t=end.t,
+        plant=end.plant,
+        controller=None,
+        input=end.input,
+        memory=end.memory,
+        rope=rope.to_bytes(rope.save()),
+        recording=trips,
+        data=schedule.data,
+        cause="",
+    )
+    part = path.with_suffix(".part")
+    checkpoint.write(part)
+    part.replace(path)
+
+
+def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:
+    """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
+    checkpoint = Checkpoint.read(path)
+    if checkpoint.data != schedule.data:
+        found = differences(checkpoint.data, schedule.data)
+        raise ValueError(f"'{path}' must be of this schedule, but {found}: give another --out")
+    rope.restore(rope.from_bytes(checkpoint.rope))
+    end = TripEnd(
+        checkpoint.t, schedule.landing(checkpoint.sample), checkpoint.plant, checkpoint.input, checkpoint.memory
+    )
+    return rows_of(checkpoint.recording), end
+
+
+def rows_of(trips: Recording) -> list[dict[str, float]]:
+    """The rows of a table."""
+    columns: Mapping[str, np.ndarray] = trips.signals
+    return [{name: float(values[k]) for name, values in columns.items()} for k in range(trips["trip"].size)]

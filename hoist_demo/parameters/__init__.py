@@ -2,7 +2,13 @@
 
 from hoist_demo.parameters.coupling import Coupling
 from hoist_demo.parameters.hoist import ASSUMED_DATA, GRAVITY, Hoist
-from hoist_demo.parameters.winding import EmergencyLaw, Winding, require_jams_on_the_way, require_trip_fits
+from hoist_demo.parameters.winding import (
+    EmergencyLaw,
+    Winding,
+    require_jams_on_the_way,
+    require_trip_fits,
+    start_heights,
+)
 
 __all__ = [
     "ASSUMED_DATA",
@@ -13,4 +19,5 @@ __all__ = [
     "Winding",
     "require_jams_on_the_way",
     "require_trip_fits",
+    "start_heights",
 ]

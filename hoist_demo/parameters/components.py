@@ -1,4 +1,4 @@
-"""Parts of a hoist that a model may leave out: shaft, brake, lining, guides, their play, a jam. SI units, checked here.
+"""Parts of a hoist that a model may leave out: drive shaft, brake, lining, guides, play, a jam. SI units, checked here.
 
 A `Hoist` whose part is None has not the part's equations; there are no stiff or weak dummies.
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
@@ -32,7 +32,7 @@ def require_magnitudes(data: Any, may_vanish: Collection[str], prefix: str = "")
 
 
 @dataclass(frozen=True)
-class Shaft:
+class DriveShaft:
     """Elastic shaft between motor and sheave; all values [assumed]."""
 
     motor_mass: float = quantity(
@@ -42,7 +42,7 @@ class Shaft:
     damping: float = quantity(0.02, "-", "damping ratio of motor against sheave")
 
     def __post_init__(self) -> None:
-        require_magnitudes(self, {"damping"}, "shaft.")
+        require_magnitudes(self, {"damping"}, "drive_shaft.")
 
 
 @dataclass(frozen=True)

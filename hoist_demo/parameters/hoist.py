@@ -11,26 +11,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
-from hoist_demo.parameters.components import Brake, Guides, Jam, Lining, Play, Shaft, require, require_magnitudes
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require, require_magnitudes
 from hoist_demo.parameters.quantity import quantity
+from rope_model.physics.elementary import larger
 
-GRAVITY = 9.81
-"""Acceleration of free fall [m/s^2]."""
+GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
 
+#: Said wherever results are shown.
 ASSUMED_DATA = (
     "Data of hoist, winding and rope that are marked [assumed] have no published source. They are plausible, they "
     "belong to no installation, and no number shown here may be used to judge one."
 )
-"""Said wherever results are shown."""
 
 
+#: Bounds far beyond any hoist: what is out of them has another unit. Field, lowest, highest, unit and cure.
 UNIT_BOUNDS = (
     ("wrap_angle", 0.1, 4.0 * math.pi, "rad", "give it in rad: 180 degrees are 3.1416"),
     ("friction_coefficient", 0.01, 2.0, "", "give it as a pure number: 25 % are 0.25"),
     ("head_rope_stiffness", 1e5, 1e10, "N", "give EA of one rope in N: 26 MN are 2.6e7"),
 )
-"""Bounds far beyond any hoist: what is out of them has another unit. Field, lowest, highest, unit and cure."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Hoist:
     )
     power_limit: float | None = quantity(None, "W", "of the motor and its converter, in both directions")
     head_rope_modes: int = quantity(0, "-", "longitudinal modes of the head ropes of a side, beyond their mean strain")
-    shaft: Shaft | None = quantity(None, "", "none: rigid")
+    drive_shaft: DriveShaft | None = quantity(None, "", "none: rigid")
     brake: Brake | None = quantity(None, "", "none: no brake but the motor")
     lining: Lining | None = quantity(None, "", "none: the head ropes hold on the sheave whatever they pull")
     guides: Guides | None = quantity(None, "", "none: no friction along the guides")
@@ -93,11 +94,11 @@ class Hoist:
             value = getattr(self, name)
             bound = f"within {low:g} and {high:g} {unit}".rstrip()
             require(value, low <= value <= high, name, bound, hint)
-        if self.shaft is not None:
+        if self.drive_shaft is not None:
             require(
-                self.shaft.motor_mass,
-                self.shaft.motor_mass < self.sheave_mass,
-                "shaft.motor_mass",
+                self.drive_shaft.motor_mass,
+                self.drive_shaft.motor_mass < self.sheave_mass,
+                "drive_shaft.motor_mass",
                 f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
                 "give the motor's share",
             )
@@ -130,11 +131,6 @@ class Hoist:
     def tail_mass(self) -> float:
         """Mass per length of all balance ropes [kg/m]."""
         return self.tail_rope_number * self.tail_rope_mass
-
-    @property
-    def tail_balance(self) -> float:
-        """Balance ropes' mass per length over that of the head ropes [-]; 1 keeps the motor torque at rest constant."""
-        return self.tail_mass / self.rope_mass
 
     @property
     def mass_left(self) -> float:
@@ -181,8 +177,8 @@ class Hoist:
         """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
         return (self.tension_ratio_limit - 1.0) / (ratio - 1.0) if ratio > 1.0 else math.inf
 
-    def torque_available(self, rate: float) -> float:
-        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power."""
+    def torque_available(self, rate: Any) -> Any:
+        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power; also of symbols."""
         if self.power_limit is None:
             return self.torque_limit
-        return self.power_limit / max(abs(rate), self.power_limit / self.torque_limit)
+        return self.power_limit / larger(abs(rate), self.power_limit / self.torque_limit)

@@ -10,9 +10,9 @@ from hoist_demo.parameters.components import require
 from hoist_demo.parameters.hoist import Hoist
 from hoist_demo.parameters.quantity import quantity
 
+#: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or a
+#: part of it first and the whole later.
 EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
-"""Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or
-a part of it first and the whole later."""
 
 
 @dataclass(frozen=True)
@@ -126,3 +126,9 @@ def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
                 f"of {winding.travel:g} m",
                 f"move the jam (hoist.{name}.height), or wind further (demo --quick winds 10 m)",
             )
+
+
+def start_heights(hoist: Hoist, winding: Winding) -> tuple[float, float]:
+    """Heights of left and right conveyance before a trip [m]: the landings, left below when it is to rise."""
+    low, high = 0.0, hoist.shaft_travel
+    return (low, high) if winding.travel > 0.0 else (high, low)

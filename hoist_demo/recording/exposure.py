@@ -9,48 +9,105 @@ These are ranges, not lives: how many of them a rope bears is for its maker to s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import rainflow
 
-from hoist_demo.recording.spectra import spectra, strongest
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
+PERIODS = 2.0  #: Periods in half the record from which on it is a vibration [assumed].
+
+#: How many times as high as the valleys about it a peak is at least: that of a trip alone has waves [assumed].
+STANDS_OUT = 2.0
+
+SHORTEST = 16  #: Rows of the shortest record that has a spectrum.
+
+
+class Spectra(NamedTuple):
+    """Spectra of several places."""
+
+    frequency: Array  # Hz, (n,), of vibrations alone
+    amplitude: Array  # (n, places)
+
+
+class Strongest(NamedTuple):
+    """The highest peak of each spectrum that STANDS_OUT; no frequency (NaN) and the amplitude 0 where there is none."""
+
+    frequency: Array  # Hz, (places,)
+    amplitude: Array
+
+
+def spectra(time: Array, values: Array) -> Spectra:
+    """Return spectra of `values` (rows, places) at even times [s]; empty for a short record, NaN where values are.
+
+    Welch's method (scipy.signal.welch): halves of the record that overlap by half, each without its linear trend and
+    under a Hann window. An amplitude is that of a sine that has the power of its line. What has fewer than PERIODS
+    within such a half is the trip, no vibration.
+    """
+    rows, places = values.shape
+    if rows < SHORTEST:
+        return Spectra(np.empty(0), np.empty((0, places)))
+    from scipy.signal import welch  # slow to load, and most runs record no stations
+
+    step = float(np.median(np.diff(time)))
+    known = np.isfinite(values).all(axis=0)
+    frequency, power = welch(
+        np.where(known, values, 0.0), 1.0 / step, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0
+    )
+    kept = frequency * step * (rows // 2) >= PERIODS
+    return Spectra(frequency[kept], np.where(known, np.sqrt(2.0 * power[kept]), np.nan))
+
+
+def strongest(found: Spectra) -> Strongest:
+    """Return the strongest frequency and amplitude at each place."""
+    places = found.amplitude.shape[1]
+    frequency, amplitude = np.full(places, np.nan), np.zeros(places)
+    if found.frequency.size:
+        from scipy.signal import find_peaks
+
+        for k, column in enumerate(found.amplitude.T):
+            with np.errstate(divide="ignore"):  # nothing at all vibrates
+                peaks = find_peaks(np.log(column), prominence=np.log(STANDS_OUT))[0]
+            if peaks.size:
+                best = peaks[np.argmax(column[peaks])]
+                frequency[k], amplitude[k] = found.frequency[best], column[best]
+            elif not np.isfinite(column).all():
+                amplitude[k] = np.nan
+    return Strongest(frequency, amplitude)
+
+
 QUANTITIES = ("tension", "curvature", "torque")
 
+#: Outputs of the rope that are read for it.
 STATION_SIGNALS = tuple(name for name in SIGNALS if name.startswith("station."))
-"""Outputs of the rope that are read for it."""
 
-COUNTED = 0.25
-"""Part of the largest range from which on a cycle is counted [assumed]."""
+COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].
 
-BENT = 0.5
-"""Part of the sharpest curvature from which on a place is in a bend [assumed]."""
+BENT = 0.5  #: Part of the sharpest curvature from which on a place is in a bend [assumed].
 
-VIBRATING = ("tension", "torque")
-"""Quantities with spectra: what bends as it passes the loop does so once."""
+VIBRATING = ("tension", "torque")  #: Quantities with spectra: what bends as it passes the loop does so once.
 
+#: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
-"""First and last power of ten at which bins of ranges begin, in N, 1/m and N m."""
 
+#: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
+#: ropes, so that what several records have adds up.
 BINS = {
     name: tuple(float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5))
     for name, (first, last) in _DECADES.items()
 }
-"""Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
-ropes, so that what several records have adds up."""
 
+#: How columns of several records come together that do not add up.
 _JOINED = {"least": np.minimum} | dict.fromkeys(("largest", "range", "amplitude"), np.maximum)
-"""How columns of several records come together that do not add up."""
 
+#: Columns that are those of the record in which another one is least or largest.
 _GOES_WITH = {
     "least_at": ("least", np.argmin),
     "largest_at": ("largest", np.argmax),
     "frequency": ("amplitude", np.argmax),
 }
-"""Columns that are those of the record in which another one is least or largest."""
 
 
 def bin_columns(name: str) -> list[str]:
@@ -70,8 +127,7 @@ def _units() -> dict[str, str]:
     return units
 
 
-UNITS = _units()
-"""Unit of each column of the table."""
+UNITS = _units()  #: Unit of each column of the table.
 
 _PLACES = ("station", "s")
 

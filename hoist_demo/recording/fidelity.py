@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects, neglected_text
 
-FIDELITY = "status.fidelity"
-"""Signal with the code of the fidelity that runs."""
+FIDELITY = "status.fidelity"  #: Signal with the code of the fidelity that runs.
 
+#: Choices of the FMU's integer parameter `model.fidelity`, in the order of its codes.
 CODES = tuple(CHOICES["model.fidelity"])
-"""Choices of the FMU's integer parameter `model.fidelity`, in the order of its codes."""
 
 
 def code_of(fidelity: str) -> float:

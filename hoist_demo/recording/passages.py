@@ -14,16 +14,15 @@ from rope_model import FAR as FAR
 
 _DISSIPATED = "energy.dissipated_contact"
 
+#: Outputs of the rope that tell it.
 PASSAGE_SIGNALS = frozenset(
     {"loop.crossings", "loop.crossed_at", "loop.crossed_y", "loop.overlap", "loop.touched_at", "loop.touched_y"}
     | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
     | {f"contact.{name}" for name in (*BODIES, "rope")}
     | {_DISSIPATED}
 )
-"""Outputs of the rope that show passages."""
 
-PASSED = "passed"
-"""Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope."""
+PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
 
 
 def passages(recording: Recording, rope: str = "the rope") -> str:

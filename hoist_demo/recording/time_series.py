@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TIME = "time"
-ALONG_ROPE = ("shape.", "station.")
-"""Beginnings of the names of what is known at many places of the rope."""
+ALONG_ROPE = ("shape.", "station.")  #: Beginnings of the names of what is known at many places of the rope.
 _ALONG = ("s", "tension", "bending", "torsion")
 
 

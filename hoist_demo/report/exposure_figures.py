@@ -16,8 +16,7 @@ from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.figures import ACCENTS, STYLE, save_figure, stacked_panels
 
 _UNITS = {"curvature": ("[1/m]", 1.0), "torque": ("[N m]", 1.0), "tension": ("[kN]", 1e-3)}
-FAINTEST = 1e-3
-"""Part of the largest amplitude below which nothing is told apart."""
+FAINTEST = 1e-3  #: Part of the largest amplitude below which nothing is told apart.
 _PLACE = "place in the rope, from its left end [m]"
 
 

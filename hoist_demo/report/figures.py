@@ -8,8 +8,7 @@ A figure whose signals were not recorded is left out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
-from functools import partial
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +20,11 @@ from matplotlib.figure import Figure
 
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
-from hoist_demo.report.events import Mark
-from hoist_demo.report.summary import LOSSES, loses
+from hoist_demo.report.panels import Mark, Panel, derived_signals, panels
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
+#: The right end's gaps show the left one where both coincide.
 DASHES: dict[str, Any] = {"left": "-", "right": (0, (4, 2.5))}
-"""The right end's gaps show the left one where both coincide."""
 REFERENCE = "#8a8a8a"
 ACCENTS = ("#2f8f5b", "#8e44ad", "#b03a2e", "#5d6d7e")
 
@@ -49,21 +47,20 @@ STYLE: dict[Any, Any] = {
 }
 
 
-_DRIVE_ENERGIES = {
-    "drive.work_motor": "work of the motor",
-    "drive.energy_potential": "potential energy",
-    "drive.energy_kinetic": "kinetic energy",
-    "drive.work_losses": "losses",
-    "drive.work_from_balance_rope": "work of the balance rope",
+#: Groups of panels by the name of their figure.
+_FIGURES = {
+    "tracking": ("Winding",),
+    "forces": ("Drive",),
+    "loop": ("Balance rope", "Stress"),
+    "swivels": ("Swivels",),
+    "energies": ("Energy",),
 }
-_ROPE_ENERGIES = {
-    "energy.kinetic": "kinetic energy",
-    "energy.strain": "strain energy",
-    "energy.gravity": "energy in gravity",
-    "energy.total": "total",
-    "energy.work_ends": "work at the ends",
+#: Styles of panels.Line.
+_STYLES: dict[str, dict[str, Any]] = {
+    **{end: {"color": COLOURS[end], "ls": DASHES[end]} for end in COLOURS},
+    "asked": {"color": "black", "lw": 0.8, "ls": (0, (4, 3))},
+    **{letter: {"color": colour} for letter, colour in zip("abcde", (*ACCENTS, "black"), strict=True)},
 }
-_RESIDUALS = {"drive.energy_residual": "drive", "energy.residual": "balance rope"}
 
 
 def write_figures(
@@ -73,23 +70,44 @@ def write_figures(
 
     `locked` are the ends whose swivel cannot turn.
     """
-    figures: tuple[tuple[str, Callable[[Recording, Hoist], Figure | None]], ...] = (
-        ("tracking", tracking),
-        ("forces", forces),
-        ("loop", loop),
-        ("shapes", shapes),
-        ("swivels", partial(swivels, locked=locked)),
-        ("energies", energies),
-    )
+    signals = dict(recording.signals) | {name: x for name, (x, _) in derived_signals(recording, hoist).items()}
+    shown = panels(recording, hoist)
     paths: list[Path] = []
     with matplotlib.rc_context(STYLE):
-        for name, draw in figures:
-            figure = draw(recording, hoist)
-            if figure is not None:
-                if name != "shapes":
-                    _mark(figure, marks)
+        for name, groups in _FIGURES.items():
+            if own := [panel for panel in shown if panel.group in groups]:
+                figure, axes = _stack(recording, [panel.title for panel in own])
+                for ax, panel in zip(axes, own, strict=True):
+                    _draw(ax, panel, recording.time, signals)
+                if name == "swivels":
+                    _show_slip(axes, recording, locked)
+                _mark(figure, marks)
                 paths.append(save_figure(figure, directory / f"{name}.png"))
+        if (drawn := shapes(recording)) is not None:
+            paths.insert(min(3, len(paths)), save_figure(drawn, directory / "shapes.png"))
     return paths
+
+
+def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> None:
+    for line in panel.lines:
+        values = signals[line.signal] - (signals[line.signal][0] if line.from_start else 0.0)
+        steps = "steps-post" if panel.steps else "default"
+        ax.plot(time, line.factor * values, drawstyle=steps, label=line.label, **_STYLES[line.style])
+    if panel.limit is not None:
+        ax.axhline(panel.limit[0], color=ACCENTS[2], lw=1.0, ls="--", label=panel.limit[1])
+    ax.set_ylabel("" if panel.unit == "1" else f"[{panel.unit}]")
+    _widen(ax, 0.5 * panel.least)
+    legend(ax)
+
+
+def _show_slip(axes: Sequence[Axes], recording: Recording, locked: Collection[str]) -> None:
+    """Shade slip of the swivels; where both are locked, say so."""
+    for ax in axes:
+        for end in COLOURS:
+            if (name := f"{end}.swivel.slipping") in recording:
+                _shade(ax, recording.time, recording[name], end)
+        if len(locked) == 2:
+            ax.text(0.5, 0.6, "locked", transform=ax.transAxes, ha="center")
 
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
@@ -136,76 +154,7 @@ def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -
         return save_figure(figure, path)
 
 
-def tracking(recording: Recording, hoist: Hoist) -> Figure | None:
-    """Heights, speeds and accelerations of both conveyances against the reference, and the error."""
-    figure, axes = _stack(recording, ("Height in the shaft", "Speed", "Acceleration", "Tracking error, left"))
-    start = recording["conveyance.left.y"][0]
-    for ax, quantity, offset in zip(axes, ("position", "speed", "acceleration"), (start, 0.0, 0.0), strict=False):
-        component = {"position": "y", "speed": "vy", "acceleration": "ay"}[quantity]
-        for end in ("left", "right"):
-            ax.plot(recording.time, recording[f"conveyance.{end}.{component}"], **_line(end))
-        asked = offset + recording[f"reference.{quantity}"]
-        ax.plot(recording.time, asked, color="black", lw=0.8, ls=(0, (4, 3)), label="reference, left")
-    error = recording["reference.position"] - (recording["conveyance.left.y"] - start)
-    axes[3].plot(recording.time, 1e3 * error, color=COLOURS["left"])
-    for ax, label in zip(axes, ("y [m]", "v [m/s]", "a [m/s²]", "reference - y [mm]"), strict=True):
-        ax.set_ylabel(label)
-    legend(axes[0])
-    return figure
-
-
-def forces(recording: Recording, hoist: Hoist) -> Figure | None:
-    """Pull of the balance rope, tensions of the head ropes, torque of the drive and the tension ratio."""
-    titles = (
-        "Pull of the balance rope on the conveyances",
-        "Head rope tensions at the sheave",
-        "Motor torque",
-        "Tension ratio on the sheave (Euler-Eytelwein)",
-    )
-    figure, axes = _stack(recording, titles)
-    t = recording.time
-    for end in ("left", "right"):
-        axes[0].plot(t, -1e-3 * recording[f"{end}.fy"], **_line(end))
-        axes[1].plot(t, 1e-3 * recording[f"drive.tension_{end}"], **_line(end))
-    axes[2].plot(t, 1e-3 * recording["drive.torque"], color=ACCENTS[0], label="motor")
-    axes[2].plot(t, 1e-3 * recording["drive.torque_command"], color="black", lw=0.8, ls=(0, (4, 3)), label="command")
-    axes[3].plot(t, recording["drive.tension_ratio"], color=ACCENTS[1], label="larger / smaller tension")
-    limit = hoist.tension_ratio_limit
-    axes[3].axhline(limit, color=ACCENTS[2], lw=1.0, ls="--", label=f"slip at exp(µα) = {limit:.2f}")
-    for ax, label in zip(axes, ("$-f_y$ [kN]", "T [kN]", "M [kN m]", "$T_1/T_2$ [-]"), strict=True):
-        ax.set_ylabel(label)
-        legend(ax)
-    return figure
-
-
-def loop(recording: Recording, hoist: Hoist) -> Figure | None:
-    """Lowest point of the loop, its yaw and the clearance of the legs."""
-    if not _shows(recording, "loop.x", "loop.y"):
-        return None
-    panels = [
-        ("Lowest point of the loop: height", "y [m]", 1.0, {"loop.y": ("", ACCENTS[0])}),
-        (
-            "Lowest point of the loop: sideways",
-            "x, z [m]",
-            1.0,
-            {"loop.x": ("in plane, x", ACCENTS[0]), "loop.z": ("out of plane, z", ACCENTS[1])},
-        ),
-        ("Yaw of the loop", "yaw [deg]", 180.0 / math.pi, {"loop.yaw": ("", ACCENTS[1])}),
-        ("Clearance between the legs", "clearance [m]", 1.0, {"loop.clearance": ("", ACCENTS[3])}),
-    ]
-    shown = [panel for panel in panels if any(_shows(recording, name) for name in panel[3])]
-    figure, axes = _stack(recording, [panel[0] for panel in shown])
-    for ax, (_, label, factor, lines) in zip(axes, shown, strict=True):
-        for name, (text, colour) in lines.items():
-            if _shows(recording, name):
-                ax.plot(recording.time, factor * recording[name], color=colour, label=text)
-        ax.set_ylabel(label)
-        _widen(ax, 0.01)
-    legend(axes[1])
-    return figure
-
-
-def shapes(recording: Recording, hoist: Hoist) -> Figure | None:
+def shapes(recording: Recording) -> Figure | None:
     """The rope from the front, the side and above at a few instants, and its loop enlarged."""
     rows = shape_rows(recording, 6)
     points = [(recording.time[row], recording.shape_at(row)) for row in rows]
@@ -244,48 +193,6 @@ def shapes(recording: Recording, hoist: Hoist) -> Figure | None:
             _widen(ax, 0.05, axis="x")
     _widen(axes["top"], 0.05)
     figure.legend(*axes["front"].get_legend_handles_labels(), loc="outside lower center", ncols=len(drawn))
-    return figure
-
-
-def swivels(recording: Recording, hoist: Hoist, locked: Collection[str] = ()) -> Figure | None:
-    """Angle, rate and torque of both swivels, slip shaded; where both are locked, that is said of angle and rate."""
-    quantities = ("angle", "rate", "torque")
-    if not _shows(recording, *(f"{end}.swivel.{name}" for end in ("left", "right") for name in quantities)):
-        return None
-    figure, axes = _stack(recording, ("Swivel angle", "Swivel rate", "Moment of the swivel on the rope"))
-    for ax, name in zip(axes, quantities, strict=True):
-        for end, width in (("left", 2.0), ("right", 1.0)):
-            values = recording[f"{end}.swivel.{name}"]
-            scaled = np.degrees(values) if name == "angle" else values
-            ax.plot(recording.time, scaled, lw=width, **_line(end))
-            if f"{end}.swivel.slipping" in recording:
-                _shade(ax, recording.time, recording[f"{end}.swivel.slipping"], end)
-    for ax, label in zip(axes, ("angle [deg]", "rate [rad/s]", "torque [N m]"), strict=True):
-        ax.set_ylabel(label)
-        _widen(ax, 0.01)
-    for ax in axes[:2] if len(locked) == 2 else ():
-        ax.text(0.5, 0.6, "locked", transform=ax.transAxes, ha="center")
-    legend(axes[0])
-    return figure
-
-
-def energies(recording: Recording, hoist: Hoist) -> Figure | None:
-    """Energies of drive and rope against their start, the rope's losses, and what the two balances leave over."""
-    panels: list[tuple[str, str, float, dict[str, str]]] = [
-        ("Drive: work and energy since the start", "energy [kJ]", 1e-3, _DRIVE_ENERGIES),
-        ("Balance rope: work and energy since the start", "energy [kJ]", 1e-3, _ROPE_ENERGIES),
-        ("Balance rope: dissipated energy", "energy [J]", 1.0, LOSSES),
-        ("What the energy balances leave over", "residual [J]", 1.0, _RESIDUALS),
-    ]
-    shown = [panel for panel in panels if any(name in recording for name in panel[3])]
-    figure, axes = _stack(recording, [panel[0] for panel in shown])
-    for ax, (_, label, factor, names) in zip(axes, shown, strict=True):
-        present = {name: text for name, text in names.items() if name in recording and loses(recording, name)}
-        for (name, text), colour in zip(present.items(), (*ACCENTS, "black"), strict=False):
-            values = factor * (recording[name] - recording[name][0])
-            ax.plot(recording.time, values, color=colour, ls="--" if colour == "black" else "-", label=text)
-        ax.set_ylabel(label)
-        legend(ax)
     return figure
 
 
@@ -347,13 +254,8 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
         top.set_title(top.get_title(loc="left"), pad=6.0 + _LINE * len(lines))
 
 
+#: Width of a letter of a mark's name, as a share of the panel's, and height of a line of names in points.
 _LETTER, _LINE = 0.009, 9.0
-"""Width of a letter of a mark's name, as a share of the panel's, and height of a line of names in points."""
-
-
-def _line(end: str) -> dict[str, Any]:
-    """Return style and name of an end's curve."""
-    return {"color": COLOURS[end], "ls": DASHES[end], "label": end}
 
 
 def legend(ax: Axes) -> None:

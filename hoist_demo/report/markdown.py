@@ -9,13 +9,12 @@ from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.report.html.parameter_tables import Table
 from hoist_demo.report.rows import CAUSE, WARNING, SummaryRow
 
-SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}
-"""Rows that stand above everything, and the word before them."""
+SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}  #: Rows that stand above everything, and the word before them.
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",
-    "forces": "Pull of the balance rope, head rope tensions, motor torque and safety against slip on the sheave.",
-    "loop": "Lowest point of the balance rope's loop, its yaw and the clearance of the legs.",
+    "forces": "Motor torque and power, brake torque, head rope tensions and their ratio on the sheave.",
+    "loop": "Pull of the balance rope, its loop, clearances and largest stresses.",
     "shapes": "Balance rope in three projections at several instants; the axes are scaled differently.",
     "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
     "energies": "Energies, work and losses, and what each balance leaves over.",
@@ -39,9 +38,12 @@ def render_markdown(
     parts = [f"# {_inline(title)}"]
     parts += [f"**{SAID_FIRST[row.quantity]}** {_inline(row.text)}" for row in rows if row.quantity in SAID_FIRST]
     parts.append(ASSUMED_DATA)
-    for group, members in _groups([row for row in rows if row.quantity not in SAID_FIRST]):
+    shown = [row for row in rows if row.quantity not in SAID_FIRST]
+    for group in dict.fromkeys(row.group for row in shown):
         table = [f"## {_inline(group)}", "", "| quantity | value | unit |", "|---|---:|---|"]
-        table += [f"| {_cell(row.quantity)} | {_cell(row.text)} | {_cell(row.unit)} |" for row in members]
+        table += [
+            f"| {_cell(row.quantity)} | {_cell(row.text)} | {_cell(row.unit)} |" for row in shown if row.group == group
+        ]
         parts.append("\n".join(table))
     parts.append("## Figures")
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
@@ -50,14 +52,6 @@ def render_markdown(
         table += [f"| {' | '.join(map(_cell, (*line, '')[:4]))} |" for line in lines]
         parts.append("\n".join(table))
     return "\n\n".join(parts) + "\n"
-
-
-def _groups(rows: Sequence[SummaryRow]) -> list[tuple[str, list[SummaryRow]]]:
-    """Rows by group, in order."""
-    groups: dict[str, list[SummaryRow]] = {}
-    for row in rows:
-        groups.setdefault(row.group, []).append(row)
-    return list(groups.items())
 
 
 def _cell(text: str) -> str:

@@ -1,25 +1,24 @@
-"""Rows of a table for people, and the table as plain text."""
+"""Rows of a table for people, the table as plain text, and rows of the sources of a run's data."""
 
 from __future__ import annotations
 
 import math
 import textwrap
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hoist_demo.report.html.page import number, unit_text
+from hoist_demo.report.html.page import Row, number, unit_text
+from hoist_demo.report.html.parameter_tables import Table
+from hoist_demo.study.provenance import SETTING, STATUSES, Known
 
-OUTCOME = "Outcome"
-"""Group of the rows that tell how a run went."""
+OUTCOME = "Outcome"  #: Group of the rows that tell how a run went.
 
-WARNING = "warning"
-"""Quantity of the rows that every report shows first."""
+WARNING = "warning"  #: Quantity of the rows that every report shows first.
 
-CAUSE = "cause"
-"""Quantity of the row that tells why a run stopped."""
+CAUSE = "cause"  #: Quantity of the row that tells why a run stopped.
 
-LONG = 40
-"""Characters from which a text has lines of its own in the table."""
+LONG = 40  #: Characters from which a text has lines of its own in the table.
 
 
 @dataclass(frozen=True)
@@ -54,3 +53,30 @@ def render(rows: Sequence[SummaryRow]) -> str:
         else:
             lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip())
     return "\n".join(lines[1:])
+
+
+TITLE = "Data that this rests on, by status"
+#: most names that are told one by one
+NAMED = 8
+
+
+def told(data: Sequence[Known]) -> list[SummaryRow]:
+    """Return the summary of the data's sources: names of few, and the number of each kind of many."""
+    rows = []
+    for status in STATUSES:
+        names = [one.name for one in data if one.status == status]
+        if names and status != SETTING:
+            kinds = Counter(name.rpartition(".")[0] for name in names)
+            text = ", ".join(names if len(names) <= NAMED else (f"{count} of {kind}" for kind, count in kinds.items()))
+            rows.append(SummaryRow(TITLE, status, text))
+    return rows
+
+
+def table(data: Sequence[Known]) -> Table:
+    """All of the data but settings, the least certain status first in the order of STATUSES."""
+    rows: list[Row] = [
+        (one.name, one.value if isinstance(one.value, str) else number(one.value), unit_text(one.unit), one.status)
+        for one in sorted(data, key=lambda one: STATUSES.index(one.status))
+        if one.status != SETTING
+    ]
+    return TITLE, rows

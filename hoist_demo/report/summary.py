@@ -11,34 +11,41 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of, remark
-from hoist_demo.recording.guards import AFTER, after, guard_trip, told
-from hoist_demo.recording.jams import jams, slack_ropes, told_of_jams
+from hoist_demo.recording.incidents import (
+    AFTER,
+    after,
+    guard_trip,
+    jams,
+    largest_ratio,
+    slack_ropes,
+    slip,
+    told,
+    told_of_jams,
+    told_of_slip,
+)
 from hoist_demo.recording.passages import BODIES, outcome_of, passages
-from hoist_demo.recording.slip import largest_ratio, slip, told_of_slip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow
 from hoist_demo.report.slip import slip_warning
 
-SWING_WINDOW = 5.0
-"""Length of the record's tail over which the residual swing is judged [s]."""
+SWING_WINDOW = 5.0  #: Length of the record's tail over which the residual swing is judged [s].
 
 
+#: What the rope loses only where its scene has that, in words.
 ELSEWHERE = {
     "energy.dissipated_contact": "dissipated in contact",
     "energy.dissipated_wires": "dissipated between its wires",
     "energy.given_to_air": "given to the air",
 }
-"""What the rope loses only where its scene has that, in words."""
 
+#: All that the rope loses, in words for a figure.
 LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"} | ELSEWHERE
-"""All that the rope loses, in words for a figure."""
 
-AT_REST = 0.01
-"""Speed of the sheave's rim that counts as standstill [m/s]."""
+AT_REST = 0.01  #: Speed of the sheave's rim that counts as standstill [m/s].
 
 
 def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
@@ -59,6 +66,7 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
     return tuple(rows + _clock(result, coupling))
 
 
+#: Columns of the table of exposure, what their largest value is called, and the column that tells when or how fast.
 _MOST = {
     "curvature.range": ("largest range of curvature in a cycle", ""),
     "torque.range": ("largest range of torque in a cycle", ""),
@@ -68,7 +76,6 @@ _MOST = {
     "tension.amplitude": ("strongest vibration of tension", "frequency"),
     "bent": ("longest time in the bend", ""),
 }
-"""Columns of the table of exposure, what their largest value is called, and the column that tells when or how fast."""
 
 
 def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:

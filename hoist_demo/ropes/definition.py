@@ -20,17 +20,18 @@ from typing import Any
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
-from hoist_demo.cosimulation.participants.partners import ENDS
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
+from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.ropes.table import READ
-from hoist_demo.study.catalogue import SECTIONS, Catalogue, Value
+from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import (
     LONGEST_TEXT,
+    Problems,
     StudyError,
     flat,
     read_head,
@@ -46,8 +47,8 @@ _PLACE = ("x_left", "x_right", "z")
 _BREAK = ("breaks_at", "breaks_s")
 _NAME = "[A-Za-z][A-Za-z0-9_]{0,39}"
 _PRESSED = "contact.rope_stiffness"
+#: With what other signals begin, as a rope's begin with its name.
 _TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS)))
-"""With what other signals begin, as a rope's begin with its name."""
 
 
 @dataclass(frozen=True)
@@ -117,9 +118,9 @@ class Ropes:
         return [*of_host(replace(self.run, hoist=self.hoist), {**self.given, **shared}), *ropes]
 
 
-def read_ropes(path: Path, rope: Mapping[str, FmuParameter]) -> Ropes:
+def read_ropes(path: Path, rope: Mapping[str, Parameter]) -> Ropes:
     """The ropes of a file, which may have these parameters; raises StudyError with all problems."""
-    catalogue, problems = Catalogue(rope), list[str]()
+    catalogue, problems = Catalogue(rope), Problems()
     raw = read_tables(path, "ropes", _TABLES, problems)
     head = read_head(path, "ropes", raw.get("ropes", {}), {}, problems)
     fixed = read_values(catalogue, "[fixed]", raw.get("fixed", {}), problems)
@@ -182,7 +183,7 @@ def _read_rope(
     run: RunData,
     level: Level,
     given: Mapping[str, str],
-    problems: list[str],
+    problems: Problems,
 ) -> OneRope | None:
     """A rope; None where something is wrong with it, which is added to the problems."""
     before, name = len(problems), table.get("name", f"rope{number}")
@@ -207,19 +208,13 @@ def _read_rope(
         problems.append(f"{name}: breaks_at and breaks_s must stand together: give both or none")
     if len(problems) > before:
         return None
-    try:
+    with problems.collect(name):
         return _rope(name, numbers, {**run.fmu, **values}, level, {**given, **read_statuses(own)})
-    except ValueError as error:
-        problems.append(f"{name}: {error}")
-        return None
+    return None
 
 
 def _rope(
-    name: str,
-    numbers: Mapping[str, float],
-    parameters: Mapping[str, Value],
-    level: Level,
-    given: Mapping[str, str],
+    name: str, numbers: Mapping[str, float], parameters: Mapping[str, Value], level: Level, given: Mapping[str, str]
 ) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**{key: float(numbers.get(key, 0.0)) for key in _PLACE})

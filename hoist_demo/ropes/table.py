@@ -13,22 +13,69 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.rope_group import SUMS, Place
 from hoist_demo.recording.fidelity import mask_neglected, remark
-from hoist_demo.recording.neighbours import NEVER, Nearest, nearest
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages
 from hoist_demo.recording.time_series import TIME, Array, Recording
 from rope_model import SIGNALS, Account
 
+
+@dataclass(frozen=True)
+class Nearest:
+    """The smallest distance of two ropes in a run."""
+
+    clearance: float  # m, between their surfaces
+    t: float  # s
+    place: tuple[float, float, float]  # m, half-way between both
+
+
+NEVER = Nearest(np.nan, np.nan, (np.nan, np.nan, np.nan))  #: Of ropes that have no shapes to compare.
+
+
+def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
+    """Return the nearest approach of two ropes: points (instants, points, 3) [m], and the sum of their radii [m]."""
+    found = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
+    for k, t in enumerate(times):
+        distance, place = polygon_distance(one[k], other[k])
+        if distance - radii < found.clearance:
+            x, y, z = place.tolist()
+            found = Nearest(distance - radii, float(t), (x, y, z))
+    return found
+
+
+def polygon_distance(one: Array, other: Array) -> tuple[float, Array]:
+    """Smallest distance of two chains of straight sides through points (n, 3), and the place half-way [m].
+
+    Two sides p + a d, q + b e, a and b within 0 and 1, are nearest where both derivatives vanish, or at a bound
+    (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.9). An arc of the radius r cut short by a side of the
+    length l is missed by l^2 / (8 r) at most.
+    """
+    p, d = one[:-1, None], np.diff(one, axis=0)[:, None]
+    q, e = other[None, :-1], np.diff(other, axis=0)[None]
+    r = p - q
+    dd, ee, de = (d * d).sum(-1), (e * e).sum(-1), (d * e).sum(-1)
+    dr, er = (d * r).sum(-1), (e * r).sum(-1)
+    across = dd * ee - de * de
+    # parallel sides are nearest at an end, too
+    a = np.where(across > 1e-12 * dd * ee, (de * er - dr * ee) / np.where(across > 0.0, across, 1.0), 0.0)
+    b = np.clip((de * np.clip(a, 0.0, 1.0) + er) / ee, 0.0, 1.0)
+    a = np.clip((de * b - dr) / dd, 0.0, 1.0)
+    gap = r + a[..., None] * d - b[..., None] * e
+    distance = np.linalg.norm(gap, axis=-1)
+    k = np.unravel_index(np.argmin(distance), distance.shape)
+    at = (p + a[..., None] * d)[k] - 0.5 * gap[k]
+    return float(distance[k]), at
+
+
+#: Outputs of each rope that the tables are made of.
 READ = PASSAGE_SIGNALS.union(
     name
     for name in SIGNALS
     if name.startswith(("shape.x[", "shape.y[", "shape.z[", "loop."))
     or name in (*SUMS, "left.swivel.torque", "right.swivel.torque")
 )
-"""Outputs of each rope that the tables are made of."""
 
 POINTS = sum(name.startswith("shape.x[") for name in SIGNALS)
-LOOKED_AT = 0.1
-"""Time between two shapes that are compared [s]."""
+LOOKED_AT = 0.1  #: Time between two shapes that are compared [s].
+#: Columns of the ropes' table, each with unit and meaning; NaN for what a rope's model does not compute.
 COLUMNS = {
     "share_at_rest": ("1", "of the pull of all ropes on both conveyances, before the trip"),
     "share_least": ("1", "smallest of the trip"),
@@ -38,7 +85,6 @@ COLUMNS = {
     "torque_peak": ("N.m", "largest magnitude of a swivel's torque"),
     "lowest": ("m", "height of the loop's lowest point, the smallest"),
 }
-"""Columns of the ropes' table, each with unit and meaning; NaN for what a rope's model does not compute."""
 
 
 @dataclass(frozen=True)

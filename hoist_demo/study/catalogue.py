@@ -7,23 +7,67 @@ the FMU is asked to initialize with the value.
 from __future__ import annotations
 
 import difflib
-import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
-from hoist_demo.cosimulation.participants.rope_data import words_of
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.units import fmi_unit
+from hoist_demo.parameters.quantity import Parameter, fmi_unit, units_of
 from hoist_demo.study.metrics import Arrival
-from hoist_demo.study.nested import leaves
 
-Value = float | int | bool | str
+_KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
+
+
+def leaves(data: type[Any], prefix: str = "") -> Iterator[Parameter]:
+    """All single values of a data class, by dotted names; `brake: Brake | None` stands for the brake's own."""
+    hints, units = get_type_hints(data), units_of(data)
+    for field in fields(data):
+        inner = _inner(hints[field.name])
+        if inner is not None:
+            yield from leaves(inner, f"{prefix}{field.name}.")
+            continue
+        if get_origin(hints[field.name]) is Literal:
+            yield Parameter(f"{prefix}{field.name}", "1", "String", choices=get_args(hints[field.name]))
+            continue
+        kinds = [_KINDS[t] for t in (hints[field.name], *get_args(hints[field.name])) if t in _KINDS]
+        if kinds:
+            numeric = kinds[0] in ("Real", "Integer")
+            if numeric and field.name not in units:
+                raise ValueError(
+                    f"{data.__name__}.{field.name} must state its unit: make it with `quantity(default, unit)`"
+                )
+            unit = fmi_unit(units[field.name]) if numeric else "1"
+            yield Parameter(f"{prefix}{field.name}", unit, kinds[0])
+
+
+def with_values(data: Any, values: Mapping[str, object]) -> Any:
+    """A copy with the given values by dotted name, checked as a whole; a part that was None starts from defaults."""
+    direct: dict[str, object] = {}
+    parts: dict[str, dict[str, object]] = {}
+    for name, value in values.items():
+        head, _, rest = name.partition(".")
+        if rest:
+            parts.setdefault(head, {})[rest] = value
+        else:
+            direct[head] = value
+    for head, inside in parts.items():
+        part = getattr(data, head)
+        if part is None:
+            kind = _inner(get_type_hints(type(data))[head])
+            assert kind is not None  # the catalogue has let the name pass
+            part = kind()
+        direct[head] = with_values(part, inside)
+    return replace(data, **direct)
+
+
+def _inner(hint: Any) -> type[Any] | None:
+    """The data class that a hint names, alone or beside None."""
+    return next((t for t in (hint, *get_args(hint)) if isinstance(t, type) and is_dataclass(t)), None)
+
 
 SECTIONS: dict[str, type[Any]] = {
     "hoist": Hoist,
@@ -36,77 +80,22 @@ SECTIONS: dict[str, type[Any]] = {
 }
 
 RESERVED = {"inputs_at_step_end": "the host sets it"}
-RENAMED = {"model.rung": ["model.fidelity"], "mesh.leg_growth": ["mesh.grading_length"]}
-"""Names of version 0.1.0 and those of today."""
-
-
-def word_of(choices: Iterable[str], value: object) -> str | None:
-    """The choice that a text is, whatever its case; None where it is none."""
-    return next((word for word in choices if isinstance(value, str) and word.lower() == value.lower()), None)
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A key that a study may set."""
-
-    key: str
-    unit: str  # as FMI spells it
-    kind: str  # Real, Integer, Boolean or String
-    minimum: float | None = None
-    maximum: float | None = None
-    choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
-
-    def read(self, value: object) -> Value:
-        """The value in the parameter's type; a `ValueError` names key, value and cure."""
-        bad = f"{self.key} = {value!r}"
-        if self.kind == "Boolean":
-            if not isinstance(value, bool):
-                raise ValueError(f"{bad} must be true or false: write one of them")
-            return value
-        if self.kind == "String":
-            word = word_of(self.choices, value) if self.choices else value
-            if not isinstance(word, str):
-                what = f"one of {', '.join(self.choices)}" if self.choices else "a text"
-                raise ValueError(f"{bad} must be {what}: choose one")
-            return word
-        if self.choices:
-            value = self._code(value)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise ValueError(f"{bad} must be a finite number: give it in {self._unit}")
-        if self.kind != "Real" and float(value) != round(value):
-            raise ValueError(f"{bad} must be a whole number: round it")
-        if (self.minimum is not None and value < self.minimum) or (self.maximum is not None and value > self.maximum):
-            low, high = (-math.inf if self.minimum is None else self.minimum), self.maximum
-            bound = f"at least {low:g}" if high is None else f"within {low:g} and {high:g}"
-            raise ValueError(f"{bad} must be {bound}: give it in {self._unit}")
-        return float(value) if self.kind == "Real" else round(value)
-
-    def _code(self, value: object) -> object:
-        """The code of a choice, given by code or by word."""
-        code = self.choices.index(word) if (word := word_of(self.choices, value)) else value
-        if isinstance(code, bool) or code not in range(len(self.choices)):
-            known = ", ".join(f"{k} ({word})" for k, word in enumerate(self.choices))
-            raise ValueError(f"{self.key} = {value!r} must be one of {known}: give code or word")
-        return code
-
-    @property
-    def _unit(self) -> str:
-        return "plain numbers" if self.unit == "1" else self.unit
+#: Names of earlier versions and those of today.
+RENAMED = {
+    "model.rung": ["model.fidelity"],
+    "mesh.leg_growth": ["mesh.grading_length"],
+    **{f"hoist.shaft.{name}": [f"hoist.drive_shaft.{name}"] for name in ("motor_mass", "stiffness", "damping")},
+}
 
 
 class Catalogue:
     """All parameters of runs with a rope that has these parameters; {} for those of the host only."""
 
-    def __init__(self, rope: Mapping[str, FmuParameter]) -> None:
+    def __init__(self, rope: Mapping[str, Parameter]) -> None:
         self._parameters = {"controller": Parameter("controller", "1", "String", choices=CONTROLLERS)}
         for section, data in SECTIONS.items():
-            for leaf in leaves(data):
-                key = f"{section}.{leaf.name}"
-                self._parameters[key] = Parameter(key, leaf.unit, leaf.kind, choices=leaf.choices)
-        for name, p in rope.items():
-            if name not in RESERVED:
-                kind = "Integer" if p.kind == "Enumeration" else p.kind
-                self._parameters[name] = Parameter(name, fmi_unit(p.unit), kind, p.minimum, p.maximum, words_of(name))
+            self._parameters |= {leaf.name: leaf for leaf in leaves(data, f"{section}.")}
+        self._parameters |= {name: p for name, p in rope.items() if name not in RESERVED}
 
     def __contains__(self, key: str) -> bool:
         return key in self._parameters

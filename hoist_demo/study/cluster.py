@@ -23,17 +23,16 @@ from hoist_demo.study.store import Store
 
 _log = logging.getLogger(__name__)
 
-Finished = Callable[[str, Outcome], None]
-"""Called with the key and the outcome of every run as it is recorded."""
+Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
 
+#: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
+#: late each part of the cluster is fifty times a second; and no run fills the memory in a tenth of a second.
 _UNWATCHED = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.admin.tick.interval": "1s",
     "distributed.worker.memory.monitor-interval": "1s",
 }
-"""Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
-late each part of the cluster is fifty times a second; and no run fills the memory in a tenth of a second."""
 
 
 class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no types

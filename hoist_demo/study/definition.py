@@ -16,21 +16,21 @@ variant from = "FILE" takes the values of that file's [fixed] before all. All er
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
-from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs, read_parameters
+from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study.catalogue import SECTIONS, Catalogue, Parameter, Value
+from hoist_demo.study.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.probe import Probe
 from hoist_demo.study.reading import (
     VARIED,
+    Problems,
     StudyError,
     flat,
     read_statuses,
@@ -39,9 +39,8 @@ from hoist_demo.study.reading import (
     strip_unit,
     with_file,
 )
-from hoist_demo.study.run import RunData, build_trip
-from hoist_demo.study.sampling import Range, grid, latin_hypercube
-from hoist_demo.study.tuning import Tuning, read_tuning, seed_of, whole_number
+from hoist_demo.study.run import Probe, RunData, build_trip
+from hoist_demo.study.tuning import Range, Tuning, grid, latin_hypercube, read_tuning, seed_of, whole_number
 from rope_model.texts import printable
 
 METHODS = ("grid", "latin-hypercube")
@@ -87,8 +86,8 @@ class Study:
         return Sample(variant, everything, build_trip(self.case, everything, self.signals))
 
 
+#: Passes the drawn values on one by one while they are checked, which takes a while.
 Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
-"""Passes the drawn values on one by one while they are checked, which takes a while."""
 
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
@@ -101,39 +100,30 @@ class _Reader:
 
     def __init__(self, path: Path, fmu: Path | None) -> None:
         self.path, self.fmu = path, fmu
-        self.problems = list[str]()
+        self.problems = Problems()
         self.raw = read_tables(path, "a study", _TABLES, self.problems)
         self.catalogue, self.fmu_is_there = Catalogue({}), False
-
-    @contextmanager
-    def _collect(self, where: str = "") -> Iterator[None]:
-        try:
-            yield
-        except ValueError as error:
-            problem = f"{where}: {error}" if where else str(error)
-            if problem not in self.problems:
-                self.problems.append(problem)
 
     def study(self, progress: Progress) -> Study:
         self._unknown_keys()
         head = self.raw.get("study", {})
         title = read_text("[study] title", head.get("title", printable(self.path.stem)), self.problems)
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
-        with self._collect("[study] fmu" if self.fmu is None else "--fmu"):
+        with self.problems.collect("[study] fmu" if self.fmu is None else "--fmu"):
             self._open(fmu)
         case, signals = head.get("case", "rope-120"), tuple[str, ...]()
-        with self._collect("[study]"):
+        with self.problems.collect("[study]"):
             find_case(str(case))
-        with self._collect("[study]"):
+        with self.problems.collect("[study]"):
             signals = self._signals(head.get("signals", []), fmu)
         best: dict[str, str] | None = None
-        with self._collect("[study]"):
+        with self.problems.collect("[study]"):
             best = self._best(head)
         variants = self._variants(self._values("fixed", self.raw.get("fixed", {})))
         vary = self._vary()
         tuning: Tuning | None = None
         if "tune" in self.raw:
-            with self._collect("[tune]"):
+            with self.problems.collect("[tune]"):
                 tuning = read_tuning(self.raw.get("tune", {}), len(vary))
         drawn = self._draw(vary, tuning)
         if str(case) not in NAMED:
@@ -254,10 +244,10 @@ class _Reader:
         """Single values of a table."""
         found: dict[str, Value] = {}
         given: Mapping[str, Any] = {}
-        with self._collect(f"[{where}]"):
+        with self.problems.collect(f"[{where}]"):
             given = with_file(table)
         for key, content in flat(given):
-            with self._collect(f"[{where}]"):
+            with self.problems.collect(f"[{where}]"):
                 if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
@@ -270,7 +260,7 @@ class _Reader:
     def _vary(self) -> dict[str, tuple[Value, ...] | Range]:
         found: dict[str, tuple[Value, ...] | Range] = {}
         for key, content in flat(self.raw.get("vary", {})):
-            with self._collect("[vary]"):
+            with self.problems.collect("[vary]"):
                 if not self._is_checkable(key):
                     continue
                 parameter = self.catalogue[key]
@@ -284,7 +274,7 @@ class _Reader:
         return found
 
     def _range(self, parameter: Parameter, content: dict[str, Any]) -> Range:
-        key = parameter.key
+        key = parameter.name
         if not {"low", "high"} <= content.keys() <= {"low", "high", "scale"}:
             raise ValueError(f"{key} = {content!r} must have low and high (and may have scale): give both")
         if parameter.kind not in ("Real", "Integer"):
@@ -305,7 +295,7 @@ class _Reader:
         method = "tune" if tuning or "tune" in self.raw else sample.get("method", "grid")
         lists = {key: v for key, v in vary.items() if isinstance(v, tuple)}
         ranges = {key: v for key, v in vary.items() if isinstance(v, Range)}
-        with self._collect("[sample]" if method != "tune" else "[tune]"):
+        with self.problems.collect("[sample]" if method != "tune" else "[tune]"):
             if method not in (*METHODS, "tune"):
                 raise ValueError(f"method = {method!r} must be one of {', '.join(METHODS)}: choose one")
             if method == "grid":

@@ -13,19 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import quantity
 from hoist_demo.recording.fidelity import FIDELITY
-from hoist_demo.recording.guards import GUARD_CODES, GUARD_SIGNALS, guard_trip
-from hoist_demo.recording.jams import slack_ropes
+from hoist_demo.recording.incidents import GUARD_CODES, GUARD_SIGNALS, guard_trip, largest_ratio, slack_ropes, slip
 from hoist_demo.recording.passages import PASSAGE_SIGNALS
-from hoist_demo.recording.slip import largest_ratio, slip
 from hoist_demo.recording.time_series import Array, Recording
 
 ENDS = ("left", "right")
 
+#: Every metric with its unit and meaning, in the order of the table.
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
@@ -66,10 +65,10 @@ METRICS = {
     "simulated_time": ("s", "of the record"),
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
 }
-"""Every metric with its unit and meaning, in the order of the table."""
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
+#: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
 ROPE_SIGNALS = frozenset(
     {
         f"{end}.{name}"
@@ -80,10 +79,8 @@ ROPE_SIGNALS = frozenset(
     | PASSAGE_SIGNALS
     | GUARD_SIGNALS
 )
-"""Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them."""
 
-RIPPLE_WINDOW = 1.0
-"""Length of the moving mean that is taken off the end force [s]."""
+RIPPLE_WINDOW = 1.0  #: Length of the moving mean that is taken off the end force [s].
 
 
 @dataclass(frozen=True)

@@ -8,32 +8,25 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from hoist_demo.design.tuning import Judged, search
-from hoist_demo.study.catalogue import Value
+from hoist_demo.parameters.quantity import Value
+from hoist_demo.recording.time_series import Array
 from hoist_demo.study.definition import Sample, Study
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.store import Store
 from hoist_demo.study.tuning import Tuning
 
-Array = NDArray[np.float64]
+_NUMBER = re.compile(r"\d[\d.e+-]*")  #: Warnings that differ in their numbers only are of one kind.
 
-_NUMBER = re.compile(r"\d[\d.e+-]*")
-"""Warnings that differ in their numbers only are of one kind."""
-
+#: Column of a search: the weighted sum that it minimises, over all variants of the point; none where it exceeds a
+#: bound.
 COST = "cost"
-"""Column of a search: the weighted sum that it minimises, over all variants of the point; none where it exceeds a
-bound."""
-EXCESS = "excess"
-"""Column of a search with bounds: the largest excess, as a part of its bound."""
+EXCESS = "excess"  #: Column of a search with bounds: the largest excess, as a part of its bound.
 
-WARNINGS = "warnings"
-"""Column with what a run has warned of."""
+WARNINGS = "warnings"  #: Column with what a run has warned of.
 
+#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
 Run = Callable[[Sequence[Sample]], list[str]]
-"""Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given."""
 
 
 @dataclass(frozen=True)
@@ -138,11 +131,7 @@ def _told(tuning: Tuning, best: Judged) -> str:
 
 
 def _write(
-    study: Study,
-    store: Store,
-    samples: Sequence[Sample],
-    keys: Sequence[str],
-    searched: _Searched | None = None,
+    study: Study, store: Store, samples: Sequence[Sample], keys: Sequence[str], searched: _Searched | None = None
 ) -> Performed:
     rows: list[dict[str, object]] = []
     causes: dict[str, str] = {}

@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from operator import attrgetter
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.fmu_parameters import read_parameters
-from hoist_demo.cosimulation.participants.inprocess_rope import assumed_parameters, rope_parameters
-from hoist_demo.cosimulation.participants.rope_data import RopeData, Value
-from hoist_demo.study.catalogue import SECTIONS
+from hoist_demo.cosimulation.participants.fmu_description import read_parameters
+from hoist_demo.cosimulation.participants.rope_data import RopeData
+from hoist_demo.parameters.quantity import Value
+from hoist_demo.study.catalogue import SECTIONS, leaves
 from hoist_demo.study.definition import Study
-from hoist_demo.study.nested import leaves
 from hoist_demo.study.reading import GIVEN, VARIED
 from hoist_demo.study.run import RunData, build
+from rope_model import Scene
+from rope_model.scene_names import named_parameters
 from rope_model.texts import csv_cell
 
 SETTING = "setting"
@@ -106,21 +106,20 @@ def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
     for section, kind in SECTIONS.items():
         if _OF_CONTROLLER.get(section, run.controller) != run.controller:
             continue
-        for leaf in leaves(kind):
-            *parts, last = leaf.name.split(".")
-            data = getattr(run, section)
-            for part in parts:
-                data = getattr(data, part, None)
-            if data is not None and (value := attrgetter(last)(data)) is not None:
-                yield f"{section}.{leaf.name}", value, leaf.unit
+        for leaf in leaves(kind, f"{section}."):
+            value: Any = run
+            for part in leaf.name.split("."):
+                value = getattr(value, part, None)
+            if value is not None:
+                yield leaf.name, value, leaf.unit
 
 
 def _is_number(value: Value) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-_DEFAULTS = {name: parameter.start for name, parameter in rope_parameters().items()}
-_ASSUMED = assumed_parameters()
+_DEFAULTS = {p.name: p.value for p in named_parameters(Scene())}
+_ASSUMED = frozenset(p.name for p in named_parameters(Scene()) if "[assumed]" in p.facts.description)
 
 
 def statuses(data: Iterable[Known]) -> dict[str, str]:

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.parameters.units import fmi_unit
-from hoist_demo.study.catalogue import Catalogue, Parameter, Value
+from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
+from hoist_demo.study.catalogue import Catalogue
 from rope_model import DatumStatus, Level
 from rope_model.texts import printable
 
-LONGEST_TEXT = 200
-"""Characters of a title, or of a name for people."""
+LONGEST_TEXT = 200  #: Characters of a title, or of a name for people.
 
-LEVELS = get_args(Level)
-"""Levels of accuracy of a rope in this process."""
+LEVELS = get_args(Level)  #: Levels of accuracy of a rope in this process.
 
 _SPECIFICATION = {"value", "values", "low", "high", "unit", "scale", "status"}
 
@@ -25,9 +24,23 @@ _SPECIFICATION = {"value", "values", "low", "high", "unit", "scale", "status"}
 class StudyError(ValueError):
     """All that is wrong with a study file, one line each."""
 
-    def __init__(self, path: Path, problems: list[str]) -> None:
+    def __init__(self, path: Path, problems: Iterable[str]) -> None:
         self.problems = tuple(map(printable, problems))
         super().__init__("\n".join(f"{printable(str(path))}: {problem}" for problem in self.problems))
+
+
+class Problems(list[str]):
+    """What is wrong with a file, each once."""
+
+    @contextmanager
+    def collect(self, where: str = "") -> Iterator[None]:
+        """Add the ValueError of a block, which it ends, with its place in the file."""
+        try:
+            yield
+        except ValueError as error:
+            problem = f"{where}: {error}" if where else str(error)
+            if problem not in self:
+                self.append(problem)
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -40,7 +53,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
 
 
-def read_tables(path: Path, of: str, kinds: Mapping[str, type], problems: list[str]) -> dict[str, Any]:
+def read_tables(path: Path, of: str, kinds: Mapping[str, type], problems: Problems) -> dict[str, Any]:
     """The tables of a file, by name: `dict` for one, [name], `list` for several, [[name]].
 
     What is wrong is added to the problems, and left out.
@@ -61,20 +74,16 @@ def read_tables(path: Path, of: str, kinds: Mapping[str, type], problems: list[s
 _KINDS: dict[type, str] = {dict: "one table: write [{0}] above it", list: "tables: write [[{0}]] above each"}
 
 
-def read_values(catalogue: Catalogue, where: str, table: Mapping[str, Any], problems: list[str]) -> dict[str, Value]:
+def read_values(catalogue: Catalogue, where: str, table: Mapping[str, Any], problems: Problems) -> dict[str, Value]:
     """The single values of a table, each checked by itself; what is wrong is added to the problems."""
     found: dict[str, Value] = {}
-    try:
-        table = with_file(table)
-    except ValueError as error:
-        problems.append(f"{where}: {error}")
-        return found
-    for key, content in flat(table):
-        try:
+    given: Mapping[str, Any] = {}
+    with problems.collect(where):
+        given = with_file(table)
+    for key, content in flat(given):
+        with problems.collect(where):
             parameter = catalogue[key]
             found[key] = parameter.read(strip_unit(parameter, content))
-        except ValueError as error:
-            problems.append(f"{where}: {error}")
     return found
 
 
@@ -104,6 +113,7 @@ def following_statuses(known: Mapping[str, str]) -> dict[str, str]:
 
 #: statuses of what is set without one, and of what differs between runs
 GIVEN, VARIED = "given", "varied"
+#: Parameters by the property that decides them.
 _FOLLOWING = {
     "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
     "axial_stiffness": ("rope.Qa",),
@@ -111,11 +121,10 @@ _FOLLOWING = {
     "torsional_stiffness": ("rope.Qd",),
     "bending_stiffness": ("rope.EI",),
 }
-"""Parameters by the property that decides them."""
 
 
 def read_head(
-    path: Path, name: str, table: Mapping[str, Any], own: Mapping[str, Any], problems: list[str]
+    path: Path, name: str, table: Mapping[str, Any], own: Mapping[str, Any], problems: Problems
 ) -> dict[str, Any]:
     """Title, case and level of a file about ropes in this process, and keys of its own with their defaults."""
     defaults = {"title": printable(path.stem), "case": "rope-120", "level": "standard", **own}
@@ -125,14 +134,12 @@ def read_head(
     head["title"] = read_text(f"[{name}] title", head["title"], problems)
     if head["level"] not in LEVELS:
         problems.append(f"[{name}] level = {head['level']!r} must be one of {', '.join(LEVELS)}: choose one")
-    try:
+    with problems.collect(f"[{name}]"):
         find_case(str(head["case"]))
-    except ValueError as error:
-        problems.append(f"[{name}] {error}")
     return head
 
 
-def read_text(where: str, content: Any, problems: list[str]) -> str:
+def read_text(where: str, content: Any, problems: Problems) -> str:
     """A title, a name or a source: a line of at most LONGEST_TEXT characters.
 
     What is wrong is added to the problems.
@@ -177,15 +184,15 @@ def strip_unit(parameter: Parameter, content: Any) -> Any:
     if not isinstance(content, dict):
         return content
     for name in content.keys() - _SPECIFICATION:
-        raise ValueError(f"{parameter.key}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}")
+        raise ValueError(f"{parameter.name}.{name} is not known: the keys of a value are {', '.join(_SPECIFICATION)}")
     unit = content.get("unit")
     if unit is not None and fmi_unit(str(unit)) != parameter.unit:
         raise ValueError(
-            f"{parameter.key} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
+            f"{parameter.name} has unit = {unit!r}, which must be {parameter.unit!r}: convert the value to it"
         )
     if (status := content.get("status")) is not None and status not in get_args(DatumStatus):
         known = ", ".join(get_args(DatumStatus))
-        raise ValueError(f"{parameter.key} has status = {status!r}, which must be one of {known}: choose one")
+        raise ValueError(f"{parameter.name} has status = {status!r}, which must be one of {known}: choose one")
     rest = {name: value for name, value in content.items() if name not in ("unit", "status")}
     if len(rest) == 1 and next(iter(rest)) in ("value", "values"):
         return next(iter(rest.values()))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import time
 import traceback
 from collections.abc import Mapping
@@ -20,38 +21,36 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host, Progress
-from hoist_demo.cosimulation.participants.fmu_parameters import read_outputs
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.rope_plant import RopePlant
 from hoist_demo.cosimulation.progress import warnings_of
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits
+from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits, start_heights
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
+from hoist_demo.recording.incidents import held_in_spite
 from hoist_demo.recording.passages import passages
-from hoist_demo.recording.slip import held_in_spite
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.catalogue import SECTIONS, Value
+from hoist_demo.study.catalogue import SECTIONS, with_values
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
-from hoist_demo.study.nested import with_values
-from hoist_demo.study.shared import contradictions
+from rope_model import EndMotion
 
+#: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped")
-"""States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause."""
-ERROR = "error"
-"""State of a run that could not be carried out (a dead worker, an exception); resuming tries it again."""
+ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
 
 
 _VERSION = version("balance-rope")
 
+#: Data that only one controller uses, and that is not part of the key of the others' runs.
 _TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
-"""Data that only one controller uses, and that is not part of the key of the others' runs."""
 
 
+#: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
-"""Data of the winding that is not part of the key of runs without creep."""
 
 
 @dataclass(frozen=True)
@@ -139,8 +138,7 @@ def execute(run: RunData, fmu: Path) -> Outcome:
 def _outcome(run: RunData, fmu: Path) -> Outcome:
     begin, worked = time.perf_counter(), time.process_time()
     try:
-        wanted = ROPE_SIGNALS | set(run.signals)
-        rope = FmuRope(fmu, run.fmu, not_read=[name for name in read_outputs(fmu) if name not in wanted])
+        rope = FmuRope(fmu, run.fmu, ROPE_SIGNALS.union(run.signals))
         try:
             result, design_time = wind(run, rope)
             data = rope.data()
@@ -171,3 +169,67 @@ def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tup
     design_time = time.perf_counter() - begin
     host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
     return host.run(progress), design_time
+
+
+#: Parameters of the rope of which the hoist has a copy for its controller, and their unit.
+SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
+
+
+def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:
+    """Fields of the hoist by which its drive takes the balance rope for the one with these parameters."""
+    return {field: values[name] for name, field, _ in SHARED if name in values}
+
+
+def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
+    """Return where the drive's copy of the balance rope's data differs from the rope's; "" if they agree."""
+    told = []
+    for name, copy, unit in SHARED:
+        computed, assumed = rope.get(name), getattr(hoist, copy)
+        if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
+            told.append(
+                f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict each other: "
+                f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
+            )
+    return "; ".join(told)
+
+
+class Probe:
+    """Asks an FMU, and the same question only once."""
+
+    def __init__(self, fmu: Path) -> None:
+        self._fmu = fmu
+        self._answers: dict[str, str] = {}
+
+    def rejection(self, run: RunData) -> list[str]:
+        """Return why the rope does not start with the run's parameters, with the key if one alone is to blame."""
+        heights = start_heights(run.hoist, run.winding)
+        together = self._ask(run.fmu, heights)
+        if not together:
+            return []
+        own = find_case(run.case).rope
+        set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
+        alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
+        blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
+        chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
+        return blamed or [f"{chosen}: {together}"]
+
+    def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
+        question = json.dumps([dict(parameters), heights], sort_keys=True)
+        if question not in self._answers:
+            left, right = (EndMotion(y=y) for y in heights)
+            self._answers[question] = _answer(self._fmu, parameters, left, right)
+        return self._answers[question]
+
+
+def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion) -> str:
+    """Return why the FMU does not start; "" if it does."""
+    try:
+        rope = FmuRope(fmu, parameters)
+    except ValueError as error:
+        return str(error)
+    try:
+        with warnings_of(FmuRope.__module__):  # the runs tell them again
+            status = rope.initialize(0.0, left, right)
+    finally:
+        rope.close()
+    return "" if status.valid else status.message or "the FMU does not initialize, without a message"

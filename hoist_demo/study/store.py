@@ -83,12 +83,6 @@ class Store:
         with _whole(self._path(key)) as path:
             path.write_text(json.dumps(record, indent=1), encoding="utf-8")
 
-    def signals(self, key: str) -> pd.DataFrame:
-        """Time series of a run."""
-        import pandas as pd
-
-        return pd.read_parquet(self.directory / "signals" / f"{key}.parquet")
-
     def write_table(self, rows: Sequence[Mapping[str, object]], units: Units, title: str) -> Path:
         """results.parquet and results.csv."""
         import pandas as pd

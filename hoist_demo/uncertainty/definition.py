@@ -19,14 +19,15 @@ from typing import Any
 from hoist_demo.calibration.definition import read_known
 from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.fmu_parameters import FmuParameter
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.study.catalogue import Catalogue, Value
+from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.study.catalogue import Catalogue
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import (
     GIVEN,
     VARIED,
+    Problems,
     StudyError,
     following_statuses,
     read_head,
@@ -93,9 +94,9 @@ class Uncertain:
         return build_trip(self.case, chosen)
 
 
-def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncertain:
+def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain:
     """Return the questions of a file about a rope with these parameters; raise StudyError with all problems."""
-    problems = list[str]()
+    problems = Problems()
     raw = read_tables(path, "an uncertain winding", _TABLES, problems)
     head = read_head(path, "uncertain", raw.get("uncertain", {}), _OWN, problems)
     _check(head, problems)
@@ -122,7 +123,7 @@ def read_uncertain(path: Path, parameters: Mapping[str, FmuParameter]) -> Uncert
     return asked
 
 
-def _with_file(raw: Mapping[str, Any], problems: list[str]) -> Mapping[str, Any] | None:
+def _with_file(raw: Mapping[str, Any], problems: Problems) -> Mapping[str, Any] | None:
     """[rope] and [known] over those of the file that `from` names; None where that cannot be read."""
     table = raw.get("rope", {})
     if "from" not in table:
@@ -136,7 +137,7 @@ def _with_file(raw: Mapping[str, Any], problems: list[str]) -> Mapping[str, Any]
     return {"rope": other.get("rope", {}) | own, "known": other.get("known", {}) | raw.get("known", {})}
 
 
-def _check(head: Mapping[str, Any], problems: list[str]) -> None:
+def _check(head: Mapping[str, Any], problems: Problems) -> None:
     samples, seed, bearing = head["samples"], head["seed"], head["bearing"]
     if type(samples) is not int or samples < 8 or samples & (samples - 1):
         problems.append(f"[uncertain] samples = {samples!r} must be a power of two from 8 on: 64 suits a first look")

@@ -6,11 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.html.page import number
-from hoist_demo.report.html.sheet import Bar, bars, grid, paragraphs, write_sheet
-from hoist_demo.report.provenance import table as data_table
-from hoist_demo.report.provenance import told
-from hoist_demo.report.rows import SummaryRow, for_people
+from hoist_demo.report.html.page import Bar, bars, grid, number, paragraphs, write_sheet
+from hoist_demo.report.rows import SummaryRow, for_people, told
+from hoist_demo.report.rows import table as data_table
 from hoist_demo.study.metrics import METRICS, UNITS
 from hoist_demo.uncertainty.spread import QUANTILES, Spread
 

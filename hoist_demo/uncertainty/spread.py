@@ -18,17 +18,16 @@ from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc, rankdata
 
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.recording.fidelity import mask_neglected
+from hoist_demo.recording.time_series import Array
 from hoist_demo.study.metrics import ROPE_SIGNALS, measure
 from hoist_demo.study.run import wind
 from hoist_demo.uncertainty.definition import Uncertain
 
-Array = NDArray[np.float64]
 #: measures, and what is to be told
 Wound = tuple[dict[str, float], tuple[str, ...]]
 

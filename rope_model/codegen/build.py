@@ -14,12 +14,12 @@ from functools import cache
 from pathlib import Path
 
 from ..numerics.kernels import FLAGS, cache_folder, compile_library, find_compiler
-from .cases import cases_code, state_signals
 from .elements import element_code
 from .formulas import formulas_code
-from .layout import state_structures
 from .messages import messages_code
 from .platforms import host_platform, prebuilt_file, text_hash
+from .rules import rules_code, state_signals
+from .state_structures import state_structures
 from .tables import parameter_bounds, parameter_structures, signal_numbers
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
@@ -78,7 +78,7 @@ def generate() -> dict[str, str]:
         "elements.inc": element_code(),
         "formulas.h": formulas_code(),
         "messages.h": messages_code(),
-        "cases.h": cases_code(),
+        "rules.h": rules_code(),
         "state.h": state_structures(),
         "signal_numbers.h": signal_numbers(),
         "state_signals.h": state_signals(),

@@ -51,7 +51,7 @@ from ..simulation.ends.following import Following
 from ..simulation.ends.paths import EndMotion, EndPath
 from ..simulation.mesh import adaptation, mesh_fit, mesh_pattern
 from ..simulation.mesh import partition as mesh
-from ..simulation.messages import warning_cases
+from ..simulation.messages import warning_rules
 from ..simulation.outputs import audit, diagnostics
 from ..simulation.outputs.audit import Audit
 from ..simulation.state import EnergyBalance
@@ -312,7 +312,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "FINE": diagnostics.FINE,
     "OUTLINE": diagnostics.OUTLINE,
     "LOOK_EVERY": shaft_search.LOOK_EVERY,
-    "YAWED_FAR": warning_cases.YAWED_FAR,
+    "YAWED_FAR": warning_rules.YAWED_FAR,
     "LOOK_AHEAD": contact.LOOK_AHEAD,
     "OWN_LENGTH": contact.OWN_LENGTH,
     "MOST_PLACES": rope_on_rope.MOST_PLACES,

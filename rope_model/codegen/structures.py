@@ -12,8 +12,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 from ..parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
 from ..shaft_parameters import PARTS
-from ..simulation.ends.paths import PATH, EndMotion, EndPath
-from .layout import PathStructure
+from ..simulation.ends.paths import EndMotion
 
 NOT_IN_C = {"kernels"}
 #: types of parameters, of the data classes asked for so far
@@ -98,12 +97,6 @@ def scene_structure(scene: Scene) -> SceneStructure:
 def end_structure(motion: EndMotion) -> EndStructure:
     """The motion of a suspension point as C sees it."""
     return EndStructure(*astuple(motion))
-
-
-def path_structure(path: EndPath) -> PathStructure:
-    """The path of an end as C sees it."""
-    quintic = ctypes.c_double * 6
-    return PathStructure(path.start, path.stop, (quintic * len(PATH))(*(quintic(*c) for c in path.coefficients)))
 
 
 def _fill(group: Any) -> ctypes.Structure:

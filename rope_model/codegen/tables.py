@@ -23,7 +23,7 @@ from ..simulation.outputs.signals import group_of
 from ..simulation.simulator import SHORTEST_INTERVAL
 from ..texts import c_string
 from .formulas import structure_at, texts_of
-from .layout import structure_code
+from .state_structures import structure_code
 from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"

@@ -1,6 +1,6 @@
 /* rope_model.simulation.fidelity: which fidelity of the model serves, and why.  The estimates are explained there. */
 
-#include "cases.h"
+#include "rules.h"
 
 static const char *const INPUTS[] = END_MOTION_NAMES;
 enum { INPUT_COUNT = sizeof INPUTS / sizeof *INPUTS };

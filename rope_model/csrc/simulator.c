@@ -1,6 +1,6 @@
 /* The rope in time: rope_model.simulation.simulator, which see. */
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {

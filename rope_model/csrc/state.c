@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 void state_copy(const Simulator *rope, State *to, const State *from) {

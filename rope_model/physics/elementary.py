@@ -49,6 +49,11 @@ def cos(x: Any) -> Any:
     return _library(x).cos(x)
 
 
+def tanh(x: Any) -> Any:
+    """Hyperbolic tangent."""
+    return _library(x).tanh(x)
+
+
 def hypot(x: Any, y: Any) -> Any:
     """Length of the vector (x, y)."""
     return _library(x).hypot(x, y)

@@ -9,7 +9,7 @@ A torque-free rope has no coupling, no installed twist and no permanent curvatur
 freely as well, or its writhe twists it; they hold while the rope is initialised, so the run must start in the plane.
 The omitted quantities are then zero in the complete model too.  Otherwise 'auto' takes one only when the estimated
 error of the vertical end forces (root mean square over a winding, relative to the largest) is within the scene's
-tolerance. physics.estimates has the estimates, fidelity_cases the formulas of the choice.
+tolerance. physics.estimates has the estimates, fidelity_rules the formulas of the choice.
 """
 
 from __future__ import annotations
@@ -21,8 +21,7 @@ from ..parameters import Scene
 from ..physics.element import ElementFidelity
 from .ends.paths import SIDES, EndMotion
 from .messages import fidelity_messages, messages
-from .messages.cases import first_text
-from .messages.fidelity_cases import (
+from .messages.fidelity_rules import (
     COMPLETE,
     INPUTS,
     SUFFICIENT,
@@ -33,6 +32,7 @@ from .messages.fidelity_cases import (
     out_of_plane,
     unsupported_input,
 )
+from .messages.rules import first_text
 
 log = logging.getLogger(__name__)
 

@@ -20,11 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.partners import ENDS
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopeStatus
 from hoist_demo.cosimulation.participants.touching_ropes import WholeRope
+from hoist_demo.cosimulation.schemes.interface import ENDS, Reader
 from hoist_demo.parameters import GRAVITY
-from rope_model import BalanceRope
+from rope_model import BalanceRope, EndMotion, Status
 
 _NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", "my", "mz"))
 
@@ -84,12 +83,11 @@ class BreakingRope:
         """The rope until it breaks."""
         return self._rope.whole if self._pieces is None else None
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
-        """Hang the whole rope."""
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self._pieces, self._ends = None, (left, right)
         return self._rope.initialize(t0, left, right)
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """Advance to t + h; the rope breaks before the first step that begins at its time or later."""
         if self._pieces is None and t >= self._at.t:
             self._pieces = self._break(t)
@@ -100,7 +98,7 @@ class BreakingRope:
         before, now = self._shown, self._forces(t + h, (left, right))
         means = {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
         self._shown = now | means
-        return RopeStatus(True)
+        return Status(True)
 
     def _break(self, t: float) -> tuple[Piece, Piece]:
         left, right = self._ends
@@ -117,13 +115,8 @@ class BreakingRope:
             found |= {f"{name}.fy": force, f"{name}.fy_mean": force, f"{name}.added_mass": self._mass * hanging}
         return found
 
-    def signals(self) -> dict[str, float]:
-        """Return the rope's signals; after the break NaN for all but the forces."""
-        whole = self._rope.signals()
-        return whole if self._pieces is None else {name: self._shown.get(name, math.nan) for name in whole}
-
     def reader(self, names: Sequence[str]) -> Reader:
-        """Return a reader of some outputs."""
+        """Return a reader of some outputs; after the break NaN for all but the forces."""
         read = self._rope.reader(names)
 
         def values() -> NDArray[np.float64]:
@@ -134,7 +127,6 @@ class BreakingRope:
         return values
 
     def save(self) -> Any:
-        """The rope's snapshot, and its pieces."""
         kept = self._rope.save()
         return None if kept is None else (kept, self._ends, self._pieces, self._shown)
 
@@ -143,23 +135,14 @@ class BreakingRope:
         kept, self._ends, self._pieces, self._shown = snapshot
         self._rope.restore(kept)
 
-    def free(self, snapshot: Any) -> None:
-        """Forget a snapshot."""
-        if snapshot is not None:
-            self._rope.free(snapshot[0])
-
     def to_bytes(self, snapshot: Any) -> bytes:
-        """A broken rope's state is not written to files."""
         raise RuntimeError("the state of a rope that breaks cannot be written: wind it in one run")
 
     def from_bytes(self, data: bytes) -> Any:
-        """Neither is it read."""
         raise ValueError("the state of a rope that breaks cannot be read: wind it in one run")
 
     def units(self) -> dict[str, str]:
-        """Unit of each signal."""
         return self._rope.units()
 
     def close(self) -> None:
-        """Free the rope."""
         self._rope.close()

@@ -1,23 +1,19 @@
 """FMI 2.0 and FMI 3.0 under one set of words, through FMPy: all that this package knows of how they differ.
 
-FMI 3.0 has arrays, a type for each width of a number, and other calls to instantiate, to set up and to step. Here a
-variable has the type that FMI 2.0 would give it, and an array's elements have their names of FMI 2.0: shape.x[1] ...
+FMI 3.0 has other types, and other calls to instantiate, to set up and to step; fmu_description has the variables.
 """
 
 from __future__ import annotations
 
-import atexit
-import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_void_p
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from itertools import product
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, NoReturn
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, finalize
 
 import fmpy
 import fmpy.fmi2
@@ -36,94 +32,20 @@ from fmpy.fmi2 import (
 from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.rope_data import Value
+from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
+from hoist_demo.parameters.quantity import Value
 
-CallError = FMICallException
-"""A call that the FMU answers with discard, error or fatal."""
+CallError = FMICallException  #: A call that the FMU answers with discard, error or fatal.
 
-WARNING = 1
-"""Status of a message that fails no call; those of errors are larger, in both versions."""
+WARNING = 1  #: Status of a message that fails no call; those of errors are larger, in both versions.
 
 _DISCARD = 2
 
+#: What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
+#: several steps, and callers may by any number, so the FMU must be able to.
 _NO_STATE_PRIOR = False
-"""What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
-several steps, and callers may by any number, so the FMU must be able to."""
 
-Hear = Callable[[int, str], None]
-"""Takes the status and the text of a message of the FMU."""
-
-
-@dataclass(frozen=True, eq=False)
-class Variable:
-    """A variable as the model description states it; an array is one variable."""
-
-    name: str
-    reference: int
-    causality: str
-    type: str  # as its version of FMI calls it
-    kind: str  # Real, Integer, Enumeration, Boolean, String, or another that no rope has
-    unit: str  # as FMI spells it, "" where there is none
-    elements: tuple[str, ...]  # names of an array's elements; else its own name
-    starts: tuple[Value, ...]  # of the elements, or none
-    minimum: float | None
-    maximum: float | None
-    items: Mapping[str, int]  # of an enumeration
-
-
-def variables_of(description: Any) -> tuple[Variable, ...]:
-    """The variables of FMPy's model description."""
-    return tuple(_variable(v) for v in description.modelVariables)
-
-
-def _variable(stated: Any) -> Variable:
-    kind, declared = _kind(stated.type), stated.declaredType
-    ranges = [range(1, length + 1) for length in stated.shape]
-    places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
-    texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)
-    items = {item.name: int(item.value) for item in declared.items} if kind == "Enumeration" else {}
-    low, high = (min(items.values()), max(items.values())) if items else (stated.min, stated.max)
-    return Variable(
-        name=stated.name,
-        reference=int(stated.valueReference),
-        causality=stated.causality,
-        type=stated.type,
-        kind=kind,
-        unit=str(stated.unit or (declared.unit if declared is not None else None) or ""),
-        elements=tuple(stated.name + place for place in places),
-        starts=tuple(_value(kind, text) for text in texts),
-        minimum=None if low is None else float(low),
-        maximum=None if high is None else float(high),
-        items=items,
-    )
-
-
-def _kind(declared: str) -> str:
-    """FMI 2.0's word for a type of either version."""
-    if declared.startswith("Float"):
-        return "Real"
-    return "Integer" if declared.startswith(("Int", "UInt")) else declared
-
-
-def _value(kind: str, text: str) -> Value:
-    if kind == "Real":
-        return float(text)
-    if kind in ("Integer", "Enumeration"):
-        return int(text)
-    return text in ("true", "1") if kind == "Boolean" else text
-
-
-@lru_cache(maxsize=8)
-def unpacked(path: Path, changed: int, size: int) -> Path:
-    """Folder with the files of an FMU that was changed last at that time [ns], for this process and until it ends."""
-    directory = Path(fmpy.extract(str(path), include=_serves_to_run))
-    atexit.register(shutil.rmtree, directory, ignore_errors=True)
-    return directory
-
-
-def _serves_to_run(file: str) -> bool:
-    """Return True if an instance may read this file of the archive."""
-    return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
+Hear = Callable[[int, str], None]  #: Takes the status and the text of a message of the FMU.
 
 
 class Buffer(NamedTuple):
@@ -145,6 +67,13 @@ class _Closed:
         _refuse()
 
 
+@dataclass(frozen=True, eq=False)
+class FmuState:
+    """A state in the FMU's memory, for as long as somebody has it."""
+
+    handle: Any
+
+
 class Instance(ABC):
     """One instance for co-simulation. After `close` each call but that one raises RuntimeError."""
 
@@ -155,6 +84,7 @@ class Instance(ABC):
         self._spare: Any = None
         self._t, self._h = c_double(), c_double()  # of the next step
         # of each call that is still held, what makes it refuse: asked once, on close, and not in every call
+        self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # those that somebody has, and their ends
         self._ends = WeakKeyDictionary[Callable[[], None], Callable[[], None]]()
         try:
             self._fmu = self._fmpy_class(
@@ -171,21 +101,16 @@ class Instance(ABC):
 
     _do_step: Callable[[], None]
 
-    _fmpy_class: Callable[..., Any]
-    """FMPy's, of the version."""
+    _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
 
     _fmpy_module: Any
-    _prefix: str
-    """Of the names in C."""
+    _prefix: str  #: Of the names in C.
 
-    _state: str
-    """How they spell a state."""
+    _state: str  #: How they spell a state.
 
-    _enumeration: str
-    """Type whose functions get and set enumerations."""
+    _enumeration: str  #: Type whose functions get and set enumerations.
 
-    _tells_lengths: bool
-    """Whether getters and setters are told the number of the values."""
+    _tells_lengths: bool  #: Whether getters and setters are told the number of the values.
 
     @abstractmethod
     def _instantiate(self) -> None:
@@ -193,6 +118,11 @@ class Instance(ABC):
 
         `_do_step` is set to what steps from `_t` by `_h`.
         """
+
+    def _pass_on(self, *message: Any) -> None:
+        """Hear a message, of which status, category and text come last in both versions."""
+        status, _, text = message[-3:]
+        self._hear(status, text.decode("utf-8", errors="replace"))
 
     @abstractmethod
     def enter_initialization(self, t0: float) -> None:
@@ -248,9 +178,10 @@ class Instance(ABC):
         self._ends[checked] = end
         return checked
 
-    def set(self, variables: Sequence[Variable], values: Sequence[Value]) -> None:
-        """Set all elements of variables of one type."""
-        self._function("set", variables)([v.reference for v in variables], values)
+    def set(self, variable: Variable, values: Sequence[Value]) -> None:
+        """Set all elements of a variable."""
+        type_ = self._enumeration if variable.kind == "Enumeration" else variable.type
+        getattr(self._fmu, f"set{type_}")([variable.reference], values)
 
     def exit_initialization(self) -> None:
         """Leave initialization mode."""
@@ -260,37 +191,44 @@ class Instance(ABC):
         """End the run."""
         self._fmu.terminate()
 
-    def save(self) -> Any:
-        """A handle of the state, in the memory of the last one that was given back."""
+    def save(self) -> FmuState:
+        """The state, in the memory of the last one that was given back."""
         if self._spare is None:
-            return self._fmu.getFMUState()
-        state, self._spare = self._spare, None
-        getattr(self._fmu, f"{self._prefix}GetFMU{self._state}")(self._fmu.component, byref(state))
+            return self._held(self._fmu.getFMUState())
+        handle, self._spare = self._spare, None
+        getattr(self._fmu, f"{self._prefix}GetFMU{self._state}")(self._fmu.component, byref(handle))
+        return self._held(handle)
+
+    def restore(self, state: FmuState) -> None:
+        """Go back to a state."""
+        self._fmu.setFMUState(state.handle)
+
+    def to_bytes(self, state: FmuState) -> bytes:
+        """A state as bytes."""
+        return bytes(self._fmu.serializeFMUState(state.handle))
+
+    def from_bytes(self, data: bytes) -> FmuState:
+        """The state in bytes."""
+        return self._held(self._fmu.deserializeFMUState(data))
+
+    def _held(self, handle: Any) -> FmuState:
+        state = FmuState(handle)
+        self._states[state] = finalize(state, self._give_back, handle)
         return state
 
-    def restore(self, snapshot: Any) -> None:
-        """Go back to a handle."""
-        self._fmu.setFMUState(snapshot)
-
-    def free(self, snapshot: Any) -> None:
-        """Give a handle back; the last one is kept for the next state."""
-        give_back = self._fmu.freeFMUState
-        if self._spare is not None:
-            give_back(self._spare)
-        self._spare = snapshot
-
-    def to_bytes(self, snapshot: Any) -> bytes:
-        """A handle's state as bytes."""
-        return bytes(self._fmu.serializeFMUState(snapshot))
-
-    def from_bytes(self, data: bytes) -> Any:
-        """The handle of a state in bytes."""
-        return self._fmu.deserializeFMUState(data)
+    def _give_back(self, handle: Any) -> None:
+        """Give a state back that nobody has any more; the last one is kept for the next state."""
+        spare, self._spare = self._spare, handle
+        if spare is not None:
+            with suppress(CallError):
+                self._fmu.freeFMUState(spare)
 
     def close(self) -> None:
         """Free the instance; may be called more than once."""
         if isinstance(self._fmu, _Closed):
             return
+        for give_back in [*self._states.values()]:
+            give_back()
         fmu, self._fmu = self._fmu, _Closed()
         for end in self._ends.values():
             end()
@@ -298,11 +236,6 @@ class Instance(ABC):
             with suppress(CallError):
                 fmu.freeFMUState(self._spare)
         fmu.freeInstance()
-
-    def _function(self, what: str, variables: Sequence[Variable]) -> Callable[..., Any]:
-        kind = variables[0].type
-        function: Callable[..., Any] = getattr(self._fmu, what + (self._enumeration if kind == "Enumeration" else kind))
-        return function
 
 
 class _Instance2(Instance):
@@ -323,9 +256,6 @@ class _Instance2(Instance):
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         self._do_step = self._checked("DoStep", self._t, self._h, c_int(_NO_STATE_PRIOR))
 
-    def _pass_on(self, component: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        self._hear(status, message.decode("utf-8", errors="replace"))
-
     def enter_initialization(self, t0: float) -> None:
         self._fmu.setupExperiment(startTime=t0)
         self._fmu.enterInitializationMode()
@@ -341,9 +271,6 @@ class _Instance3(Instance):
         told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
         self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *told)
 
-    def _pass_on(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
-        self._hear(status, message.decode("utf-8", errors="replace"))
-
     def enter_initialization(self, t0: float) -> None:
         self._fmu.enterInitializationMode(startTime=t0)
 
@@ -353,5 +280,4 @@ class _Instance3(Instance):
             raise CallError("fmi3DoStep", _DISCARD)
 
 
-VERSIONS: Mapping[str, type[Instance]] = {"2.0": _Instance2, "3.0": _Instance3}
-"""Versions of FMI that the host drives, as model descriptions state them."""
+VERSIONS: Mapping[str, type[Instance]] = dict(zip(FMI_VERSIONS, (_Instance2, _Instance3), strict=True))

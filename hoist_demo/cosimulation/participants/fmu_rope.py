@@ -9,83 +9,41 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.fmi_versions import (
-    VERSIONS,
-    WARNING,
-    Buffer,
-    CallError,
-    Instance,
-    Variable,
-    unpacked,
-)
-from hoist_demo.cosimulation.participants.fmu_parameters import parameters_of, read_fmu, version_of
-from hoist_demo.cosimulation.participants.rope_data import RopeData, Value, stamp, unstamp
-from hoist_demo.cosimulation.participants.rope_plant import REQUIRED_SIGNALS, EndMotion, Reader, RopeStatus
+from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, CallError, Instance
+from hoist_demo.cosimulation.participants.fmu_description import Variable, parameters_of, read_fmu, unpacked, version_of
+from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
+from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY, code_of
+from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
 
-ParameterValue = Value
-
-INPUTS = EndMotion._fields
-"""Names of an end's inputs."""
-
-NOT_READ = frozenset({"left.added_mass", "right.added_mass"})
-"""Outputs left alone by default: the host does not use them, and a rope may compute them only when they are read."""
+INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
 
 _NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
-_VALID = RopeStatus(True)
-
-
-class _Part(NamedTuple):
-    """Names that one call of the FMU reads."""
-
-    get: Callable[[], Any]
-    values: NDArray[Any]
-    there: NDArray[np.intp] | slice  # places in `values`
-    here: NDArray[np.intp] | slice  # places among the names
-
-    @staticmethod
-    def of(buffer: Buffer, names: Sequence[str]) -> _Part:
-        """Select the requested elements of a buffer."""
-        places = {name: k for k, name in enumerate(buffer.names)}
-        pairs = [(places[name], k) for k, name in enumerate(names) if name in places]
-        return _Part(buffer.call, buffer.values, *(_run_of(column) for column in zip(*pairs, strict=True)))
-
-    def is_all_of(self, names: Sequence[str]) -> bool:
-        """Return True if the call gives real numbers for exactly these names, in their order."""
-        whole = slice(0, len(names))
-        same = all(isinstance(places, slice) and places == whole for places in (self.there, self.here))
-        return same and self.values.shape == (len(names),) and self.values.dtype == np.float64
-
-
-def _run_of(places: Sequence[int]) -> NDArray[np.intp] | slice:
-    """The places as a slice where each follows on the one before."""
-    whole = slice(places[0], places[-1] + 1)
-    return whole if [*range(whole.start, whole.stop)] == [*places] else np.array(places)
+_VALID = Status(True)
 
 
 class FmuRope:
     """A RopePlant that lives in an .fmu file."""
 
     def __init__(
-        self,
-        path: Path,
-        parameters: Mapping[str, ParameterValue] | None = None,
-        not_read: Collection[str] = NOT_READ,
+        self, path: Path, parameters: Mapping[str, Value] | None = None, recorded: Collection[str] | None = None
     ) -> None:
         """Load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
 
-        Outputs named in `not_read` are not among the signals.
+        `recorded` are the outputs of which a run makes a record; None: all but the added masses, which are dear.
         """
         self._started = False
         self._warned: set[str] = set()  # what has been in the log
@@ -94,14 +52,17 @@ class FmuRope:
         self._description, variables = read_fmu(self._path)
         self._described = parameters_of(variables)
         self._variables = {name: v for v in variables for name in v.elements}
-        inputs = [self._variable(f"{end}.{name}") for end in ("left", "right") for name in INPUTS]
-        self._not_read = frozenset(not_read)
-        self._outputs = _numeric_outputs(variables, self._not_read)
-        self._tells_fidelity = FIDELITY in self._variables and FIDELITY not in not_read
-        self._chosen: dict[str, ParameterValue] = {"inputs_at_step_end": True, **(parameters or {})}
-        missing = [name for name in REQUIRED_SIGNALS if name not in self._units_of_outputs()]
+        inputs = [self._variable(f"{end}.{name}") for end in ENDS for name in INPUTS]
+        outputs = {name: v for v in variables if v.causality == "output" for name in v.elements}
+        shown = {name: v.unit for kind in _NUMBERS for name, v in outputs.items() if v.kind == kind}
+        missing = [name for name in ROPE_FORCES if name not in shown]
         if missing:
             raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
+        wanted = (shown.keys() | {FIDELITY}) - {*ADDED_MASSES} if recorded is None else recorded
+        self._units = {name: unit for name, unit in shown.items() if name in wanted}
+        if FIDELITY in outputs and FIDELITY in wanted:
+            self._units[FIDELITY] = "1"
+        self._chosen: dict[str, Value] = {"inputs_at_step_end": True, **(parameters or {})}
         try:
             self._fmu: Instance = VERSIONS[self._description.fmiVersion](
                 unpacked(*version_of(self._path)), self._description, self._hear
@@ -118,7 +79,7 @@ class FmuRope:
             self.close()
             raise
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         """Set-up, initialization mode with the ends' start motion, and the first status."""
         try:
             self._fmu.enter_initialization(t0)
@@ -129,7 +90,7 @@ class FmuRope:
         except CallError as error:
             return self._failure_status(error)
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         """One doStep(t, h) with the motions of its end."""
         try:
             self._set_motions(left, right)
@@ -138,21 +99,18 @@ class FmuRope:
         except CallError as error:
             return self._failure_status(error)
 
-    def signals(self) -> dict[str, float]:
-        """Real, Integer and Boolean outputs by name, but those that are not read, and the fidelity by its code."""
-        names = tuple(self.units())
-        return dict(zip(names, self.reader(names)().tolist(), strict=True))
-
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads some outputs, and the fidelity by its code; arrays are read whole."""
         asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
-        groups = [[v for v in asked if v.type == type_] for type_ in {v.type for v in asked if v.kind in _NUMBERS}]
-        parts = [_Part.of(self._fmu.buffer("Get", variables), names) for variables in groups]
+        parts = list[tuple[Callable[[], Any], NDArray[Any], NDArray[np.intp], NDArray[np.intp]]]()
+        for type_ in {v.type for v in asked if v.kind in _NUMBERS}:
+            buffer = self._fmu.buffer("Get", [v for v in asked if v.type == type_])
+            places = {name: k for k, name in enumerate(buffer.names)}
+            there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
+            parts.append((buffer.call, buffer.values, there, here))
         fidelity = names.index(FIDELITY) if FIDELITY in names and FIDELITY in self._variables else None
         read_fidelity = None if fidelity is None else self._fmu.text(self._variables[FIDELITY])
         found = np.full(len(names), np.nan)
-        if len(parts) == 1 and read_fidelity is None and parts[0].is_all_of(names):
-            return self._whole_reader(parts[0])
 
         def read() -> NDArray[np.float64]:
             try:
@@ -167,19 +125,6 @@ class FmuRope:
 
         return read
 
-    def _whole_reader(self, part: _Part) -> Reader:
-        """A function that reads outputs in the order of one call."""
-        get, values = part.get, part.values
-
-        def read() -> NDArray[np.float64]:
-            try:
-                get()
-            except CallError as error:
-                raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
-            return values.copy()
-
-        return read
-
     def data(self) -> RopeData:
         """Identity of the rope: its file, and all parameters with their values."""
         description, parameters = self._description, self._described
@@ -190,37 +135,27 @@ class FmuRope:
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
         }
-        return RopeData(model, self._parameters(), {name: p.unit for name, p in parameters.items()}, self._reason())
+        units, reason = {name: p.unit for name, p in parameters.items()}, ""
+        with suppress(CallError):  # where the FMU still answers
+            reason = self._text("status.fidelity_reason")
+        return RopeData(model, self._parameters(), units, reason)
 
     def save(self) -> Any:
         """A handle of the FMU's state; None when it cannot save."""
         if not self._description.coSimulation.canGetAndSetFMUstate:
             return None
-        try:
+        with self._translate_failures():
             return self._fmu.save()
-        except CallError as error:
-            raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
 
     def restore(self, snapshot: Any) -> None:
-        """Go back to a handle of this instance."""
         with self._translate_failures():
             self._fmu.restore(snapshot)
 
-    def free(self, snapshot: Any) -> None:
-        """Give a handle back to the FMU."""
-        if snapshot is not None:
-            try:
-                self._fmu.free(snapshot)
-            except CallError as error:
-                _log.debug("a state is not given back: %s", error)
-
     def to_bytes(self, snapshot: Any) -> bytes:
-        """The FMU's serialized state."""
         with self._translate_failures():
             return self._tag + stamp(self._fmu.to_bytes(snapshot), self._parameters())
 
     def from_bytes(self, data: bytes) -> Any:
-        """A handle from a serialized state."""
         if not data.startswith(self._tag):
             raise ValueError(
                 f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; it is of another rope: "
@@ -235,8 +170,8 @@ class FmuRope:
             ) from error
 
     def units(self) -> dict[str, str]:
-        """Unit of each signal as the model description states it."""
-        return self._units_of_outputs() | ({FIDELITY: "1"} if self._tells_fidelity else {})
+        """Unit of each signal of the record, as the model description states it."""
+        return dict(self._units)
 
     def close(self) -> None:
         """Terminate and free the instance; the extracted files serve the next one of this process."""
@@ -260,45 +195,36 @@ class FmuRope:
         chosen = [self._chosen[n] if n in self._chosen else self._described[n].start for n in variable.elements]
         values = [_typed(variable, value) for value in chosen]
         try:
-            self._fmu.set([variable], values)
+            self._fmu.set(variable, values)
         except CallError as error:
             raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._motions.values[...] = left + right
+        self._motions.values[...] = *vars(left).values(), *vars(right).values()
         self._motions.call()
 
-    def _status(self) -> RopeStatus:
+    def _status(self) -> Status:
         """Return the status by `status.valid` and `status.message`; an FMU without them is valid."""
         if self._valid is None:
             return _VALID
         self._valid.call()
-        return _VALID if self._valid.values[0] else RopeStatus(False, self._message())
-
-    def _message(self) -> str:
-        return self._text("status.message")
+        return _VALID if self._valid.values[0] else Status(False, self._text("status.message"))
 
     def _text(self, name: str) -> str:
         """A String output; "" where there is none."""
         return self._fmu.text(self._variables[name])() if name in self._variables else ""
-
-    def _reason(self) -> str:
-        """Return the reason for the present fidelity, if the FMU still answers."""
-        with suppress(CallError):
-            return self._text("status.fidelity_reason")
-        return ""
 
     @property
     def _tag(self) -> bytes:
         """Return the head of a serialized state, which keeps states of two flavours apart."""
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
-    def _failure_status(self, error: CallError) -> RopeStatus:
+    def _failure_status(self, error: CallError) -> Status:
         """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
         self._started, message = False, ""
         with suppress(CallError):
-            message = self._message()
-        return RopeStatus(False, message or self._explanation(error))
+            message = self._text("status.message")
+        return Status(False, message or self._explanation(error))
 
     @contextmanager
     def _translate_failures(self) -> Iterator[None]:
@@ -323,10 +249,6 @@ class FmuRope:
             self._warned.add(text)
             _log.warning("%s", text)
 
-    def _units_of_outputs(self) -> dict[str, str]:
-        named = {name: v.unit for v in self._outputs for name in v.elements}
-        return {name: unit for name, unit in named.items() if name not in self._not_read}
-
 
 @lru_cache(maxsize=8)  # a study winds with the same file in every run
 def _digest(path: Path, changed: int, size: int) -> str:
@@ -335,13 +257,7 @@ def _digest(path: Path, changed: int, size: int) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _numeric_outputs(variables: Iterable[Variable], not_read: Collection[str]) -> list[Variable]:
-    """Outputs that are numbers, by their kind."""
-    read = [v for v in variables if v.causality == "output" and not set(v.elements).issubset(not_read)]
-    return [v for kind in _NUMBERS for v in read if v.kind == kind]
-
-
-def _typed(variable: Variable, value: ParameterValue) -> ParameterValue:
+def _typed(variable: Variable, value: Value) -> Value:
     """The value as its FMI type has it, an enumeration's item by its number."""
     if variable.kind == "Enumeration" and isinstance(value, str):
         if value not in variable.items:
@@ -349,5 +265,5 @@ def _typed(variable: Variable, value: ParameterValue) -> ParameterValue:
                 f"parameter {variable.name} = '{value}' must be one of {', '.join(variable.items)}: choose one"
             )
         return variable.items[value]
-    types: Mapping[str, type[ParameterValue]] = {"Real": float, "Boolean": bool, "String": str}
+    types: Mapping[str, type[Value]] = {"Real": float, "Boolean": bool, "String": str}
     return types.get(variable.kind, int)(value)

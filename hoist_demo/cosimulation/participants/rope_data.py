@@ -6,28 +6,15 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from rope_model import CHOICES
+from hoist_demo.parameters.quantity import Value
+from rope_model.scene_names import choices_of
 
-Value = float | int | bool | str
-
+#: Parameters of the mesh, the solver and the model by FMI name, for each level of accuracy.
 Levels = Mapping[str, Mapping[str, Value]]
-"""Parameters of the mesh, the solver and the model by FMI name, for each level of accuracy."""
 
-_FREE = "solver.kernels"
-"""What may differ when a run goes on."""
+_FREE = "solver.kernels"  #: What may differ when a run goes on.
 
 _TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist", "rope.initial_curvature")
-
-
-def code(name: str, word: str) -> int | None:
-    """The code of a word that a parameter may have; None where it has no such word."""
-    words = words_of(name)
-    return words.index(word) if word in words else None
-
-
-def words_of(name: str) -> tuple[str, ...]:
-    """The words of a parameter's codes; none where it has no choices."""
-    return tuple(CHOICES.get(".".join(name.split(".")[-2:]), ()))
 
 
 def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:
@@ -70,22 +57,17 @@ class RopeData:
     @property
     def locked(self) -> tuple[str, ...]:
         """List the ends whose swivel is locked."""
-        modes = {end: f"{end}.swivel.mode" for end in ("left", "right")}
-        return tuple(end for end, mode in modes.items() if self._code(mode) == code(mode, "locked"))
+        locked = choices_of("swivel.mode").index("locked")
+        return tuple(end for end in ("left", "right") if self.parameters.get(f"{end}.swivel.mode") == locked)
 
     def display(self, name: str) -> Value:
         """A parameter's value, a code with its word."""
-        value, words = self.parameters[name], words_of(name)
+        value, words = self.parameters[name], choices_of(name)
         return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
 
     def level(self, levels: Levels) -> str:
         """Name of the level whose parameters these are, "" for none."""
         for name, wanted in levels.items():
-            if all(self._code(key) == value for key, value in wanted.items()):
+            if all(self.parameters.get(key) == value for key, value in wanted.items()):
                 return name
         return ""
-
-    def _code(self, name: str) -> Value | None:
-        """A parameter's value, a word as its code: a rope in process has words where an FMU has codes."""
-        value = self.parameters.get(name)
-        return value if not isinstance(value, str) or (number := code(name, value)) is None else number

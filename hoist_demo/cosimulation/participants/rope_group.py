@@ -21,19 +21,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.partners import ENDS
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
 from hoist_demo.cosimulation.participants.touching_ropes import MEANS, TouchingRopes
+from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
 from hoist_demo.parameters import Hoist
-from rope_model import Account
+from rope_model import Account, EndMotion, Status
 
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
-_PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))
-"""What is added up as it is."""
+_PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))  #: What is added up as it is.
+#: Signals of the group: those of all its ropes together, moments about the conveyances' centres.
 SUMS = (*_ACTIONS, *_PLAIN)
-"""Signals of the group: those of all its ropes together, moments about the conveyances' centres."""
+#: Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J].
 CONTACT_ENERGIES = tuple(f"neighbours.{name}" for name in ("energy", "work", "dissipated", "made"))
-"""Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J]."""
 
 
 @dataclass(frozen=True)
@@ -75,16 +73,14 @@ class RopeGroup:
         self._yaws = (0.0, 0.0)
         self.touching, self._placed = touching, list[tuple[EndMotion, EndMotion]]()  # where the ropes' ends are
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> RopeStatus:
-        """All ropes hang at t0 [s]."""
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self._keep(left, right)
         self._placed = [self._ends(m.place, 0.0, left, right) for m in self.members]
         if self.touching is not None:
             return self._all(self.touching.initialize(t0, self._placed))
         return self._all([m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)])
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> RopeStatus:
-        """Advance all to t + h [s]."""
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         ends = [self._ends(m.place, h, left, right) for m in self.members]
         self._keep(left, right)
         before, self._placed = self._placed, ends
@@ -92,15 +88,7 @@ class RopeGroup:
             return self._all(self.touching.step(t, h, before, ends))
         return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
 
-    def signals(self) -> dict[str, float]:
-        """SUMS, and each member's signals under its name; the added masses are dear, and read on demand."""
-        names = [name for name in SUMS if not name.endswith("added_mass")]
-        names += [*self._contact()]
-        names += [f"{m.name}.{name}" for m in self.members for name in m.rope.signals()]
-        return dict(zip(names, self.reader(names)().tolist(), strict=True))
-
     def reader(self, names: Sequence[str]) -> Reader:
-        """A function that reads sums and members."""
         asked = set(names)
         plain = [name for name in _PLAIN if name in asked]
         summed = [*_ACTIONS, *plain] if asked.intersection(SUMS) else []
@@ -124,9 +112,9 @@ class RopeGroup:
         return read
 
     def units(self) -> dict[str, str]:
-        """Unit of each signal."""
+        """Unit of SUMS but the added masses, and of each member's signals under its name."""
         first = self.members[0].rope.units()
-        units = {name: first.get(name, "") for name in SUMS}
+        units = {name: first.get(name, "") for name in SUMS if name not in ADDED_MASSES}
         units |= {name: "N" if name.endswith(".force") else "J" for name in self._contact()}
         return units | {f"{m.name}.{name}": unit for m in self.members for name, unit in m.rope.units().items()}
 
@@ -138,28 +126,19 @@ class RopeGroup:
         return None if any(one is None for one in kept) else (kept, own)
 
     def restore(self, snapshot: Any) -> None:
-        """Go back to a snapshot."""
         kept, (self._rates, self._yaws, self._placed, contact) = snapshot
         if self.touching is not None:
             self.touching.restore(contact)
         for member, one in zip(self.members, kept, strict=True):
             member.rope.restore(one)
 
-    def free(self, snapshot: Any) -> None:
-        """Forget a snapshot."""
-        for member, one in zip(self.members, snapshot[0] if snapshot else (), strict=False):
-            member.rope.free(one)
-
     def to_bytes(self, snapshot: Any) -> bytes:
-        """A group's state is not written to files."""
         raise RuntimeError("the state of several ropes cannot be written: wind them in one run")
 
     def from_bytes(self, data: bytes) -> Any:
-        """Neither is it read."""
         raise ValueError("the state of several ropes cannot be read: wind them in one run")
 
     def close(self) -> None:
-        """Free all ropes."""
         for member in self.members:
             member.rope.close()
 
@@ -196,10 +175,10 @@ class RopeGroup:
         was_left, was_right = self._rates
         return _end(left, place.at("left"), was_left, h), _end(right, place.at("right"), was_right, h)
 
-    def _all(self, statuses: Sequence[RopeStatus]) -> RopeStatus:
+    def _all(self, statuses: Sequence[Status]) -> Status:
         """Valid when all are."""
         failed = [(m.name, s) for m, s in zip(self.members, statuses, strict=True) if not s.valid]
-        return RopeStatus(not failed, "; ".join(f"{name}: {status.message}" for name, status in failed))
+        return Status(not failed, "; ".join(f"{name}: {status.message}" for name, status in failed))
 
 
 def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, h: float) -> EndMotion:
@@ -209,7 +188,8 @@ def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, 
     (x, z), rate = _turned(place, conveyance.yaw), conveyance.yaw_rate
     growth = (rate - rate_before) / h if h > 0.0 else 0.0
     c = conveyance
-    return c._replace(
+    return replace(
+        c,
         x=c.x + x - place[0],
         z=c.z + z - place[1],
         vx=c.vx + rate * z,

@@ -12,10 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.partners import ENDS
-from hoist_demo.cosimulation.participants.rope_plant import EndMotion, Reader, RopePlant, RopeStatus
-from rope_model import BalanceRope, Contacts, Neighbours
-from rope_model import EndMotion as RopeEndMotion
+from hoist_demo.cosimulation.schemes.interface import ENDS, Reader, RopePlant
+from rope_model import BalanceRope, Contacts, EndMotion, Neighbours, Status
 
 MEANS = tuple(f"{end}.fy_mean" for end in ENDS)
 Ends = tuple[EndMotion, EndMotion]
@@ -27,14 +25,13 @@ class WholeRope(RopePlant, Protocol):
     @property
     def whole(self) -> BalanceRope | None:
         """The rope; None once it is broken."""
-        ...
 
 
 class Turn:
     """A rope's part in a step of all, which it may have to take several times, or in parts."""
 
     def __init__(self, rope: WholeRope, read: Reader, t: float, h: float, before: Ends, after: Ends) -> None:
-        self.status, self.parts, self._impulse = RopeStatus(True), 0, np.zeros(len(MEANS))
+        self.status, self.parts, self._impulse = Status(True), 0, np.zeros(len(MEANS))
         self._rope, self._read, self._t, self._h, self._before, self._after = rope, read, t, h, before, after
         self._part, self._kept = (t, h), None
 
@@ -57,7 +54,7 @@ class Turn:
         t, h = self._part
         done = t + h - self._t
         left, right = (
-            after if done > (1.0 - 1e-9) * self._h else between(before, after, self._h, done)
+            after if done > (1.0 - 1e-9) * self._h else before.on_the_way(after, self._h, done)
             for before, after in zip(self._before, self._after, strict=True)
         )
         self.status = self._rope.step(t, h, left, right)
@@ -69,7 +66,6 @@ class Turn:
 
     def accept(self) -> None:
         """Accept the step."""
-        self._rope.free(self._kept)
         self.parts += 1
         self._impulse += self._part[1] * self._read()
 
@@ -82,7 +78,7 @@ class TouchingRopes:
         self._readers = [rope.reader(MEANS) for rope in ropes]
         self.means: list[NDArray[np.float64] | None] = []
 
-    def initialize(self, t0: float, ends: Sequence[Ends]) -> list[RopeStatus]:
+    def initialize(self, t0: float, ends: Sequence[Ends]) -> list[Status]:
         """All ropes hang at t0 [s]."""
         statuses = [rope.initialize(t0, *pair) for rope, pair in zip(self._ropes, ends, strict=True)]
         whole = [rope.whole for rope in self._ropes if rope.whole is not None]
@@ -91,7 +87,7 @@ class TouchingRopes:
         self.means = [None] * len(self._ropes)
         return statuses
 
-    def step(self, t: float, h: float, before: Sequence[Ends], after: Sequence[Ends]) -> list[RopeStatus]:
+    def step(self, t: float, h: float, before: Sequence[Ends], after: Sequence[Ends]) -> list[Status]:
         """Advance all to t + h [s]."""
         turns = [
             Turn(rope, read, t, h, *ends)
@@ -110,8 +106,3 @@ class TouchingRopes:
         contacts: Contacts
         contacts, self.means = snapshot
         self.neighbours.contacts = contacts
-
-
-def between(before: EndMotion, after: EndMotion, h: float, time: float) -> EndMotion:
-    """The motion of an end at a `time` [s] of a step `h` [s]."""
-    return EndMotion(*vars(RopeEndMotion(*before).on_the_way(RopeEndMotion(*after), h, time)).values())

@@ -17,7 +17,6 @@ class Accelerator(Protocol):
 
     def next(self, x: Vector, answer: Vector) -> Vector:
         """Return the forces to try after x, whose answer is known."""
-        ...
 
 
 class InterfaceJacobian:
@@ -27,7 +26,6 @@ class InterfaceJacobian:
         self._matrix = np.eye(jacobian.shape[0]) - jacobian
 
     def next(self, x: Vector, answer: Vector) -> Vector:
-        """Return x + (1 - dg/dx)^-1 (answer - x)."""
         new: Vector = x + np.linalg.solve(self._matrix, answer - x)
         return new
 
@@ -43,7 +41,6 @@ class Aitken:
         self._factor, self._before = 1.0, np.zeros(0)
 
     def next(self, x: Vector, answer: Vector) -> Vector:
-        """Return x plus the relaxed residual."""
         r = answer - x
         if self._before.size:
             change = r - self._before
@@ -67,7 +64,6 @@ class Secant:
         self._residuals: list[Vector] = []
 
     def next(self, x: Vector, answer: Vector) -> Vector:
-        """Return the answer corrected by the least squares of the differences."""
         r = answer - x
         self._answers.append(answer)
         self._residuals.append(r)

@@ -9,6 +9,7 @@ from .iterative import ACCELERATORS, Iterative
 from .jacobi import Jacobi
 from .semi_implicit import SemiImplicit
 
+#: Numbers are orders of extrapolation; docs/howto/hoist.md compares them.
 SCHEMES: dict[str, Scheme] = {
     **{f"jacobi-{order}": Jacobi(order) for order in range(3)},
     **{f"gauss-seidel-{order}": GaussSeidel(order) for order in range(3)},
@@ -18,7 +19,6 @@ SCHEMES: dict[str, Scheme] = {
     "implicit-impulse": Iterative("jacobian", held=True),
     "energy-controlled": EnergyControlled(GaussSeidel(1)),
 }
-"""Numbers are orders of extrapolation; docs/howto/hoist.md compares them."""
 
 
 def find_scheme(name: str) -> Scheme:

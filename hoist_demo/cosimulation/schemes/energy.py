@@ -28,12 +28,10 @@ class EnergyControlled:
 
     @property
     def needs_added_mass(self) -> bool:
-        """Requirement of the scheme inside."""
         return self.inner.needs_added_mass
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Weights of the scheme inside."""
         return self.inner.weights
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
@@ -42,27 +40,23 @@ class EnergyControlled:
         while done < h:
             parts = max(math.ceil((h - done) / wanted - 1e-9), 1)
             step = (h - done) / parts
-            drive, rope = pair.drive.save(), pair.rope.save()
-            try:
-                advance = self.inner.advance(pair, memory, t + done, step)
-                if advance.cause:
-                    return advance
-                power = abs(advance.memory.residual - memory.residual) / step
-                factor = SAFETY * (self.bound / power) ** (1.0 / self.order) if power > 0.0 else math.inf
-                if power > self.bound:
-                    wanted = step * min(max(factor, 0.1), 0.5)
-                    pair.drive.restore(drive)
-                    pair.rope.restore(rope)
-                    memory = memory.with_taken_back(advance.memory.exchanges - memory.exchanges)
-                    if wanted < self.smallest:
-                        return Advance(
-                            memory,
-                            f"coupling: {power:.3g} W between drive and rope in a step of {step:.3g} s, bound "
-                            f"{self.bound:g} W, smallest step {self.smallest:g} s: allow more power or a smaller step",
-                        )
-                    continue
-            finally:
-                pair.rope.free(rope)
+            before = pair.save()
+            advance = self.inner.advance(pair, memory, t + done, step)
+            if advance.cause:
+                return advance
+            power = abs(advance.memory.residual - memory.residual) / step
+            factor = SAFETY * (self.bound / power) ** (1.0 / self.order) if power > 0.0 else math.inf
+            if power > self.bound:
+                wanted = step * min(max(factor, 0.1), 0.5)
+                pair.restore(before)
+                memory = memory.with_taken_back(advance.memory.exchanges - memory.exchanges)
+                if wanted < self.smallest:
+                    return Advance(
+                        memory,
+                        f"coupling: {power:.3g} W between drive and rope in a step of {step:.3g} s, bound "
+                        f"{self.bound:g} W, smallest step {self.smallest:g} s: allow more power or a smaller step",
+                    )
+                continue
             memory, done = advance.memory, h if parts == 1 else done + step
             # a step that was cut to end at t + h says nothing against a longer one
             wanted = max(step * min(factor, LARGEST_CHANGE), min(wanted, step * factor))

@@ -14,8 +14,8 @@ import numpy as np
 
 from .interface import Sample, Vector
 
+#: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
-"""Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth)."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,6 @@ class Extrapolated:
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Weights of past forces in the step's mean."""
         return MEAN_WEIGHTS[self.order]
 
 

@@ -15,7 +15,6 @@ class GaussSeidel(Extrapolated):
     """Forces extrapolated to `order` 0, 1 or 2; of the order `order` + 1 in H."""
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """One exchange."""
         start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
         return exchange(pair, memory, t, h, Load(start, rise, bend, np.zeros(start.shape)))
 
@@ -33,14 +32,13 @@ class ImpulsePreserving:
     needs_added_mass: bool = False
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """One exchange."""
         return exchange(pair, memory, t, h, Load.constant(memory.last.mean))
 
 
 def exchange(pair: Pair, memory: Memory, t: float, h: float, load: Load) -> Advance:
     """The step done under a load, drive first."""
     balance = ExchangeBalance(pair, load)
-    if cause := pair.drive_then_rope(t, h, load):
+    if cause := pair.step(t, h, load):
         return Advance(memory, cause)
     sample = pair.sample_at(t + h, load)
     return Advance(memory.with_sample(sample, balance.residual(sample.mean)))

@@ -5,19 +5,28 @@ load of a step      F(s) = start + rise s + bend s^2 - m_a a ,     a: accelerati
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model import EndMotion, Status
+
 Vector = NDArray[np.float64]
 
-KEPT = 3
-"""Samples that are remembered: enough for a quadratic extrapolation."""
+ENDS = ("left", "right")
+#: The rope's signals: forces now, and their means over the last step; without them no loop can run.
+ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)
+ADDED_MASSES = tuple(f"{end}.added_mass" for end in ENDS)
+
+KEPT = 3  #: Samples that are remembered: enough for a quadratic extrapolation.
 
 
-class Motion(NamedTuple):
+class InterfaceMotion(NamedTuple):
     """Places, speeds and accelerations of the n interface coordinates at one instant, each (n,)."""
 
     place: Vector  # m
@@ -44,11 +53,6 @@ class Load(NamedTuple):
         """The parabola with these forces at both ends and this mean."""
         bend = 3.0 * (start + end) - 6.0 * mean
         return Load(start, end - start - bend, bend, np.zeros(start.shape))
-
-    def at(self, s: float) -> Vector:
-        """The part that does not depend on the acceleration."""
-        force: Vector = self.start + s * (self.rise + s * self.bend)
-        return force
 
 
 class Sample(NamedTuple):
@@ -96,86 +100,155 @@ class DrivePartner(Protocol):
 
     def step(self, t: float, h: float, load: Load) -> str:
         """Advance from t to t + h [s]; "" or the cause why not."""
-        ...
 
     def place(self) -> Vector:
         """Places of the ends now, (n,) [m]."""
-        ...
 
-    def motion(self, load: Load, s: float) -> Motion:
+    def motion(self, load: Load, s: float) -> InterfaceMotion:
         """Motion now, with the accelerations under the load as it is at s."""
-        ...
+
+    def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
+        """Motion of the rope's ends: that of the interface, and of everything else now."""
 
     def mobility(self) -> Vector:
         """Change of the accelerations per force, (n, n) [1/kg]."""
-        ...
 
     def work(self) -> float:
         """Work that the loads have done on the drive so far [J]."""
-        ...
 
     def save(self) -> Any:
         """Return the present state."""
-        ...
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a saved state."""
-        ...
 
 
-class RopePartner(Protocol):
-    """Takes motions, gives forces."""
+Reader = Callable[[], Vector]
 
-    def step(self, t: float, h: float, motion: Motion) -> str:
-        """Advance from t to t + h [s], where the motion holds; "" or the cause why not."""
-        ...
+
+class RopePlant(Protocol):
+    """A balance rope between two moving ends, in an FMU or in this process.
+
+    Names of signals are those of the FMI interface, e.g. `left.fy` [N], the rope's force on the left conveyance.
+    """
+
+    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
+        """Find the hanging shape at time t0 [s]; readers then give the forces at rest."""
+
+    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
+        """Advance from t to t + h [s]; `left` and `right` hold at t + h."""
+
+    def units(self) -> dict[str, str]:
+        """FMI unit of each signal of which a run makes a record, "1" or "" where it has none."""
+
+    def reader(self, names: Sequence[str]) -> Reader:
+        """A function that reads these outputs now, also those without a record, NaN for what the rope has not got.
+
+        Booleans are 0 and 1. It may be made before the rope hangs; its array is the caller's.
+        """
+
+    def save(self) -> Any:
+        """The complete state as a snapshot in memory, None where the rope cannot."""
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a snapshot: whatever comes next is the same to the bit."""
+
+    def to_bytes(self, snapshot: Any) -> bytes:
+        """A snapshot for a file."""
+
+    def from_bytes(self, data: bytes) -> Any:
+        """The snapshot that `to_bytes` wrote, also that of another instance; ValueError when it does not fit."""
+
+    def close(self) -> None:
+        """Free what the rope holds; may be called more than once."""
+
+
+@dataclass
+class Stopwatch:
+    """Wall time of one of the two partners, added up."""
+
+    wall: float = 0.0  # s
+    _since: float = field(default=0.0, repr=False, compare=False)
+
+    def __enter__(self) -> None:
+        self._since = perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.wall += perf_counter() - self._since
+
+
+class Pair:
+    """The two partners of a co-simulation: a scheme steps and asks the rope here, and the drive itself."""
+
+    def __init__(self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None) -> None:
+        """`rope` hangs; `clock` counts the time that it takes."""
+        self.drive, self.rope = drive, rope
+        self._clock = Stopwatch() if clock is None else clock
+        self._read, self._read_added_masses = rope.reader(ROPE_FORCES), rope.reader(ADDED_MASSES)
+        self._forces: Vector | None = None
+
+    def step_rope(self, t: float, h: float, motion: InterfaceMotion) -> str:
+        """Advance the rope from t to t + h [s], where the motion holds; "" or the cause why not."""
+        with self._clock:
+            forces = answer(self.rope.step(t, h, *self.drive.ends(motion)), self._read)
+            self._forces = None if isinstance(forces, str) else forces
+            return f"rope, step from t = {t:.6g} s: {forces}" if isinstance(forces, str) else ""
+
+    def step(self, t: float, h: float, load: Load) -> str:
+        """Both over one step: the rope follows the motion that the drive makes under the load."""
+        return self.drive.step(t, h, load) or self.step_rope(t, h, self.drive.motion(load, 1.0))
 
     def forces(self) -> tuple[Vector, Vector]:
-        """Force on the drive now, and its mean over the last step, each (n,) [N]."""
-        ...
+        """Force of the rope on the drive now, and its mean over the last step, each (n,) [N]."""
+        if self._forces is None:
+            self._forces = self._read()
+        return self._forces[: len(ENDS)], self._forces[len(ENDS) :]
 
-    def added_mass(self) -> Vector | None:
-        """Return the fall of the forces per acceleration held over a step, (n,) [kg]; None if the rope has none."""
-        ...
+    def added_mass(self) -> Vector:
+        """Return the fall of the forces per acceleration held over a step, (n,) [kg]; ValueError if it is unknown."""
+        with self._clock:
+            added = self._read_added_masses()
+        if not np.isfinite(added).all():
+            raise ValueError(
+                f"the rope's added mass, outputs {' and '.join(ADDED_MASSES)}, must be known, it is {added}: take "
+                "gauss-seidel-1 or iterative-secant"
+            )
+        return added
 
-    def save(self) -> Any:
-        """Return the present state."""
-        ...
+    def save(self) -> tuple[Any, Any]:
+        """Return the states of drive and rope."""
+        with self._clock:
+            return self.drive.save(), self.rope.save()
 
-    def restore(self, snapshot: Any) -> None:
-        """Go back to a saved state."""
-        ...
+    def restore(self, snapshot: tuple[Any, Any]) -> None:
+        """Go back to saved states."""
+        self.drive.restore(snapshot[0])
+        self.restore_rope(snapshot[1])
 
-    def free(self, snapshot: Any) -> None:
-        """Give up a saved state."""
-        ...
-
-
-@dataclass(frozen=True)
-class Pair:
-    """The two partners of a co-simulation."""
-
-    drive: DrivePartner
-    rope: RopePartner
+    def restore_rope(self, snapshot: Any) -> None:
+        """Go back to a saved state of the rope alone."""
+        with self._clock:
+            self.rope.restore(snapshot)
+            self._forces = None
 
     def sample_at(self, t: float, load: Load) -> Sample:
         """Return the data of both partners at the end of a step under the load."""
-        return Sample(t, *self.rope.forces(), self.drive.motion(load, 1.0).acceleration)
-
-    def added_mass(self) -> Vector:
-        """Return the added mass of a rope that must have one."""
-        added = self.rope.added_mass()
-        if added is None or not np.all(np.isfinite(added)):
-            raise ValueError(f"the rope's added mass {added} must be finite: take a scheme that needs none")
-        return added
+        return Sample(t, *self.forces(), self.drive.motion(load, 1.0).acceleration)
 
     def start(self, t: float) -> Memory:
         """Memory of a scheme that begins now; before t everything is taken to have been at rest."""
-        return Memory((self.sample_at(t, Load.constant(self.rope.forces()[0])),))
+        return Memory((self.sample_at(t, Load.constant(self.forces()[0])),))
 
-    def drive_then_rope(self, t: float, h: float, load: Load) -> str:
-        """Both over one step: the rope follows the motion that the drive makes under the load."""
-        return self.drive.step(t, h, load) or self.rope.step(t, h, self.drive.motion(load, 1.0))
+
+def answer(status: Status, read: Reader) -> Vector | str:
+    """Return the rope's forces behind a start or a step, by a reader of ROPE_FORCES; or why they are unusable."""
+    if not status.valid:
+        return status.message or "status.valid is false, without a message"
+    forces = read()
+    if math.isfinite(sum(forces.tolist())):
+        return forces
+    bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)]
+    return f"{', '.join(bad)} missing or not finite: check the rope plant"
 
 
 class ExchangeBalance:
@@ -197,18 +270,14 @@ class Scheme(Protocol):
     @property
     def weights(self) -> tuple[float, ...]:
         """Weights of past forces, latest first, in the mean load of a step; none when the load is iterated."""
-        ...
 
     @property
     def needs_rollback(self) -> bool:
         """True if steps are taken back, for which the rope must save and restore its state."""
-        ...
 
     @property
     def needs_added_mass(self) -> bool:
         """True if the rope must give its added mass."""
-        ...
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """Both partners from t to t + h [s]; when it fails their states may lie anywhere between."""
-        ...

@@ -26,8 +26,7 @@ from .interface import Advance, ExchangeBalance, Load, Memory, Pair, Vector
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
 
-MOST_EXCHANGES = 30
-"""Tries of one step, after which it fails."""
+MOST_EXCHANGES = 30  #: Tries of one step, after which it fails.
 
 
 @dataclass(frozen=True)
@@ -50,27 +49,18 @@ class Iterative:
         return () if self.held else (1.0,)
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """Repeat the exchange until it converges."""
-        drive, rope = pair.drive.save(), pair.rope.save()
-        try:
-            return self._iterate(pair, memory, t, h, (drive, rope))
-        finally:
-            pair.rope.free(rope)
-
-    def _iterate(self, pair: Pair, memory: Memory, t: float, h: float, start: tuple[object, object]) -> Advance:
-        force = memory.last.force
+        before, force = pair.save(), memory.last.force
         _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.held else 2, h)
         x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)
         accelerator = self._accelerator(pair)
         for tried in range(MOST_EXCHANGES):
             if tried:
-                pair.drive.restore(start[0])
-                pair.rope.restore(start[1])
+                pair.restore(before)
             load = Load.constant(x) if self.held else Load.through(force, *np.split(x, 2))
             balance = ExchangeBalance(pair, load)
-            if cause := pair.drive_then_rope(t, h, load):
+            if cause := pair.step(t, h, load):
                 return Advance(memory, cause)
-            end, mean = pair.rope.forces()
+            end, mean = pair.forces()
             answer = self._unknown(mean, end)
             change = float(np.max(np.abs(answer - x)))
             if change <= self.tolerance:

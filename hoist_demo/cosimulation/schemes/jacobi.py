@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .extrapolation import Extrapolated, extrapolation_coefficients
-from .interface import Advance, ExchangeBalance, Load, Memory, Motion, Pair
+from .interface import Advance, ExchangeBalance, InterfaceMotion, Load, Memory, Pair
 
 
 @dataclass(frozen=True)
@@ -23,18 +23,17 @@ class Jacobi(Extrapolated):
     """Forces and accelerations extrapolated to `order` 0, 1 or 2; of the order `order` + 1 in H."""
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """One exchange."""
         start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
         c0, c1, c2 = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
         load = Load(start, rise, bend, np.zeros_like(start))
         now, balance = pair.drive.motion(load, 0.0), ExchangeBalance(pair, load)
-        expected = Motion(
+        expected = InterfaceMotion(
             now.place + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
             now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
             c0 + c1 + c2,
         )
-        cause = pair.drive.step(t, h, load) or pair.rope.step(t, h, expected)
+        cause = pair.drive.step(t, h, load) or pair.step_rope(t, h, expected)
         if cause:
             return Advance(memory, cause)
-        sample = pair.sample_at(t + h, Load.constant(pair.rope.forces()[0]))
+        sample = pair.sample_at(t + h, Load.constant(pair.forces()[0]))
         return Advance(memory.with_sample(sample, balance.residual(sample.mean)))

@@ -24,7 +24,6 @@ class SemiImplicit(Extrapolated):
     needs_added_mass: bool = True
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        """One exchange."""
         added = pair.added_mass()
         force = extrapolation_coefficients(memory.samples, "force", self.order, h)
         acceleration = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)

@@ -13,20 +13,20 @@ axial wave in the leg it is larger than either. The hoist's own springs are left
 
 from __future__ import annotations
 
+import logging
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from .interface import Motion, Pair, Scheme, Vector
+from .interface import InterfaceMotion, Load, Memory, Pair, Scheme, Vector
 from .semi_implicit import SemiImplicit
 
-MEMORY = 48
-"""Steps for which the rope's answer is followed."""
-PULSE = 0.05
-"""Acceleration of the trial [m/s^2]."""
-MARGIN = 1.01
-"""Growth per step from which the user is warned: below, the rope's damping beyond its memory decides."""
+_log = logging.getLogger(__name__)
+
+MEMORY = 48  #: Steps for which the rope's answer is followed.
+PULSE = 0.05  #: Acceleration of the trial [m/s^2].
+MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope's damping beyond its memory decides.
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,34 @@ class StabilityEstimate:
         )
 
 
-def measure_response(pair: Pair, t: float, H: float, at_rest: Motion) -> tuple[Vector, str]:
+def predict_stability(
+    scheme: Scheme, name: str, pair: Pair, memory: Memory, t: float, H: float
+) -> StabilityEstimate | None:
+    """Predict the stability of the scheme by trial steps of the rope at rest, which are taken back.
+
+    None if it is unknown, ValueError if the rope lacks what the scheme needs.
+    """
+    if scheme.needs_added_mass:
+        pair.added_mass()
+    if pair.rope.save() is None:
+        if scheme.needs_rollback:
+            raise ValueError(
+                f"scheme = '{name}' takes steps back, but this rope cannot save its state: take semi-implicit-1 "
+                "or gauss-seidel-1, or an FMU with canGetAndSetFMUstate"
+            )
+        return None
+    here = pair.drive.motion(Load.constant(memory.last.force), 1.0)
+    answer, cause = measure_response(pair, t, H, here)
+    if cause:
+        _log.info("the coupling's stability is not known: %s", cause)
+        return None
+    seen = estimate_stability(scheme, answer, pair.drive.mobility())
+    if warning := seen.warning(name, H):
+        _log.warning("%s", warning)
+    return seen
+
+
+def measure_response(pair: Pair, t: float, H: float, at_rest: InterfaceMotion) -> tuple[Vector, str]:
     """Masses m_j, (MEMORY, n) [kg], of ends that are held, and the cause where that fails; the rope is taken back.
 
     All ends get their pulse at once, alternately up and down, so that the loop stays where it is. What the rope does
@@ -67,19 +94,18 @@ def measure_response(pair: Pair, t: float, H: float, at_rest: Motion) -> tuple[V
     return (answer[0] - answer[1]) / sign, ""
 
 
-def _pushed(pair: Pair, t: float, H: float, at_rest: Motion, pulse: Vector, forces: Vector) -> str:
+def _pushed(pair: Pair, t: float, H: float, at_rest: InterfaceMotion, pulse: Vector, forces: Vector) -> str:
     """Put into `forces` what a rope answers to a pulse; the cause where it fails."""
     snapshot = pair.rope.save()
     try:
         for k in range(MEMORY):
             way = pulse * H * H * (k + 0.5)
-            if cause := pair.rope.step(t + k * H, H, Motion(at_rest.place + way, pulse * H, pulse * (k == 0))):
+            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest.place + way, pulse * H, pulse * (k == 0))):
                 return cause
-            forces[k] = pair.rope.forces()[0]
+            forces[k] = pair.forces()[0]
         return ""
     finally:
-        pair.rope.restore(snapshot)
-        pair.rope.free(snapshot)
+        pair.restore_rope(snapshot)
 
 
 def growth(scheme: Scheme, answer: Vector, mass: float) -> float:

@@ -11,8 +11,7 @@ from hoist_demo.report.html.page import Row, number, unit_text
 
 _NO_UNIT = "-"
 
-Table = tuple[str, list[Row]]
-"""Title and rows."""
+Table = tuple[str, list[Row]]  #: Title and rows.
 
 
 def tables(data: Mapping[str, object], statuses: Mapping[str, str]) -> list[Table]:

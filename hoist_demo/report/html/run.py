@@ -7,33 +7,26 @@ from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.result import Result
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.guards import guard_trip
-from hoist_demo.recording.jams import told_of_jams
-from hoist_demo.recording.passages import PASSED, passages
-from hoist_demo.recording.slip import told_of_slip
+from hoist_demo.recording.incidents import guard_trip, told_of_jams, told_of_slip
+from hoist_demo.recording.passages import FAR, PASSED, passages
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
-from hoist_demo.report import events
-from hoist_demo.report.html import packing, page, panels, parameter_tables
-from hoist_demo.report.html.along import along
-from hoist_demo.report.html.shaft import drawn_shaft
+from hoist_demo.report import panels
+from hoist_demo.report.html import packing, page, parameter_tables
+from hoist_demo.report.html.packing import along
 from hoist_demo.report.rows import WARNING, SummaryRow
 from rope_model.texts import html_text
 
-MOST_TIMES = 2000
-"""Points of a time plot: twice what a laptop's screen resolves; peaks are kept."""
+MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
 
-MOST_FRAMES = 600
-"""Positions of the rope; the browser interpolates between them."""
+MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 
-NONE_KNOWN: Mapping[str, object] = {}
-"""Parameters of a rope of which none are known."""
+NONE_KNOWN: Mapping[str, object] = {}  #: Parameters of a rope of which none are known.
 
 NO_PICTURES: Mapping[str, Path] = {}
 
-SHAPE_RESOLUTION = 1e-4
-"""Error that packing may bring into a point of the rope [m]."""
+SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
 
 
 def run_report(
@@ -97,9 +90,9 @@ def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
         "panels": [_panel(panel, recording) for panel in shown],
-        "marks": [{"t": mark.t, "label": mark.label} for mark in events.marks(result, winding)],
-        "transformations": events.transformations(recording),
-        "slips": {end: events.slips(recording, end) for end in ("left", "right")},
+        "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result, winding)],
+        "transformations": panels.transformations(recording),
+        "slips": {end: panels.slips(recording, end) for end in ("left", "right")},
         "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
         "locked": list(locked),
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
@@ -147,3 +140,33 @@ def _curve(recording: Recording) -> Mapping[str, object]:
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},
     }
     return {"rope": rope, "along": along(recording)}
+
+
+Drawn = Mapping[str, object]
+
+_GROUPS = {
+    "lining": ("width", "depth", "rounding", "x", "z"),
+    "conveyance": ("width", "depth", "height", "above"),
+    "head_ropes": ("diameter", "row"),
+    "guard": ("rise", "rise_y", "window", "window_y"),
+}
+_DIVIDER = ("size", "y", "offset", "direction", "rounding")
+
+
+def drawn_shaft(parameters: Mapping[str, object], recording: Recording) -> Drawn:
+    """Sizes by part, from the rope's parameters by FMI name; what is not there has none, or the size 0."""
+    values = {name: float(x) for name, x in parameters.items() if isinstance(x, int | float)}
+
+    def part(group: str, names: tuple[str, ...]) -> dict[str, float]:
+        return {name: values.get(f"{group}.{name}", 0.0) for name in names}
+
+    level = values.get("sump.level", -FAR)
+    dividers = [part(f"divider_{k}", _DIVIDER) for k in (1, 2, 3, 4)]
+    trip = guard_trip(recording)
+    return {
+        **{group: part(group, names) for group, names in _GROUPS.items()},
+        "dividers": [divider for divider in dividers if divider["size"] > 0.0],
+        "floor": level if level > -FAR else None,
+        "far": FAR,
+        "trip": None if trip is None else {"t": trip.t, "cause": trip.cause},
+    }

@@ -39,7 +39,8 @@ def study_report(
     `more` are tables of the data.
     """
     path = Path(path)
-    parameters, best = _check_columns(table, meta)
+    parameters, asked = [str(name) for name in meta.get("parameters", ())], meta.get("best")
+    best = None if asked is None else (str(asked["metric"]), str(asked["sense"]))
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values, units = _in_engineering_units(
         {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
@@ -111,26 +112,6 @@ def _warned(table: pd.DataFrame) -> str:
         return ""
     runs = [k + 1 for k, text in enumerate(table[WARNINGS]) if isinstance(text, str) and text]
     return f" Of {_listed(runs)} there are warnings, the last column of the table." if runs else ""
-
-
-def _check_columns(table: pd.DataFrame, meta: Mapping[str, Any]) -> tuple[list[str], tuple[str, str] | None]:
-    """Parameters, and metric and sense of the best run, once they are known to fit the table."""
-    have = ", ".join(str(name) for name in table.columns)
-    for name in (STATUS, CAUSE):
-        if name not in table.columns:
-            raise ValueError(f"the study's table has no column '{name}' but {have}: add it")
-    parameters = [str(name) for name in meta.get("parameters", ())]
-    for name in parameters:
-        if name not in table.columns:
-            raise ValueError(f"meta['parameters'] names '{name}', which is no column of {have}: correct the name")
-    if meta.get("best") is None:
-        return parameters, None
-    metric, sense = str(meta["best"]["metric"]), str(meta["best"]["sense"])
-    if metric not in table.columns:
-        raise ValueError(f"meta['best'] names '{metric}', which is no column of {have}: correct the name")
-    if sense not in ("min", "max"):
-        raise ValueError(f"meta['best']['sense'] = '{sense}' must be 'min' or 'max': choose one")
-    return parameters, (metric, sense)
 
 
 def _best(table: pd.DataFrame, causes: Sequence[str], best: tuple[str, str] | None) -> int | None:

@@ -1,6 +1,6 @@
 /* rope_model.simulation.ends.ends: checks of the motions that a host gives, and the swivels' friction. */
 
-#include "cases.h"
+#include "rules.h"
 
 enum { YAW = 3, AXES = 4 };
 /* of the conveyance's yaw in theta */

@@ -1,6 +1,6 @@
 /* Stick and slip: rope_model.simulation.ends.switching, which see. */
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* event function of one swivel */

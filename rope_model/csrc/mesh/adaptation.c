@@ -1,6 +1,6 @@
 /* Changes of the rope's description that leave the rope as it is: rope_model.simulation.mesh.adaptation, which see. */
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* a transformed rope with its energy change in the energy_balance */

@@ -2,7 +2,7 @@
 
 #include <limits.h>
 
-#include "cases.h"
+#include "rules.h"
 
 static const int LONGER[] = LEG_LENGTHS;
 enum { LENGTHS = sizeof LONGER / sizeof *LONGER };

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* of the loop against its ends */

@@ -1,6 +1,6 @@
 /* One step of the rope, as long as errors and events allow: rope_model.simulation.stepping.stepping. */
 
-#include "cases.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* a Newton iteration, by its status */

@@ -11,7 +11,7 @@ from ...physics.outline import suspension_points
 from ...physics.shaft import KINDS, Body
 from ...shaft_parameters import FAR, Shaft
 from ..messages import messages
-from ..messages.cases import Cases, first_text
+from ..messages.rules import Rules, first_text
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies that stand
@@ -71,7 +71,7 @@ def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
 
 
 #: why a rope finds no rest where bodies hold it
-NO_ROOM: Cases = {messages.end_in_lining: _in_lining, messages.end_below_floor: _below_floor}
+NO_ROOM: Rules = {messages.end_in_lining: _in_lining, messages.end_below_floor: _below_floor}
 
 
 def no_room(scene: Any, fidelity: Any, left: Any, right: Any) -> str:

@@ -1,4 +1,4 @@
-"""Friction of a swivel in each phase, and the end of a phase; codegen.cases makes the C of it.
+"""Friction of a swivel in each phase, and the end of a phase; codegen.rules makes the C of it.
 
 ``now`` is the swivel's SwivelState, ``held`` the moment (N m) by which the conveyance would hold the rope's end, and
 ``rate`` that of the swivel's angle (rad/s).

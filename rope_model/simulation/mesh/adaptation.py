@@ -14,7 +14,7 @@ from ..ends.ends import right_offset
 from ..ends.paths import ends_at
 from ..fidelity import lowest_sufficient
 from ..messages import fidelity_messages
-from ..messages.fidelity_cases import carries_torque
+from ..messages.fidelity_rules import carries_torque
 from ..model import RopeModel, ends_of, energies, with_angles_along
 from ..rigid import flexible_start, with_elastic_strain
 from ..rope_system import POSITION, SLOPE, Evaluation

@@ -1,4 +1,4 @@
-"""The pattern of TMN-ETM: how long its segments are, and when it moves on; codegen.cases makes the C of it.
+"""The pattern of TMN-ETM: how long its segments are, and when it moves on; codegen.rules makes the C of it.
 
 ``counts`` are the elements of the segments II to VI, lengths are in units of l.  A ``pattern`` has the counts of all
 seven segments, 0 for EEM, and l as ``coarse``, 0 for EEM.

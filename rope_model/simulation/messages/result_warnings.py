@@ -33,13 +33,13 @@ from ..outputs.diagnostics import direction
 from ..outputs.neglected_effects import neglected_text
 from ..rope_system import ANGLE
 from ..state import RopeState
-from . import warning_cases, warning_messages
-from .cases import first_text
+from . import warning_messages, warning_rules
+from .rules import first_text
 
 
 def neglected_effects(scene: Scene, state: RopeState) -> str:
     """'' where the fidelity computes all that the rope does; otherwise which outputs are 0 and no results."""
-    return neglected_text(state.fidelity) if warning_cases.leaves_out(scene, state) else ""
+    return neglected_text(state.fidelity) if warning_rules.leaves_out(scene, state) else ""
 
 
 def passed_bodies(scene: Scene, state: RopeState) -> str:
@@ -58,22 +58,22 @@ def passed_bodies(scene: Scene, state: RopeState) -> str:
 
 def leg_contact(scene: Scene, state: RopeState) -> str:
     """'' while the legs hang, and have hung, free of each other; otherwise how they do not."""
-    return first_text(warning_cases.LEG_CONTACT, scene, state, _yaw(state))
+    return first_text(warning_rules.LEG_CONTACT, scene, state, _yaw(state))
 
 
 def yaw_at_rest(scene: Scene, state: RopeState) -> str:
     """'' unless the loop hangs yawed at rest; then by how much, and which datum turns it."""
     yaw = _yaw(state)
-    if not warning_cases.yawed_far_at_rest(scene, state, yaw):
+    if not warning_rules.yawed_far_at_rest(scene, state, yaw):
         return ""
-    source = first_text(warning_cases.TORQUE_SOURCE, scene, _end_twist(state))
-    return warning_messages.yawed_at_rest(yaw, warning_cases.YAWED_FAR, source)
+    source = first_text(warning_rules.TORQUE_SOURCE, scene, _end_twist(state))
+    return warning_messages.yawed_at_rest(yaw, warning_rules.YAWED_FAR, source)
 
 
 def unfit_inputs(scene: Scene, state: RopeState) -> str:
     """Return '' while the given motions fit; otherwise their likely fault, and a cure."""
     for side, following in zip(SIDES, state.following, strict=True):
-        if told := first_text(warning_cases.INPUTS, scene, following, state.last_interval):
+        if told := first_text(warning_rules.INPUTS, scene, following, state.last_interval):
             return warning_messages.of_end(side, told)
     return ""
 
@@ -93,16 +93,16 @@ def _end_twist(state: RopeState) -> float:
 #: in the order of rope_warning in rope.h
 WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "passed_bodies": passed_bodies,
-    "passed_sides": partial(first_text, warning_cases.PASSED_SIDES),
+    "passed_sides": partial(first_text, warning_rules.PASSED_SIDES),
     "neglected_effects": neglected_effects,
     "leg_contact": leg_contact,
     "yaw_at_rest": yaw_at_rest,
-    "other_rests": partial(first_text, warning_cases.OTHER_RESTS),
-    "missing_loads": partial(first_text, warning_cases.MISSING_LOADS),
-    "unresolved_waves": partial(first_text, warning_cases.UNRESOLVED_WAVES),
-    "unresolved_bend": partial(first_text, warning_cases.UNRESOLVED_BEND),
-    "accuracy_given_up": partial(first_text, warning_cases.ACCURACY_GIVEN_UP),
-    "blind_guards": partial(first_text, warning_cases.BLIND_GUARDS),
-    "no_air": partial(first_text, warning_cases.NO_AIR),
+    "other_rests": partial(first_text, warning_rules.OTHER_RESTS),
+    "missing_loads": partial(first_text, warning_rules.MISSING_LOADS),
+    "unresolved_waves": partial(first_text, warning_rules.UNRESOLVED_WAVES),
+    "unresolved_bend": partial(first_text, warning_rules.UNRESOLVED_BEND),
+    "accuracy_given_up": partial(first_text, warning_rules.ACCURACY_GIVEN_UP),
+    "blind_guards": partial(first_text, warning_rules.BLIND_GUARDS),
+    "no_air": partial(first_text, warning_rules.NO_AIR),
     "unfit_inputs": unfit_inputs,
 }

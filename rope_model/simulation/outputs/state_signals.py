@@ -1,4 +1,4 @@
-"""Outputs that the state remembers, each as a formula of the state: codegen.cases makes the C of them."""
+"""Outputs that the state remembers, each as a formula of the state: codegen.rules makes the C of them."""
 
 from __future__ import annotations
 

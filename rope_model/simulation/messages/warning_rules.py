@@ -1,4 +1,4 @@
-"""Cases of warnings that numbers decide: tables for simulation.messages.result_warnings and its C."""
+"""Rules of warnings that numbers decide: tables for simulation.messages.result_warnings and its C."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from ..outputs.audit import (
     signal_values,
 )
 from . import warning_messages
-from .cases import Cases
-from .fidelity_cases import carries_torque
+from .fidelity_rules import carries_torque
+from .rules import Rules
 
 #: rad: yaw of a loop that is turned over
 HALF_A_TURN = math.pi
@@ -215,44 +215,44 @@ def _accuracy_given_up(scene: Any, state: Any) -> tuple[Any, ...]:
     return given_up > 0, given_up, state.given_up_since, scene.solver.work_max
 
 
-PASSED_SIDES: Cases = {
+PASSED_SIDES: Rules = {
     warning_messages.sides_passed: _sides_passed,
     warning_messages.sides_passed_in_spite: _sides_passed_in_spite,
 }
-LEG_CONTACT: Cases = {
+LEG_CONTACT: Rules = {
     warning_messages.turned_around: _turned_around,
     warning_messages.legs_touch: _legs_touch,
     warning_messages.legs_press: _legs_press,
 }
-TORQUE_SOURCE: Cases = {
+TORQUE_SOURCE: Rules = {
     warning_messages.torque_of_coupling: _torque_of_coupling,
     warning_messages.torque_of_curvature: _torque_of_curvature,
     warning_messages.torque_of_twist: _torque_of_twist,
     warning_messages.torque_of_ends: _torque_of_ends,
 }
-OTHER_RESTS: Cases = {warning_messages.other_rests: _other_rests}
-MISSING_LOADS: Cases = {
+OTHER_RESTS: Rules = {warning_messages.other_rests: _other_rests}
+MISSING_LOADS: Rules = {
     warning_messages.forces_missing: _forces_missing,
     warning_messages.moments_missing: _moments_missing,
 }
-UNRESOLVED_WAVES: Cases = {warning_messages.waves_unresolved: _waves_unresolved}
-UNRESOLVED_BEND: Cases = {
+UNRESOLVED_WAVES: Rules = {warning_messages.waves_unresolved: _waves_unresolved}
+UNRESOLVED_BEND: Rules = {
     warning_messages.bend_unresolved: _bend_unresolved,
     warning_messages.loop_unresolved: _loop_unresolved,
 }
-LONG_EXTRAPOLATION: Cases = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
-NO_AIR: Cases = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
+LONG_EXTRAPOLATION: Rules = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
+NO_AIR: Rules = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
 #: the guard that needs most of the model comes first: a model that serves it serves the others
-BLIND_GUARDS: Cases = {
+BLIND_GUARDS: Rules = {
     warning_messages.no_torque_to_guard: _no_torque_to_guard,
     warning_messages.no_turns_to_guard: _no_turns_to_guard,
     warning_messages.no_swing_to_guard: _no_swing_to_guard,
     warning_messages.no_rise_to_guard: _no_rise_to_guard,
 }
-ACCURACY_GIVEN_UP: Cases = {warning_messages.accuracy_given_up: _accuracy_given_up}
+ACCURACY_GIVEN_UP: Rules = {warning_messages.accuracy_given_up: _accuracy_given_up}
 
 #: cases of the inputs of an end
-INPUTS: Cases = {
+INPUTS: Rules = {
     warning_messages.positions_rounded: _positions_rounded,
     warning_messages.samples_repeated: _samples_repeated,
     warning_messages.table_too_coarse: _table_too_coarse,

@@ -23,7 +23,7 @@ from ...physics.inextensible import lowest, pull
 from ..contact.bodies import may_touch
 from ..ends.paths import EndMotion
 from . import fidelity_messages
-from .cases import Cases
+from .rules import Rules
 
 #: inputs that turn a rope whose swivels hold, that act out of the plane, and that move the ends along it
 TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az"), ("vx", "ax")
@@ -121,9 +121,9 @@ def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any,
 
 
 #: why a rope carries torque
-TORQUE: Cases = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted: _twisted}
+TORQUE: Rules = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted: _twisted}
 #: why a scene needs the complete model wherever its ends are; ``forces`` are applied to so many places of the rope
-COMPLETE: Cases = {
+COMPLETE: Rules = {
     fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
     fidelity_messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
     fidelity_messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
@@ -132,10 +132,10 @@ COMPLETE: Cases = {
     fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),
 }
 #: what 'auto' does not leave to a fidelity that leaves out no input
-UNSUPPORTED: Cases = {
+UNSUPPORTED: Rules = {
     fidelity_messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
     fidelity_messages.errs_too_much: _errs_too_much,
     fidelity_messages.would_go_slack: _would_go_slack,
 }
 #: why a fidelity below the complete one serves; without torque the planar one does, but for the rigid one
-SUFFICIENT: Cases = {fidelity_messages.no_torque: _no_torque, fidelity_messages.errs_little: _errs_little}
+SUFFICIENT: Rules = {fidelity_messages.no_torque: _no_torque, fidelity_messages.errs_little: _errs_little}

@@ -1,0 +1,168 @@
+"""Description of an FMU, read without loading it: variables with unit, type and bounds, and its files.
+
+FMI 3.0 has arrays, and a type for each width of a number. Here a variable has the type that FMI 2.0 would give it, and
+an array's elements have their names of FMI 2.0: shape.x[1] ...
+"""
+
+from __future__ import annotations
+
+import atexit
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any, NamedTuple
+from zipfile import BadZipFile, ZipFile
+
+import fmpy
+from fmpy.model_description import ValidationError
+
+from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
+from hoist_demo.recording.fidelity import FIDELITY
+from rope_model.scene_names import choices_of
+
+FMI_VERSIONS = ("2.0", "3.0")  #: Versions of FMI that the host drives, as model descriptions state them.
+_KINDS = {"Enumeration": "Integer"}
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """A variable as the model description states it; an array is one variable."""
+
+    name: str
+    reference: int
+    causality: str
+    type: str  # as its version of FMI calls it
+    kind: str  # Real, Integer, Enumeration, Boolean, String, or another that no rope has
+    unit: str  # as FMI spells it, "" where there is none
+    elements: tuple[str, ...]  # names of an array's elements; else its own name
+    starts: tuple[Value, ...]  # of the elements, or none
+    minimum: float | None
+    maximum: float | None
+    items: Mapping[str, int]  # of an enumeration
+
+
+def variables_of(description: Any) -> tuple[Variable, ...]:
+    """The variables of FMPy's model description."""
+    return tuple(_variable(v) for v in description.modelVariables)
+
+
+def _variable(stated: Any) -> Variable:
+    kind, declared = _kind(stated.type), stated.declaredType
+    ranges = [range(1, length + 1) for length in stated.shape]
+    places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
+    texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)
+    items = {item.name: int(item.value) for item in declared.items} if kind == "Enumeration" else {}
+    low, high = (min(items.values()), max(items.values())) if items else (stated.min, stated.max)
+    return Variable(
+        name=stated.name,
+        reference=int(stated.valueReference),
+        causality=stated.causality,
+        type=stated.type,
+        kind=kind,
+        unit=str(stated.unit or (declared.unit if declared is not None else None) or ""),
+        elements=tuple(stated.name + place for place in places),
+        starts=tuple(_value(kind, text) for text in texts),
+        minimum=None if low is None else float(low),
+        maximum=None if high is None else float(high),
+        items=items,
+    )
+
+
+def _kind(declared: str) -> str:
+    """FMI 2.0's word for a type of either version."""
+    if declared.startswith("Float"):
+        return "Real"
+    return "Integer" if declared.startswith(("Int", "UInt")) else declared
+
+
+def _value(kind: str, text: str) -> Value:
+    if kind == "Real":
+        return float(text)
+    if kind in ("Integer", "Enumeration"):
+        return int(text)
+    return text in ("true", "1") if kind == "Boolean" else text
+
+
+@lru_cache(maxsize=8)
+def unpacked(path: Path, changed: int, size: int) -> Path:
+    """Folder with the files of an FMU that was changed last at that time [ns], for this process and until it ends."""
+    directory = Path(fmpy.extract(str(path), include=_serves_to_run))
+    atexit.register(shutil.rmtree, directory, ignore_errors=True)
+    return directory
+
+
+def _serves_to_run(file: str) -> bool:
+    """Return True if an instance may read this file of the archive."""
+    return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
+
+
+def read_parameters(path: Path) -> dict[str, Parameter]:
+    """All parameters of the FMU by name."""
+    return parameters_of(read_fmu(path).variables)
+
+
+def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
+    """All parameters among the variables by name, each element of an array on its own."""
+    return {
+        name: Parameter(
+            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, v.minimum, v.maximum, choices_of(name)
+        )
+        for v in variables
+        if v.causality == "parameter"
+        for name, start in zip(v.elements, v.starts, strict=True)
+    }
+
+
+def read_outputs(path: Path) -> tuple[str, ...]:
+    """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
+    outputs = [v for v in read_fmu(path).variables if v.causality == "output"]
+    return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
+
+
+def fmi_version(path: Path) -> str:
+    """The version of FMI that the FMU is of."""
+    return str(read_fmu(path).description.fmiVersion)
+
+
+class Fmu(NamedTuple):
+    """Contents of an FMU's description."""
+
+    description: Any  # FMPy's
+    variables: tuple[Variable, ...]
+
+
+def read_fmu(path: Path) -> Fmu:
+    """Model description of an FMU that this host can drive."""
+    if not path.is_file():
+        raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
+    return _read(*version_of(path))
+
+
+def version_of(path: Path) -> tuple[Path, int, int]:
+    """A file as it is now: its place, when it was changed last [ns], and its number of bytes."""
+    seen = path.stat()
+    return path.resolve(), seen.st_mtime_ns, seen.st_size
+
+
+@lru_cache(maxsize=8)  # a study reads the same file for every run
+def _read(path: Path, changed: int, size: int) -> Fmu:
+    """Read a file in one version."""
+    try:
+        with ZipFile(path) as archive:
+            if "modelDescription.xml" not in archive.namelist():
+                system = "SystemStructure.ssd" in archive.namelist()
+                what = "a system of FMUs (SSP)" if system else "an archive without modelDescription.xml"
+                raise ValueError(f"'{path}' must be an FMU, it is {what}: give the rope's .fmu")
+        description = fmpy.read_model_description(str(path))
+    except (ValidationError, BadZipFile) as error:
+        raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
+    if description.coSimulation is None or description.fmiVersion not in FMI_VERSIONS:
+        kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
+        raise ValueError(
+            f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; this host drives co-simulation of FMI "
+            f"{' and '.join(FMI_VERSIONS)}: give the FMU of `balance-rope export`, or run with --in-process"
+        )
+    return Fmu(description, variables_of(description))

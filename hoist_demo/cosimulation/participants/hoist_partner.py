@@ -1,0 +1,135 @@
+"""The hoist as the partner of a coupling that gives motions.
+
+The coordinates of the exchange are the heights of the left and the right end; the rope's answer to them are its
+vertical forces. Everything else of the ends' motion follows the drive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from hoist_demo.cosimulation.schemes.interface import ENDS, InterfaceMotion, Load, Stopwatch, Vector
+from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
+from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
+from rope_model import EndMotion
+
+_PLACE, _SPEED, _ACCELERATION = (slice(SHOWN[f"{name}_left"], SHOWN[f"{name}_right"] + 1) for name in "yva")
+#: Places of the forces in a path of the drive's input.
+_START, _RISE, _BEND = (slice(k * len(INPUT_NAMES) + FORCES[0], k * len(INPUT_NAMES) + FORCES[1] + 1) for k in range(3))
+
+
+#: The controller's k-th command within a step, torque [N m] and brake: of k, time [s] and what the hoist shows then.
+NextCommand = Callable[[int, float, Vector], tuple[float, float]]
+
+
+class HoistPartner:
+    """The hoist as a coupling's drive; `command` is to be given between steps."""
+
+    def __init__(self, plant: HoistPlant, state: PlantState, held: Vector, clock: Stopwatch) -> None:
+        """`held` is the input that acts at the start, in the order of INPUT_NAMES."""
+        self.plant, self.state = plant, state
+        self.per_step = 1  # samples of the controller in a step
+        self.next_command: NextCommand | None = None  # where there are several
+        self._first = (0.0, 0.0)  # command of a step, torque and brake
+        self.input = held  # that acts now, forces included
+        self._path = np.concatenate([held, np.zeros(2 * held.size)])  # of the next step
+        self._clock = clock
+        self._shown: Vector | None = None  # under the input
+        self._done: tuple[Load, InterfaceMotion] | None = None  # load of the last step, and the motion at its end
+
+    def command(self, torque: float, brake: float, sides: Vector) -> None:
+        """Set what acts besides the vertical forces from now on: the command and the rope's side forces."""
+        self._path[_TORQUE], self._path[_BRAKE], self._path[_SIDES] = torque, brake, sides
+        self._first = torque, brake
+        self._done = None
+
+    def step(self, t: float, h: float, load: Load) -> str:
+        """One step under the load; a constant one is held to the bit."""
+        with self._clock:
+            moved = self._moved(h, load) if self.next_command is None else self._sampled(t, h, load, self.next_command)
+            if not moved.valid:
+                return f"t = {t:.6g} s: {moved.message}"
+            self.state, self.input, self._shown = moved.state, moved.acting, moved.shown
+            self._done = load, _motion(moved.shown)
+        return ""
+
+    def _moved(self, h: float, load: Load) -> PlantStep:
+        """The step under one command."""
+        return self.plant.advance(self.state, h, self._under(load), load.added_mass)
+
+    def _sampled(self, t: float, h: float, load: Load, next_command: NextCommand) -> PlantStep:
+        """The step under several commands, the first again where it is repeated."""
+        number, path, added = self.per_step, self._under(load), load.added_mass
+        path[_TORQUE], path[_BRAKE] = self._first
+        moved = self.plant.advance(self.state, h, path, added, 0.0, 1.0 / number)
+        for k in range(1, number):
+            if not moved.valid:
+                break
+            path[_TORQUE], path[_BRAKE] = next_command(k, t + k * h / number, moved.shown)
+            moved = self.plant.advance(moved.state, h, path, added, k / number, (k + 1) / number)
+        return moved
+
+    @property
+    def outputs(self) -> Vector:
+        """Return the present OUTPUTS."""
+        if self._shown is None:
+            path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
+            _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
+        return self._shown
+
+    def place(self) -> Vector:
+        return self.outputs[_PLACE]
+
+    def motion(self, load: Load, s: float) -> InterfaceMotion:
+        if self._done is not None and self._done[0] is load and s == 1.0:
+            return self._done[1]
+        with self._clock:
+            _, shown = self.plant.loads_and_outputs(self.state, self._under(load), load.added_mass, s)
+        return _motion(shown)
+
+    def mobility(self) -> Vector:
+        return self.plant.mobility(self.state)
+
+    def work(self) -> float:
+        """Work of one balance rope's forces on the hoist [J]."""
+        works = self.state.works
+        return (works.item(_LEFT_WORK) + works.item(_RIGHT_WORK)) / self.plant.hoist.tail_rope_number
+
+    def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
+        """Motion of the rope's ends; conveyances without play rest to the sides."""
+        (y_left, y_right), (v_left, v_right) = motion.place.tolist(), motion.speed.tolist()
+        a_left, a_right = motion.acceleration.tolist()
+        left, right = self.outputs[_ASIDE].tolist() if self.plant.hoist.play is not None else _AT_REST
+        return _end(left, y_left, v_left, a_left), _end(right, y_right, v_right, a_right)
+
+    def save(self) -> tuple[PlantState, Vector]:
+        return self.state, self.input
+
+    def restore(self, snapshot: tuple[PlantState, Vector]) -> None:
+        self.state, self.input = snapshot
+        self._shown = self._done = None
+
+    def _under(self, load: Load) -> Vector:
+        """The path of a step."""
+        self._path[_START], self._path[_RISE], self._path[_BEND] = load.start, load.rise, load.bend
+        return self._path
+
+
+def _end(aside: Sequence[float], y: float, vy: float, ay: float) -> EndMotion:
+    x, z, vx, vz, ax, az, yaw, yaw_rate = aside
+    return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+
+
+def _motion(shown: Vector) -> InterfaceMotion:
+    return InterfaceMotion(shown[_PLACE], shown[_SPEED], shown[_ACCELERATION])
+
+
+_ASIDE = np.array(
+    [[SHOWN[f"{name}_{end}"] for name in ("x", "z", "vx", "vz", "ax", "az", "yaw", "yaw_rate")] for end in ENDS]
+)
+_AT_REST = ((0.0,) * 8,) * 2
+_LEFT_WORK, _RIGHT_WORK = (WORK_NAMES.index(end) for end in ENDS)
+_TORQUE, _BRAKE, _SIDES = INPUT_NAMES.index("torque_command"), INPUT_NAMES.index("brake"), slice(4, 10)

@@ -1,0 +1,205 @@
+"""What a run was stopped by, or should have been: guards, jams, slack head ropes and slip, and how it went on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hoist_demo.recording.passages import BODIES
+from hoist_demo.recording.time_series import Array, Recording
+from rope_model import GUARD_CAUSES
+
+SIDES = ("left", "right")
+
+
+class Jam(NamedTuple):
+    """A conveyance that caught in its guides."""
+
+    side: str
+    t: float  # s, of the first sample that shows it
+    height: float  # m, of the suspension there
+    way: float | None  # m, from there to where it first stood still; None: it went through
+    deceleration: float  # m/s^2, largest change of speed, until then
+
+
+class SlackRopes(NamedTuple):
+    """The head ropes of one side, which were slack."""
+
+    side: str
+    t: float  # s, of the first sample that shows it
+    duration: float  # s, in all
+    length: float  # m, at most
+
+
+def jams(recording: Recording) -> list[Jam]:
+    """One per side at most, the earlier first."""
+    found = []
+    for side in SIDES:
+        name = f"drive.jam_{side}"
+        held = np.flatnonzero(recording[name]) if name in recording else np.array([], dtype=np.intp)
+        if not held.size:
+            continue
+        k = int(held[0])
+        y, vy, ay = (recording[f"conveyance.{side}.{quantity}"][k:] for quantity in ("y", "vy", "ay"))
+        turned = np.flatnonzero(vy * vy[0] <= 0.0)
+        stood = turned.size > 0 and recording[name][k + int(turned[0])] != 0.0
+        last = int(turned[0]) if stood else int(held[-1]) - k
+        way = abs(float(y[last] - y[0])) if stood else None
+        found.append(Jam(side, float(recording.time[k]), float(y[0]), way, float(np.max(np.abs(ay[: last + 1])))))
+    return sorted(found, key=_time)
+
+
+def slack_ropes(recording: Recording) -> list[SlackRopes]:
+    """One per side at most, the earlier first."""
+    found = []
+    for side in SIDES:
+        name = f"drive.slack_{side}"
+        if name in recording and bool(np.any(recording[name] > 0.0)):
+            slack, time = recording[name], recording.time
+            duration = float(np.sum(np.diff(time)[slack[:-1] > 0.0]))
+            found.append(SlackRopes(side, float(time[np.argmax(slack > 0.0)]), duration, float(np.max(slack))))
+    return sorted(found, key=_time)
+
+
+def told_of_jams(recording: Recording) -> str:
+    """All of them as the end of a sentence; "" for none."""
+    told = [f"; the {jam.side} conveyance {_course(jam)} at t = {jam.t:.4g} s" for jam in jams(recording)]
+    told += [
+        f"; the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s on, by "
+        f"{slack.length:.3g} m at most"
+        for slack in slack_ropes(recording)
+    ]
+    return "".join(told)
+
+
+def _time(event: Jam | SlackRopes) -> float:
+    return event.t
+
+
+def _course(jam: Jam) -> str:
+    return "jammed" if jam.way is not None else "was held by a narrow place of its guides, and went through,"
+
+
+SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals that tell it.
+
+ALIKE = "make the two sides more alike in weight"  #: What gives friction more room.
+
+
+class Slip(NamedTuple):
+    """All that the head ropes slid in a run."""
+
+    t: float  # s, of the last sample before they slid
+    way: float  # m, to and fro
+    net: float  # m, of the ropes on the sheave, positive as its rotation
+    speed: float  # m/s, largest
+    duration: float  # s, in all
+    last: float  # m/s, at the end: 0 where they hold again
+
+
+def slip(recording: Recording) -> Slip | None:
+    """None where they held."""
+    if not recording.has(*SLIP_SIGNALS):
+        return None
+    way, time = recording["drive.slip"], recording.time
+    slid = np.flatnonzero(np.diff(way))
+    if not slid.size:
+        return None
+    return Slip(
+        t=float(time[slid[0]]),
+        way=float(np.sum(np.abs(np.diff(way)))),
+        net=float(way[-1] - way[0]),
+        speed=float(np.max(np.abs(recording["drive.slip_speed"]))),
+        duration=float(np.sum(np.diff(time)[slid])),
+        last=float(recording["drive.slip_speed"][-1]),
+    )
+
+
+def largest_ratio(recording: Recording, limit: float) -> float:
+    """Return the largest ratio of the head ropes' tensions [-], at least the limit if they slid between two samples."""
+    largest = float(np.max(recording["drive.tension_ratio"]))
+    return largest if slip(recording) is None else max(largest, limit)
+
+
+def told_of_slip(recording: Recording) -> str:
+    """Return the slip as the end of a sentence; "" if they held."""
+    if (slid := slip(recording)) is None:
+        return ""
+    return (
+        f"; the head ropes slipped {slid.way:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
+        f"{slid.speed:.3g} m/s" + (f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else "")
+    )
+
+
+def held_in_spite(recording: Recording, limit: float) -> str:
+    """Return when real head ropes would have slipped, if the model holds them at this tension ratio; "" for never."""
+    if "drive.tension_ratio" not in recording:
+        return ""
+    ratio = recording["drive.tension_ratio"]
+    beyond = ratio > limit
+    if not bool(beyond.any()):
+        return ""
+    return (
+        f"the head ropes would slip at t = {recording.time[beyond][0]:.5g} s (tension ratio up to {np.max(ratio):.5g}, "
+        f"limit {limit:.5g}); the model lets them hold, so nothing after that instant is a prediction. Let them slip "
+        "(hoist.lining.sliding = 0.8), brake or accelerate more gently (winding.emergency_deceleration, "
+        f"winding.acceleration), or {ALIKE}"
+    )
+
+
+GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope that tell it.
+
+GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
+
+AFTER = 10.0  #: Time after a trip, or a jam, over which it is told what happened [s].
+
+
+class GuardTrip(NamedTuple):
+    """Time and cause of a guard's trip."""
+
+    t: float  # s
+    code: int
+
+    @property
+    def cause(self) -> str:
+        """Cause in a word."""
+        return GUARD_CODES[self.code]
+
+
+def guard_trip(recording: Recording) -> GuardTrip | None:
+    """The trip of a recorded run; None where there was none."""
+    if not recording.has(*GUARD_SIGNALS) or not recording["guard.tripped"].size or recording["guard.tripped"][-1] < 0.5:
+        return None
+    return GuardTrip(float(recording["guard.time"][-1]), int(recording["guard.cause"][-1]))
+
+
+def told(recording: Recording) -> str:
+    """A run's trip as the end of a sentence; "" for none."""
+    trip = guard_trip(recording)
+    return "" if trip is None else f"; its guard tripped at t = {trip.t:.4g} s ({trip.cause})"
+
+
+def after(t: float, recording: Recording) -> list[tuple[str, float, str]]:
+    """Quantity, value and unit of what the rope did at the utmost in the seconds after an instant t [s]."""
+    within = (recording.time >= t) & (recording.time <= t + AFTER)
+    if not bool(within.any()):
+        return []
+
+    def largest(values: Array) -> float:
+        return float(np.max(np.abs(values)))
+
+    asked = (
+        (("loop.rise",), "largest distance of the loop from its quasi-static height", "m", largest),
+        (("loop.sideways",), "largest distance of the loop from midway between the ends", "m", largest),
+        (("loop.turns",), "largest turns of the legs about each other", "", largest),
+        (tuple(f"clearance.{kind}" for kind in BODIES), "smallest clearance from a body", "m", np.min),
+        (("left.swivel.torque", "right.swivel.torque"), "largest torque at a swivel", "N m", largest),
+        (("left.fy", "right.fy"), "largest pull on a conveyance", "N", lambda pull: np.max(-pull)),
+    )
+    found = []
+    for names, quantity, unit, extreme in asked:
+        rows = [recording[name][within] for name in names if name in recording]
+        values = np.concatenate([row[np.isfinite(row)] for row in rows]) if rows else np.array([])
+        if values.size:
+            found.append((quantity, float(extreme(values)), unit))
+    return found

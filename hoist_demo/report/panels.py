@@ -1,0 +1,236 @@
+"""Panels of plots and instants to mark in them, for the pages and the PNG files.
+
+A panel has signals that share a plot. Signals not recorded, and panels without any, are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hoist_demo.cosimulation.drive_signals import exchange_energy
+from hoist_demo.cosimulation.run_state import Result
+from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
+from hoist_demo.recording.passages import BODIES
+from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.report.summary import LOSSES, loses
+
+#: Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
+LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
+
+_DEGREES = 180.0 / math.pi
+
+
+@dataclass(frozen=True)
+class Line:
+    """One curve: factor (signal - signal at the start, where asked for) of the recorded or derived signal."""
+
+    signal: str
+    label: str
+    style: str
+    factor: float = 1.0
+    from_start: bool = False
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One plot over time; `least` is the smallest height of its axis, so that rounding errors stay flat."""
+
+    group: str
+    title: str
+    unit: str
+    lines: tuple[Line, ...]
+    least: float = 0.0
+    limit: tuple[float, str] | None = None
+    steps: bool = False
+
+
+def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
+    """Signals that follow from recorded ones, with their units, by names that begin with `derived.`."""
+    found: dict[str, tuple[Array, str]] = {}
+    if recording.has("reference.position", "conveyance.left.y"):
+        travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+        found["derived.tracking_error"] = recording["reference.position"] - travel, "m"
+        found["derived.reference_height"] = recording["conveyance.left.y"][0] + recording["reference.position"], "m"
+    if hoist.lining is not None and recording.has("drive.rate", "drive.slip_speed"):
+        rim = hoist.sheave_radius * recording["drive.rate"]
+        found["derived.rim_speed"] = rim, "m/s"
+        found["derived.rope_speed"] = rim + recording["drive.slip_speed"], "m/s"
+    if recording.has("drive.work_from_balance_rope", "energy.work_ends"):
+        found["derived.coupling_defect"] = exchange_energy(recording, hoist), "J"
+    return found
+
+
+def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
+    """All panels of which at least one line can be drawn, with those lines only."""
+    # what a fidelity leaves out is NaN throughout
+    shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
+    known = {name for name in shown_at_all if loses(recording, name)} | set(derived_signals(recording, hoist))
+    shown: list[Panel] = []
+    for panel in _all(hoist):
+        lines = tuple(line for line in panel.lines if line.signal in known)
+        if lines:
+            shown.append(replace(panel, lines=lines))
+    return shown
+
+
+def quiet(recording: Recording, panel: Panel) -> bool:
+    """Return True if all recorded signals of a panel keep one value."""
+    return all(line.signal in recording and np.ptp(recording[line.signal]) == 0.0 for line in panel.lines)
+
+
+def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
+    """Return the signal at both ends; `{}` stands for the end."""
+    left, right = (Line(pattern.format(end), end, end, factor) for end in (LEFT, RIGHT))
+    return left, right
+
+
+def _lines(names: dict[str, str], factor: float = 1.0, from_start: bool = False) -> tuple[Line, ...]:
+    """Return lines by signal and label, one style after the other."""
+    return tuple(Line(*item, style, factor, from_start) for item, style in zip(names.items(), "abcde", strict=False))
+
+
+def _followed(quantity: str, component: str) -> tuple[Line, ...]:
+    return *_ends(f"conveyance.{{}}.{component}"), Line(quantity, "reference, left", ASKED)
+
+
+def _all(hoist: Hoist) -> Iterator[Panel]:
+    for group, rows in _panels(hoist).items():
+        for title, unit, lines, *more in rows:
+            yield Panel(group, title, unit, lines, *more)
+
+
+def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
+    """Return the panels by group: title, unit, lines, and the further fields of Panel."""
+    limit, kilo, mega = hoist.tension_ratio_limit, 1e-3, 1e-6
+    slip: list[tuple[Any, ...]] = [
+        ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),
+        ("Speeds at the sheave's rim", "m/s", _lines(_SPEEDS)),
+    ]
+    torque = Line("drive.torque_command", "command", ASKED, kilo), Line("drive.torque", "motor", "a", kilo)
+    ratio = (Line("drive.tension_ratio", "larger / smaller", "b"),)
+    clearances = {f"clearance.{kind}": words for kind, words in BODIES.items()}
+    return {
+        "Winding": [
+            ("Height in the shaft", "m", _followed("derived.reference_height", "y")),
+            ("Speed", "m/s", _followed("reference.speed", "vy")),
+            ("Acceleration", "m/s²", _followed("reference.acceleration", "ay")),
+            ("Tracking error, left", "mm", _lines({"derived.tracking_error": "error"}, 1e3), 1.0),
+        ],
+        "Drive": [
+            ("Motor torque", "kN m", torque),
+            ("Motor power", "kW", _lines({"drive.motor_power": "power"}, kilo)),
+            ("Brake torque on the sheave", "kN m", (Line("drive.brake_torque", "brake", "c", kilo),)),
+            ("Head rope tension at the sheave", "kN", _ends("drive.tension_{}", kilo)),
+            ("Tension ratio on the sheave", "1", ratio, 0.0, (limit, f"ropes slip at exp(µα) = {limit:.2f}")),
+            *(slip if hoist.lining is not None else []),
+        ],
+        "Balance rope": [
+            ("Pull on the conveyances", "kN", _ends("{}.fy", -kilo)),
+            ("Side force on the conveyances, in plane", "N", _ends("{}.fx"), 1.0),
+            ("Moment on the conveyances about the vertical", "N m", _ends("{}.my"), 1.0),
+            ("Lowest point of the loop", "m", _lines({"loop.y": "height"})),
+            ("Lowest point of the loop, sideways", "m", _lines(_SIDEWAYS), 0.02),
+            ("Yaw of the loop", "deg", (Line("loop.yaw", "yaw", "b", _DEGREES),), 0.02),
+            ("Turns of the legs about each other", "1", (Line("loop.turns", "turns", "b"),), 0.01),
+            ("Clearance from what is in the shaft", "m", _lines(clearances), 0.02),
+            ("Clearance between the legs", "m", (Line("loop.clearance", "clearance", "c"),), 0.02),
+        ],
+        "Swivels": [
+            ("Swivel angle", "deg", _ends("{}.swivel.angle", _DEGREES), 0.1),
+            ("Swivel rate", "rad/s", _ends("{}.swivel.rate"), 0.01),
+            ("Moment of the swivel on the rope", "N m", _ends("{}.swivel.torque"), 0.1),
+            ("Twist of the rope", "rad/m", (*_ends("{}.twist"), Line("loop.twist", "loop", "c")), 1e-3),
+        ],
+        "Stress": [("Largest nominal stress of the rope", "MPa", _lines(_STRESSES, mega))],
+        "Energy": [
+            ("Drive, since the start", "kJ", _lines(_DRIVE_ENERGIES, kilo, from_start=True)),
+            ("Balance rope, since the start", "kJ", _lines(_ROPE_ENERGIES, kilo, from_start=True)),
+            ("Balance rope, dissipated", "J", _lines(LOSSES, from_start=True)),
+            ("Residual of the energy balance", "J", _lines(_RESIDUALS)),
+            ("Events of the rope's solver", "1", _lines(_EVENTS), 1.0, None, True),
+        ],
+    }
+
+
+_SPEEDS = {"derived.rim_speed": "sheave", "derived.rope_speed": "head ropes"}
+_SIDEWAYS = {"loop.x": "in plane, x", "loop.z": "out of plane, z"}
+_STRESSES = {"stress.bending_max": "bending", "stress.torsion_max": "torsion"}
+_DRIVE_ENERGIES = {
+    "drive.work_motor": "motor",
+    "drive.energy_potential": "potential",
+    "drive.energy_kinetic": "kinetic",
+    "drive.work_losses": "losses",
+    "drive.work_from_balance_rope": "from the rope",
+}
+_ROPE_ENERGIES = {
+    "energy.work_ends": "work at the ends",
+    "energy.gravity": "gravity",
+    "energy.kinetic": "kinetic",
+    "energy.strain": "strain",
+    "energy.total": "total",
+}
+_RESIDUALS = {
+    "drive.energy_residual": "drive",
+    "energy.residual": "balance rope",
+    "energy.transformations": "transformations",
+    "derived.coupling_defect": "coupling",
+}
+_EVENTS = {
+    "count.transformations": "mesh transformations",
+    "count.swivel_events": "stick or slip",
+    "count.rejections": "rejected steps",
+}
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An instant with a name."""
+
+    t: float  # s
+    label: str
+
+
+def marks(result: Result, winding: Winding) -> list[Mark]:
+    """List faults, creep, the reference's arrival and the place where a run was stopped, in order of time."""
+    times = result.recording.time
+    # Host's reference counts from the start of the record
+    start = float(times[0])
+    found = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
+    found += [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
+    if (slid := slip(result.recording)) is not None:
+        found.append(Mark(slid.t, "head ropes slip"))
+    if winding.creeps:
+        found += [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
+    if (trip := guard_trip(result.recording)) is not None:
+        found.append(Mark(trip.t, f"guard: {trip.cause}"))
+    if winding.emergency_at is not None:
+        found.append(Mark(start + winding.emergency_at, "emergency stop"))
+    found.append(Mark(start + result.trajectory.duration, "reference at rest"))
+    # inside the record only
+    found = sorted((mark for mark in found if start <= mark.t <= float(times[-1])), key=lambda mark: mark.t)
+    return found if result.completed else [*found, Mark(float(times[-1]), "run stopped")]
+
+
+def transformations(recording: Recording) -> list[float]:
+    """First recorded instants [s] after a transformation of the mesh, in ascending order."""
+    name = "count.transformations"
+    if name not in recording:
+        return []
+    return [float(t) for t in recording.time[1:][np.diff(recording[name]) > 0.0]]
+
+
+def slips(recording: Recording, end: str) -> list[tuple[float, float]]:
+    """Intervals [s] during which the swivel of `end` slips, each recorded state holding until the next row."""
+    name = f"{end}.swivel.slipping"
+    if name not in recording:
+        return []
+    inside = np.concatenate([[False], recording[name] > 0.5, [False]])
+    edges = np.flatnonzero(inside[1:] != inside[:-1])
+    times, last = recording.time, len(recording.time) - 1
+    return [(float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)]

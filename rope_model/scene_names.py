@@ -1,0 +1,118 @@
+"""Parameters of a scene by the names of the FMI interface, such as ``rope.EI``; choices by their code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple
+
+from . import parameters
+from .parameter_table import Parameter, numeric_bounds, parameters_of
+from .parameters import CHOICES, SEGMENTS, Mesh, Scene, Swivel
+from .shaft_parameters import PARTS
+
+Value = float | int | bool | str
+
+#: group of the interface -> the data class that has its parameters
+GROUPS: dict[str, type[Any]] = {
+    "rope": parameters.Rope,
+    "layout": parameters.Layout,
+    "left.swivel": Swivel,
+    "right.swivel": Swivel,
+    "mesh": Mesh,
+    "accuracy": parameters.Accuracy,
+    "solver": parameters.Solver,
+    "model": parameters.Model,
+    "inputs": parameters.Inputs,
+    "station": parameters.Stations,
+    **PARTS,
+}
+
+
+class Variable(NamedTuple):
+    """One FMI variable; ``start`` is None for outputs, ``unit`` empty where there is none."""
+
+    name: str
+    causality: Literal["parameter", "input", "output"]
+    variability: Literal["fixed", "tunable", "continuous", "discrete"]
+    kind: Literal["Real", "Integer", "Boolean", "String"]
+    unit: str
+    start: Value | None
+    description: str
+    minimum: float | None = None
+    maximum: float | None = None
+
+
+class NamedParameter(NamedTuple):
+    """A parameter with its value in a scene, a word by its code."""
+
+    name: str
+    value: float | int
+    facts: Parameter
+    minimum: float | None
+    maximum: float | None
+
+    @property
+    def kind(self) -> Literal["Integer", "Real"]:
+        """FMI's word for the type."""
+        return "Integer" if isinstance(self.value, int) else "Real"
+
+
+def choices_of(name: str) -> tuple[str, ...]:
+    """Words for the codes of the variable ``name``; none where it has no choices."""
+    return tuple(CHOICES.get(".".join(name.split(".")[-2:]), ()))
+
+
+def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
+    """The parameters in the order of the interface."""
+    for group, kind in GROUPS.items():
+        data = _part(scene, group)
+        for field, p in parameters_of(kind).items():
+            name, value, words = f"{group}.{field}", getattr(data, field), tuple(p.choices)
+            if words:
+                yield NamedParameter(name, words.index(value), p, 0, len(words) - 1)
+            elif field != "counts":
+                yield NamedParameter(name, value, p, *numeric_bounds(kind, field))
+    counts = parameters_of(Mesh)["counts"]
+    for i, (segment, least) in enumerate(SEGMENTS.items()):
+        facts = counts._replace(description=counts.description.format(segment=segment))
+        yield NamedParameter(f"mesh.counts[{i + 1}]", scene.mesh.counts[i], facts, least, None)
+
+
+def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
+    """The scene with other parameters by name; ValueError for unknown ones and values out of range."""
+    chosen, counts = dict[str, dict[str, Any]](), [*scene.mesh.counts]
+    known = {p.name for p in named_parameters(scene)}
+    value: Any
+    for name, value in values.items():
+        if name not in known:
+            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/reference/variables.md")
+        group, _, field = name.rpartition(".")
+        if field.startswith("counts["):
+            counts[int(field[len("counts[") : -1]) - 1] = int(value)
+            field, value = "counts", tuple(counts)
+        chosen.setdefault(group, {})[field] = _decode(name, value)
+    parts = {}
+    for group, given in chosen.items():
+        try:
+            parts[group] = replace(_part(scene, group), **given)
+        except ValueError as error:
+            raise ValueError(f"{group}: {error}") from error
+    shaft = replace(scene.shaft, **{name: parts.pop(name) for name in PARTS if name in parts})
+    return scene.with_(**{group.removesuffix(".swivel"): part for group, part in parts.items()}, shaft=shaft)
+
+
+def _part(scene: Scene, group: str) -> Any:
+    """The part of the scene that has the parameters of a group."""
+    return getattr(scene.shaft if group in PARTS else scene, group.removesuffix(".swivel"))
+
+
+def _decode(name: str, value: Any) -> Any:
+    """The value as its field takes it: the word for the code of one that chooses."""
+    words = choices_of(name)
+    if not words:
+        return value
+    if value not in range(len(words)):
+        codes = ", ".join(f"{i} {word}" for i, word in enumerate(words))
+        raise ValueError(f"{name} = {value!r} is none of the choices: {codes}")
+    return words[int(value)]
