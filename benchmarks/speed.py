@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from tqdm import tqdm
 
+from benchmarks.kinematic import ends_at
 from fmu_src.export import export_fmu
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
@@ -27,8 +28,6 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from rope_model import EndMotion, Solver, balance_rope
-
-from .kinematic import ends_at
 
 H, SCENE, ROUNDS = 0.01, "rope-120", 5
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")

@@ -6,9 +6,8 @@ import re
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from fmu_src.interface import Variable
 from rope_model.scene_names import Value
-
-from .interface import Variable
 
 #: descriptions of the arrays as a whole
 DESCRIPTIONS = {

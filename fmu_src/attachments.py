@@ -7,14 +7,13 @@ from collections.abc import Collection
 from pathlib import Path
 from xml.etree import ElementTree
 
+from fmu_src.documentation import index_html
+from fmu_src.interface import Variable
+from fmu_src.model_description import MODEL
+from fmu_src.reference_run import reference_files
+from fmu_src.terminals import terminals_and_icons
 from rope_model.parameters import RopeCase
 from rope_model.texts import xml_text
-
-from .documentation import index_html
-from .interface import Variable
-from .model_description import MODEL
-from .reference_run import reference_files
-from .terminals import terminals_and_icons
 
 _HERE = Path(__file__).resolve().parent
 _EXTRA = "extra/org.balance-rope.reference"

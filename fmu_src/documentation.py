@@ -6,13 +6,12 @@ import re
 import sys
 from collections.abc import Collection, Iterable, Iterator
 
+from fmu_src.arrays import DESCRIPTIONS
+from fmu_src.interface import Variable, variables
+from fmu_src.profile import ALWAYS, DEFAULT, GROUPS
 from rope_model.parameters import rope_120
 from rope_model.simulation.outputs.neglected_effects import EFFECTS
 from rope_model.texts import html_text
-
-from .arrays import DESCRIPTIONS
-from .interface import Variable, variables
-from .profile import ALWAYS, DEFAULT, GROUPS
 
 _INTRODUCTION = """\
 FMI 2.0 co-simulation, or 3.0 (native flavour), with the start values of the 120 m rope. Units are SI; `1` marks a

@@ -23,22 +23,21 @@ from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
+from fmu_src.archive import read_archive, write_archive
+from fmu_src.attachments import attachments
+from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
+from fmu_src.model_description import MODEL
+from fmu_src.native.build import choose_platforms
+from fmu_src.native.shell import shell
+from fmu_src.native.start import Start, binaries_with
+from fmu_src.native.table import c_table, start_values
+from fmu_src.profile import Profile
 from rope_model.parameters import Level
 from rope_model.scene_names import Value
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.mesh.partition import fit_mesh, partition
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed
-
-from .archive import read_archive, write_archive
-from .attachments import attachments
-from .interface import NO_CHANGES, Variable, case_with, variables
-from .model_description import MODEL
-from .native.build import choose_platforms
-from .native.shell import shell
-from .native.start import Start, binaries_with
-from .native.table import c_table, start_values
-from .profile import Profile
 
 SOURCES = ("rope_model", "fmu_src")
 #: not needed by the FMU: parts of the export, and of the native flavour

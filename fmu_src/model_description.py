@@ -7,8 +7,8 @@ from types import MappingProxyType
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
-from .interface import RATES, Variable
-from .units import QUANTITIES, add_units, quantity_attributes, units_of
+from fmu_src.interface import RATES, Variable
+from fmu_src.units import QUANTITIES, add_units, quantity_attributes, units_of
 
 MODEL = "BalanceRope"
 DESCRIPTION = (
@@ -113,11 +113,7 @@ def add_log_categories(root: Element) -> None:
 
 def common_attributes(variable: Variable) -> dict[str, str]:
     """Attributes of a variable that FMI 2.0 and 3.0 share."""
-    out = {
-        "description": variable.description,
-        "causality": variable.causality,
-        "variability": variable.variability,
-    }
+    out = {"description": variable.description, "causality": variable.causality, "variability": variable.variability}
     if variable.causality != "input":
         out["initial"] = "calculated" if variable.causality == "output" else "exact"
     return out

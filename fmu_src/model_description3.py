@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from rope_model.parameters import CHOICES
-from rope_model.scene_names import choices_of
-
-from .arrays import Array
-from .model_description import (
+from fmu_src.arrays import Array
+from fmu_src.model_description import (
     Build,
     add_log_categories,
     common_attributes,
@@ -18,7 +15,9 @@ from .model_description import (
     initial_dependencies,
     type_attributes,
 )
-from .units import QUANTITIES, add_units, quantity_attributes, units_of
+from fmu_src.units import QUANTITIES, add_units, quantity_attributes, units_of
+from rope_model.parameters import CHOICES
+from rope_model.scene_names import choices_of
 
 _KINDS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
 #: key of CHOICES -> name of the declared type

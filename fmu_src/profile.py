@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .interface import Variable
+from fmu_src.interface import Variable
 
 #: group of outputs -> its contents
 GROUPS = {

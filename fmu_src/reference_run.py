@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from functools import cache
 
+from fmu_src.interface import MOTION, variables
 from rope_model.parameters import RopeCase
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
-
-from .interface import MOTION, variables
 
 H, STEPS = 0.01, 100
 #: m and s of the whole trip

@@ -14,8 +14,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from .archive import write_archive
-from .attachments import xml_bytes
+from fmu_src.archive import write_archive
+from fmu_src.attachments import xml_bytes
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from xml.etree.ElementTree import Element, SubElement
 
-from .interface import Variable
+from fmu_src.interface import Variable
 
 #: place of each terminal on the icon (0 ... 200, y up): where the rope meets the conveyance
 _PLACES = {"left": (60.0, 104.0), "right": (140.0, 144.0)}

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
-from .interface import Variable
+from fmu_src.interface import Variable
 
 
 class Quantity(NamedTuple):

@@ -10,10 +10,9 @@ import sys
 from pathlib import Path
 
 from balance_rope import main as balance_rope
+from release.bill import bill_of_materials, sha256
+from release.wheels import build
 from rope_model import __version__
-
-from .bill import bill_of_materials, sha256
-from .wheels import build
 
 
 def release(out: Path) -> list[Path]:

@@ -19,8 +19,8 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from .bill import ROOT, bill_of_materials
-from .libraries import add_prebuilt
+from release.bill import ROOT, bill_of_materials
+from release.libraries import add_prebuilt
 
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 FILES = ("balance_rope.py", "pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff")

@@ -15,10 +15,10 @@ lists the names.
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .version import __version__ as __version__
+from rope_model.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from .public import *  # noqa: F403
+    from rope_model.public import *  # noqa: F403
 else:
 
     def __getattr__(name):

@@ -24,8 +24,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from .parameter_table import require
-from .parameters import Rope
+from rope_model.parameter_table import require
+from rope_model.parameters import Rope
 
 DatumStatus = Literal["measured", "published", "derived", "calibrated", "contradicted", "assumed"]
 Lay = Literal["right-hand", "left-hand"]

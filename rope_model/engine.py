@@ -13,8 +13,8 @@ from typing import Any, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from .codegen.build import library
-from .codegen.state_structures import (
+from rope_model.codegen.build import library
+from rope_model.codegen.state_structures import (
     ARRAYS,
     MESSAGE,
     AuditStructure,
@@ -32,25 +32,25 @@ from .codegen.state_structures import (
     StateStructure,
     SwivelStructure,
 )
-from .codegen.structures import scene_structure
-from .numerics.generalized_alpha import Motion
-from .parameters import FidelityChoice, Scene
-from .physics.accuracy import ErrorSums
-from .physics.contact_error import ContactSums
-from .physics.guard import GuardState
-from .simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
-from .simulation.contact.point_forces import PointForces
-from .simulation.ends.ends import Phase, SwivelState
-from .simulation.ends.following import Following
-from .simulation.ends.paths import SIDES, EndMotion, EndPath
-from .simulation.fidelity import Fidelity
-from .simulation.mesh.partition import Partition
-from .simulation.messages import messages
-from .simulation.messages.result_warnings import WARNINGS
-from .simulation.outputs.audit import Audit, audit_of
-from .simulation.outputs.signal_table import SIGNALS, checked_names
-from .simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
-from .simulation.wires import NO_MEMORY
+from rope_model.codegen.structures import scene_structure
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.parameters import FidelityChoice, Scene
+from rope_model.physics.accuracy import ErrorSums
+from rope_model.physics.contact_error import ContactSums
+from rope_model.physics.guard import GuardState
+from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
+from rope_model.simulation.contact.point_forces import PointForces
+from rope_model.simulation.ends.ends import Phase, SwivelState
+from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath
+from rope_model.simulation.fidelity import Fidelity
+from rope_model.simulation.mesh.partition import Partition
+from rope_model.simulation.messages import messages
+from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.outputs.audit import Audit, audit_of
+from rope_model.simulation.outputs.signal_table import SIGNALS, checked_names
+from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
+from rope_model.simulation.wires import NO_MEMORY
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
 
-from .parameter_table import Joint, choice, direction, parameter, parameters_of, require, require_in_bounds
-from .shaft_parameters import Shaft
+from rope_model.parameter_table import Joint, choice, direction, parameter, parameters_of, require, require_in_bounds
+from rope_model.shaft_parameters import Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
 MeshKind = Literal["tmn", "eem", "auto"]

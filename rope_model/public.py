@@ -6,10 +6,10 @@ import logging
 import subprocess
 from typing import Literal
 
-from .catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
-from .engine import NativeRope
-from .numerics.kernels import last_words
-from .parameters import (
+from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
+from rope_model.engine import NativeRope
+from rope_model.numerics.kernels import last_words
+from rope_model.parameters import (
     CHOICES,
     ROPE_CASES,
     Accuracy,
@@ -27,18 +27,18 @@ from .parameters import (
     rope_120,
     rope_240,
 )
-from .shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
-from .simulation.balance_rope import BalanceRope, Snapshot, Status
-from .simulation.contact.neighbours import Account, Contacts, Neighbours
-from .simulation.contact.point_forces import PointForces
-from .simulation.contact.shaft import BODIES
-from .simulation.ends.paths import EndMotion
-from .simulation.fidelity import FIDELITIES
-from .simulation.outputs.neglected_effects import Effect, neglected_effects, neglected_text
-from .simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
-from .simulation.outputs.signal_table import SIGNALS, Signal
-from .simulation.simulator import RopeSimulator
-from .simulation.state import RopeState
+from rope_model.shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
+from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status
+from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
+from rope_model.simulation.contact.point_forces import PointForces
+from rope_model.simulation.contact.shaft import BODIES
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.fidelity import FIDELITIES
+from rope_model.simulation.outputs.neglected_effects import Effect, neglected_effects, neglected_text
+from rope_model.simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
+from rope_model.simulation.outputs.signal_table import SIGNALS, Signal
+from rope_model.simulation.simulator import RopeSimulator
+from rope_model.simulation.state import RopeState
 
 __all__ = [
     "BEARINGS",

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
-from . import parameters
-from .parameter_table import Parameter, numeric_bounds, parameters_of
-from .parameters import CHOICES, SEGMENTS, Mesh, Scene, Swivel
-from .shaft_parameters import PARTS
+from rope_model import parameters
+from rope_model.parameter_table import Parameter, numeric_bounds, parameters_of
+from rope_model.parameters import CHOICES, SEGMENTS, Mesh, Scene, Swivel
+from rope_model.shaft_parameters import PARTS
 
 Value = float | int | bool | str
 

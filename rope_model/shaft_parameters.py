@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .parameter_table import direction, parameter, require_in_bounds
+from rope_model.parameter_table import direction, parameter, require_in_bounds
 
 #: m: no shaft reaches so far; a clearance of that much says that there is no such body
 FAR = 1e6

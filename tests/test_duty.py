@@ -98,10 +98,10 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
             write_state(path, table(rows, 2), trip.result.end, rope, schedule)
     other = rope_of(schedule)
     place_at_rest(schedule, other)
-    standing = read_state(path, other, schedule)
-    again = [row(trip, rest) for trip in wind(schedule, other, torque_free=False, after=standing.end, done=2)]
+    kept, end = read_state(path, other, schedule)
+    again = [row(trip, rest) for trip in wind(schedule, other, torque_free=False, after=end, done=2)]
     for name in COLUMNS:
-        assert_array_equal([r[name] for r in standing.rows + again], [r[name] for r in rows], err_msg=name)
+        assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
     longer = replace(schedule, pattern=schedule_of(tmp_path, settle=3.0, travel=20.0).pattern)
     with pytest.raises(
         ValueError, match=r"must be of this schedule, but settle is 2\.0 there, settle is 3\.0 here: give"

@@ -19,8 +19,8 @@ def test_start_values_are_set_on_the_command_line(
     starts = {v.name: v.start for v in fmpy.read_model_description(str(path)).modelVariables}
     assert [float(starts[name]) for name in ("air.density", "model.fidelity", "rope.length")] == [1.2, 1.0, 120.0]
     for wrong, told in (
-        ("air.density=-1", "density = -1.0 is out of range"),
-        ("rope.length=-1", "rope: length = -1.0 is out of range: it must be in [1e-15, 10000] m"),
+        ("air.density=-1", "air.density = -1.0 must be within 0 and 100: give it in kg/m3"),
+        ("rope.length=-1", "rope.length = -1.0 must be within 1e-15 and 10000: give it in m"),
         ("hoist.payload_left=1", "--set hoist.payload_left: the FMU has the rope alone: give it to demo"),
     ):
         assert main([*options, "--set", wrong]) == 2

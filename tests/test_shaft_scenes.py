@@ -13,9 +13,7 @@ from rope_model.numerics.kernels import find_compiler
 
 ARC = np.linspace(np.pi, 2.0 * np.pi, 40)
 #: legs of 5 m above a half circle of 1 m about the origin
-LOOP = np.vstack(
-    [[-1.0, 5.0, 0.0], np.stack([np.cos(ARC), np.sin(ARC), 0.0 * ARC], axis=-1), [1.0, 5.0, 0.0]],
-)
+LOOP = np.vstack([[-1.0, 5.0, 0.0], np.stack([np.cos(ARC), np.sin(ARC), 0.0 * ARC], axis=-1), [1.0, 5.0, 0.0]])
 
 
 def test_a_rope_winds_once_about_what_its_loop_holds_and_not_about_what_is_beside() -> None:

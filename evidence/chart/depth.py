@@ -15,14 +15,13 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.kinematic import Winding, scene_of, wind
+from evidence.chart.front import cost_at
 from evidence.errors import force_error, place_error
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh, Scene
-
-from .front import cost_at
 
 TRIPS = (
     ("rope-120", Trip(travel=90.0, speed=8.0)),

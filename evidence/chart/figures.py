@@ -12,12 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from evidence.chart.front import pareto
+from evidence.chart.measure import COST
+from evidence.chart.reading import FORCE, LOOP, limit
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
 from evidence.tables import Table, Tables, rows
-
-from .front import pareto
-from .measure import COST
-from .reading import FORCE, LOOP, limit
 
 LABELS = {FORCE: "RMS error of the end forces / largest force", LOOP: "largest error of the loop's lowest point [m]"}
 SHORT = {FORCE: "end forces", LOOP: "loop's lowest point"}

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
+from evidence.chart.reading import FORCE, LOOP, TWIST
 from evidence.rendering import markdown, number, quantity, render
 from evidence.tables import Tables, rows
-
-from .reading import FORCE, LOOP, TWIST
 
 HEAD = ("level", "for", "elements", "largest step", "RMS end-force error", "loop's lowest point", "twist angle")
 MEANING = {

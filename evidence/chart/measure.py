@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
+from evidence.chart import depth
+from evidence.chart.front import pareto
+from evidence.chart.points import FAMILIES, SAMPLE, Point, Study, complete
 from evidence.errors import force_error, place_error
 from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
@@ -18,10 +21,6 @@ from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh.partition import fit_mesh
-
-from . import depth
-from .front import pareto
-from .points import FAMILIES, SAMPLE, Point, Study, complete
 
 Array = NDArray[np.float64]
 

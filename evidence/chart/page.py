@@ -6,6 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from evidence.chart import depth
+from evidence.chart.front import cheapest, cost_at
+from evidence.chart.levels import levels
+from evidence.chart.measure import COST
+from evidence.chart.reading import FORCE, LOOP, finest, limit, the
 from evidence.latency.page import latencies
 from evidence.machine import facts
 from evidence.promise.judging import ESTIMATES, completed, near, over_asked
@@ -14,12 +19,6 @@ from evidence.rendering import number, quantity, render
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, rows
 from rope_model.physics.estimates import ASSUMED
-
-from . import depth
-from .front import cheapest, cost_at
-from .levels import levels
-from .measure import COST
-from .reading import FORCE, LOOP, finest, limit, the
 
 COUPLINGS = ("coupled", "uncoupled")
 #: asked for in the tables: fraction of the largest force, m

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.chart.measure import ERRORS
 from evidence.tables import Table, rows
-
-from .measure import ERRORS
 
 FORCE, LOOP, TWIST = ERRORS
 Array = NDArray[np.float64]

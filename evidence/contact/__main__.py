@@ -5,12 +5,11 @@ from __future__ import annotations
 import sys
 
 from evidence.claims import text
+from evidence.contact.checks import CASES
+from evidence.contact.page import as_table
 from evidence.pages import PAGES, publish
 from evidence.rendering import DOCS
 from evidence.tables import write
-
-from .checks import CASES
-from .page import as_table
 
 
 def main() -> int:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from evidence.contact.scenes import Array, follow, made, moving
 from evidence.errors import place_error
 from evidence.rendering import DOCS, number
 from evidence.tables import Table, records, table, write
@@ -18,8 +19,6 @@ from rope_model import EndMotion
 from rope_model.parameters import Mesh, Scene, Solver
 from rope_model.physics.contact_error import ContactSums
 from rope_model.shaft_parameters import Contact, Divider, Shaft
-
-from .scenes import Array, follow, made, moving
 
 #: m: deeper places must be pressed
 INSIDE = 5e-4

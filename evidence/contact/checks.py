@@ -9,13 +9,12 @@ from functools import partial
 import numpy as np
 
 from evidence.claims import Measurement, above, below
-
-from . import wall
-from .brush import FINE, FITTED, at_rest, brush, equal, errors, past
-from .plectoneme import grown, soft_rod
-from .rebound import exact_speed, rebound
-from .scenes import fallen, let_down, pulled, touch_down
-from .turned import struck_legs, turned
+from evidence.contact import wall
+from evidence.contact.brush import FINE, FITTED, at_rest, brush, equal, errors, past
+from evidence.contact.plectoneme import grown, soft_rod
+from evidence.contact.rebound import exact_speed, rebound
+from evidence.contact.scenes import fallen, let_down, pulled, touch_down
+from evidence.contact.turned import struck_legs, turned
 
 #: s, steps of the rebound; and s/m, its damping
 STEPS, DAMPING = (2e-3, 1e-3, 5e-4, 2.5e-4), 0.5

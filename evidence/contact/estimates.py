@@ -15,14 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from evidence.contact.brush import FITTED, Brush, Trip, brush, equal, errors
 from evidence.sampling import BENDING, MASS, SPACING, STIFFNESS, Draws
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import contact_error
 from rope_model.physics.contact_error import with_contact_at_ends, with_contact_of_place
 from rope_model.shaft_parameters import Contact, Divider, Shaft
 from rope_model.simulation.mesh.partition import fit_mesh
-
-from .brush import FITTED, Brush, Trip, brush, equal, errors
 
 #: seeds of the trips that the constants are fitted to and judged on, so many of each
 FIT, JUDGE, NUMBER = 50, 51, 18

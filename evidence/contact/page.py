@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from evidence.claims import Measurement
+from evidence.contact import wall
+from evidence.contact.brush import STIFFNESS, orders, past
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, records, table
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Shaft
 from rope_model.simulation.mesh import mesh_fit
 from rope_model.simulation.mesh.partition import fit_mesh, partition
-
-from . import wall
-from .brush import STIFFNESS, orders, past
 
 _COLUMNS = ("case", "what", "value", "unit", "relation", "bound")
 

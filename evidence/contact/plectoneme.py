@@ -31,13 +31,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from evidence.contact.scenes import GRAVITY, follow, made, smooth_step
+from evidence.contact.turned import helix
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.rope_on_rope import rope_touch
 from rope_model.shaft_parameters import Air, Contact, Shaft
-
-from .scenes import GRAVITY, follow, made, smooth_step
-from .turned import helix
 
 #: m, kg/m, N, N m^2, N m^2, m; heavy enough to hang down, and light against the tension
 LENGTH, MASS, AXIAL, BEND, TORSION, DIAMETER = 12.0, 0.2, 1e6, 200.0, 400.0, Rope().diameter

@@ -17,12 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from evidence.contact.scenes import WEIGHT, Array, follow, made, unexplained
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel
 from rope_model.physics.hermite import interpolate
 from rope_model.shaft_parameters import Air, Contact, Shaft
-
-from .scenes import WEIGHT, Array, follow, made, unexplained
 
 #: m, m, elements; s that the ends turn, by how many turns each, and s, half of that where the legs strike each other
 LENGTH, SPACING, ELEMENTS, TIME, TURNS, FAST = 10.0, 0.5, 40, 60.0, 4.0, 4.0

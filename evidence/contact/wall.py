@@ -16,11 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from evidence.contact.scenes import GRAVITY, PLANAR, Array, follow, made, moving, smooth_step
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
-
-from .scenes import GRAVITY, PLANAR, Array, follow, made, moving, smooth_step
 
 #: m between the legs, from the right one to the wall, and that the ends move in so many seconds; s that are looked at
 SPACING, GAP, WAY, MOVES, STOP, EVERY = 1.0, 0.75, 0.6, 1.0, 2.5, 1e-3

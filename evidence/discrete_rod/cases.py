@@ -15,6 +15,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.discrete_rod.rod import Friction, Material, Rod
+from evidence.discrete_rod.solve import Record, equilibrium, first_guess, lowest_point, modes, move
 from rope_model import (
     BalanceRope,
     EndMotion,
@@ -29,9 +31,6 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.simulation.outputs.modal import natural_modes
-
-from .rod import Friction, Material, Rod
-from .solve import Record, equilibrium, first_guess, lowest_point, modes, move
 
 Array = NDArray[np.float64]
 Results = dict[str, Array]

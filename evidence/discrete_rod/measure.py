@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from tqdm import tqdm
 
+from evidence.discrete_rod.cases import Case, Comparison, cases
 from evidence.tables import Tables, records, table
-
-from .cases import Case, Comparison, cases
 
 COLUMNS = (
     *("case", "quantity", "our mesh, coarse", "our mesh, fine"),

@@ -23,7 +23,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import eigs, splu
 
-from .rod import CLAMPS, Array, Parts, Rod, join, split, swept_area
+from evidence.discrete_rod.rod import CLAMPS, Array, Parts, Rod, join, split, swept_area
 
 HELD = (0.0, 0.0)
 #: m and rad by which a correction may move the rod

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from evidence.knowledge.measure import SCENES
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, records, rows
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.uncertainty.spread import QUANTILES
-
-from .measure import SCENES
 
 #: share of a spread below which a cause is not shown
 SHOWN = 0.03

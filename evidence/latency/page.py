@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from evidence.latency.measure import ROUNDS, SETTLE, STOP, H
 from evidence.rendering import number, quantity
 from evidence.tables import Tables, records, rows
-
-from .measure import ROUNDS, SETTLE, STOP, H
 
 
 def latencies(tables: Tables) -> dict[str, Any]:

@@ -7,12 +7,11 @@ import argparse
 import numpy as np
 from tqdm import tqdm
 
+from evidence.mesh_rule import laws, statics, trips
+from evidence.mesh_rule.rule import judges, longest, shares, slip
+from evidence.mesh_rule.scenes import FIT, draw
 from evidence.rendering import DOCS
 from evidence.tables import read, write
-
-from . import laws, statics, trips
-from .rule import judges, longest, shares, slip
-from .scenes import FIT, draw
 
 DATA = DOCS / "data" / "mesh_rule"
 #: measured on so many ropes of the fitting seed

@@ -15,11 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.mesh_rule.scenes import FIT, JUDGE, Sample, draw
 from rope_model import EndMotion, Mesh, Model, Scene, balance_rope
 from rope_model.physics.accuracy import locking_error
 from rope_model.physics.estimates import bending_length
-
-from .scenes import FIT, JUDGE, Sample, draw
 
 #: x tried, places of the nodes within an element, ropes, the longest of them (m) and the shortest
 LENGTHS, PLACES, ROPES, LONGEST = (0.5, 0.65, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0), 5, 5, 300.0

@@ -9,14 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.mesh_rule import laws
+from evidence.mesh_rule.laws import Laws
+from evidence.mesh_rule.scenes import JUDGE, Sample, draw
 from evidence.tables import Table
 from rope_model.parameters import Mesh
 from rope_model.physics.elementary import sqrt
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
-
-from . import laws
-from .laws import Laws
-from .scenes import JUDGE, Sample, draw
 
 Array = NDArray[np.float64]
 #: ropes: the rule itself costs nothing

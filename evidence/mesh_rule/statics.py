@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.mesh_rule.scenes import Sample
 from evidence.tables import Table, table
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Mesh
 from rope_model.simulation.mesh.mesh_fit import LEG_WAVES
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
-
-from .scenes import Sample
 
 Array = NDArray[np.float64]
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried

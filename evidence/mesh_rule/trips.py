@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import wind
+from evidence.mesh_rule.scenes import KINDS, STEP, Sample
 from evidence.tables import Table, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh
 from rope_model.simulation.mesh.partition import fit_mesh
-
-from .scenes import KINDS, STEP, Sample
 
 Array = NDArray[np.float64]
 SETTLE, EVERY = 3.0, 0.08  # s

@@ -20,11 +20,10 @@ from exudyn import itemInterface as items
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 from numpy.typing import NDArray
 
+from evidence.peer.elements import BEAM, ELEMENTS
 from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
 from rope_model.simulation.mesh.transfer import interpolate
-
-from .elements import BEAM, ELEMENTS
 
 Array = NDArray[np.float64]
 

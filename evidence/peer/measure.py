@@ -9,15 +9,14 @@ import numpy as np
 
 from benchmarks.kinematic import fixed_steps
 from evidence.errors import force_error
+from evidence.peer.elements import ELEMENTS
+from evidence.peer.exudyn_rope import Method, PeerRope
+from evidence.peer.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 from evidence.tables import Tables, table
 from rope_model.parameters import Mesh, Model
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.simulator import RopeSimulator
-
-from .elements import ELEMENTS
-from .exudyn_rope import Method, PeerRope
-from .runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 
 ROUNDS, SHORT = 3, 3.0  # s
 #: label of a mesh to the mesh and its steps (s)

@@ -18,14 +18,13 @@ import numpy as np
 
 from evidence.options import add_out
 from evidence.pages import PAGES, publish
+from evidence.promise.judging import claims, completed, over_asked
+from evidence.promise.scenes import JUDGE, REQUESTED, SCENES, Sample, draw
+from evidence.promise.wind import COLUMNS, REQUESTS, SETTLE, judge
 from evidence.rendering import DOCS
 from evidence.tables import Table, read, table, write
 from rope_model import balance_rope
 from rope_model.codegen.platforms import text_hash
-
-from .judging import claims, completed, over_asked
-from .scenes import JUDGE, REQUESTED, SCENES, Sample, draw
-from .wind import COLUMNS, REQUESTS, SETTLE, judge
 
 PAGE = PAGES["promise"]
 #: columns that are printed of the worst scenes, and how many of these

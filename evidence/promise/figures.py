@@ -9,10 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
+from evidence.promise.judging import ESTIMATES, NEAR, completed
+from evidence.promise.wind import REQUESTS
 from evidence.tables import Table, Tables
-
-from .judging import ESTIMATES, NEAR, completed
-from .wind import REQUESTS
 
 _COLOURS = dict(zip(REQUESTS, (COLOURS["left"], ACCENTS[2], COLOURS["right"]), strict=True))
 _LABELS = {"end force": "end force, RMS / largest", "loop": "place of the loop [m]"}

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evidence.claims import Measurement, above, below
+from evidence.promise.wind import REQUESTS
 from evidence.tables import Table, rows
-
-from .wind import REQUESTS
 
 #: factor within which an estimate is to be of the error, and the share of those that are to be
 NEAR, NEAR_SHARE = 2.0, 0.85

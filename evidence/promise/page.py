@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from evidence.promise import scenes
+from evidence.promise.figures import FIGURES
+from evidence.promise.judging import ESTIMATES, NEAR, claims, completed, near, over_asked
+from evidence.promise.wind import FINE, FINE_STEP, REQUESTS
 from evidence.rendering import number, quantity, render
 from evidence.tables import Table, Tables
-
-from . import scenes
-from .figures import FIGURES
-from .judging import ESTIMATES, NEAR, claims, completed, near, over_asked
-from .wind import FINE, FINE_STEP, REQUESTS
 
 __all__ = ["FIGURES", "page"]
 WORST = 3

@@ -9,12 +9,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from evidence.promise.sine_stop import SineStop, sine_stop
 from evidence.sampling import ACCELERATION, JERK, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Rope, Scene, Swivel, SwivelMode
-
-from .sine_stop import SineStop, sine_stop
 
 #: seeds; scenes that are wound with the default, and how many of them with the other requests, too
 TUNE, JUDGE, SCENES, REQUESTED = 60, 271, 44, 30

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
+from evidence.promise.scenes import Sample
 from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
-
-from .scenes import Sample
 
 Array = NDArray[np.float64]
 #: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from evidence.reproduction import costs, frequencies, release, windings
 from evidence.tables import Tables
-
-from . import costs, frequencies, release, windings
 
 MEASURES: dict[str, Callable[[], Tables]] = {
     "frequencies": frequencies.measure,

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from evidence.rendering import render
+from evidence.reproduction import costs, frequencies, release, winding_claims
+from evidence.reproduction.claim import Section
+from evidence.reproduction.windings import ROUNDS
 from evidence.tables import Tables
 from hoist_demo.parameters import ASSUMED_DATA
-
-from . import costs, frequencies, release, winding_claims
-from .claim import Section
-from .windings import ROUNDS
 
 SECTIONS: tuple[Section, ...] = (frequencies.SECTION, *winding_claims.SECTIONS, costs.SECTION, release.SECTION)
 FIGURES = {"frequencies": frequencies.draw, "release": release.draw}

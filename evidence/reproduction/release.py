@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from benchmarks.kinematic import Winding, progress_bar, wind
 from evidence.claims import above, below
 from evidence.drawing import COLOURS, REFERENCE, figure, mark_instants
+from evidence.reproduction.claim import Claim, Section
 from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.rope_system import ANGLE
-
-from .claim import Claim, Section
 
 Array = NDArray[np.float64]
 

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from evidence.claims import above, below
+from evidence.reproduction.claim import Claim, Section
+from evidence.reproduction.windings import COUPLINGS, MESHES, SIDES, STRESSES
 from evidence.tables import Table, Tables, rows
-
-from .claim import Claim, Section
-from .windings import COUPLINGS, MESHES, SIDES, STRESSES
 
 Array = NDArray[np.float64]
 #: % of the rope's length that still are a few areas; the bound is ours

@@ -9,10 +9,9 @@ import numpy as np
 
 from evidence.claims import Measurement
 from evidence.rendering import markdown, quantity
+from evidence.signals.measure import STEP, TRIPS
+from evidence.signals.sources import SIGNALS
 from evidence.tables import Table, Tables
-
-from .measure import STEP, TRIPS
-from .sources import SIGNALS
 
 #: targets: deviation of the end force over its largest, RMS and at an instant, and estimate over deviation
 RMS, LARGEST, FACTOR = 3e-3, 2e-2, 3.0

@@ -11,14 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.signals import multirate
+from evidence.signals.sources import SIGNALS, Sample, Source, motion_of
 from evidence.tables import Tables, table
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Level, Scene, at_level, balance_rope, rope, rope_120
 from rope_model.parameters import Layout
-
-from . import multirate
-from .sources import SIGNALS, Sample, Source, motion_of
 
 OUTPUTS = ("left.fy", "right.fy", "left.fx", "right.fx", "loop.y", "status.end_force_error", "status.loop_error")
 COLUMNS = (
@@ -58,10 +57,7 @@ def _deep(level: Level) -> Scene:
 
 
 #: the second is one that nothing was developed on
-TRIPS = (
-    Trip("120 m", _usual, 90.0, 8.0, (0.001, 0.005, 0.01, 0.02, 0.05)),
-    Trip("910 m", _deep, 870.0, 16.0, (0.01,)),
-)
+TRIPS = (Trip("120 m", _usual, 90.0, 8.0, (0.001, 0.005, 0.01, 0.02, 0.05)), Trip("910 m", _deep, 870.0, 16.0, (0.01,)))
 
 
 class Run(NamedTuple):
@@ -119,7 +115,7 @@ def tables() -> Tables:
 
 def missed(recorded: Tables) -> Iterator[str]:
     """Yield the targets that are missed."""
-    from .block import claims
+    from evidence.signals.block import claims
 
     return (f"{c.what} is {c.value:.3g}, wanted {c.relation} {c.bound:.3g}" for c in claims(recorded) if not c.holds)
 

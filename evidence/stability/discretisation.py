@@ -6,11 +6,10 @@ import numpy as np
 
 from benchmarks.kinematic import fixed_steps
 from evidence.claims import above, below
+from evidence.stability.counterexamples import modified_element
+from evidence.stability.entry import Array, Entry, Finding, points
+from evidence.stability.trips import Record, follow, hang, trip, without_transformations
 from rope_model.parameters import Mesh, Rope, Scene, Solver
-
-from .counterexamples import modified_element
-from .entry import Array, Entry, Finding, points
-from .trips import Record, follow, hang, trip, without_transformations
 
 # membrane locking
 

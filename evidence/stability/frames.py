@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 from evidence.claims import above, below
+from evidence.stability.counterexamples import modified_element, tait_bryan_rate
+from evidence.stability.entry import Entry, Finding
+from evidence.stability.trips import hang
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
-
-from .counterexamples import modified_element, tait_bryan_rate
-from .entry import Entry, Finding
-from .trips import hang
 
 # Tait-Bryan angles
 

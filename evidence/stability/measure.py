@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterator
 from tqdm import tqdm
 
 from evidence.claims import Measurement
+from evidence.stability import discretisation, frames, motion, swivel
+from evidence.stability.entry import Entry
 from evidence.tables import Tables, table
-
-from . import discretisation, frames, motion, swivel
-from .entry import Entry
 
 CHAPTERS: dict[str, tuple[Entry, ...]] = {
     "Elements and meshes": discretisation.ENTRIES,

@@ -12,12 +12,11 @@ from evidence.claims import Measurement
 from evidence.coupling.page import cases, schemes
 from evidence.drawing import CURVES, figure
 from evidence.rendering import number, render
+from evidence.stability.entry import Entry
+from evidence.stability.measure import CHAPTERS, CLAIMS
 from evidence.tables import Table, Tables, rows
 from hoist_demo.cosimulation.schemes.stability import MARGIN
 from hoist_demo.parameters import Coupling
-
-from .entry import Entry
-from .measure import CHAPTERS, CLAIMS
 
 #: of the figures: title, whether logarithmic
 TITLES = {

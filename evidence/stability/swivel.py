@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from evidence.claims import above, below
+from evidence.stability.entry import Array, Entry, Finding, points
 from rope_model.numerics import quintic
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
@@ -18,8 +19,6 @@ from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.simulator import RopeSimulator
-
-from .entry import Array, Entry, Finding, points
 
 LENGTH = 30.0  # m
 UNCOUPLED = Rope(length=LENGTH, Qb=0.0, Qc=0.0)

@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kinematic import ends_at
+from evidence.stability.entry import Array
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
-
-from .entry import Array
 
 
 @dataclass(frozen=True)

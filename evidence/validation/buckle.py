@@ -19,12 +19,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from evidence.tables import Table, table
+from evidence.validation.statics import Array, clamped, turned
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium
-
-from .statics import Array, clamped, turned
 
 #: m, m, N, N m^2, N m^2
 LENGTH, SLACK, AXIAL, BEND, TORSION = 60.0, 4.0, 1e7, 200.0, 400.0

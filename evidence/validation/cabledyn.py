@@ -17,11 +17,10 @@ import numpy as np
 
 from benchmarks.kinematic import fixed_steps
 from evidence.tables import Table, table
+from evidence.validation.statics import Array
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.rope_system import ANGLE, POSITION
-
-from .statics import Array
 
 ROPE, GRAVITY = Rope(Qb=0.0, Qc=0.0), Layout().gravity
 SPACING, ELEMENTS = 0.5, 480  # m

@@ -19,13 +19,12 @@ from scipy.special import jn_zeros
 
 from evidence.stability.chain import StaticBoundary
 from evidence.tables import Table, table
+from evidence.validation.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 from rope_model.parameters import Rope
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium
-
-from .falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 
 Array = NDArray[np.float64]
 WEIGHT = Rope.mass_per_length * GRAVITY  # N/m

@@ -10,13 +10,12 @@ import numpy as np
 from scipy.integrate import quad
 
 from evidence.stability.chain import StaticBoundary, potential
+from evidence.validation.statics import Array
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
-
-from .statics import Array
 
 GRAVITY = Layout().gravity
 CHAIN = 20.0  # m

@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from evidence.tables import Table, Tables, rows
-
-from . import buckle, cabledyn, chains, onset, wires
-from .row import Row, as_table, from_table
+from evidence.validation import buckle, cabledyn, chains, onset, wires
+from evidence.validation.row import Row, as_table, from_table
 
 ALONE = "make validate"
 

@@ -17,11 +17,10 @@ from scipy.optimize import brentq
 
 from evidence.stability.chain import StaticBoundary, is_stable
 from evidence.tables import Table, table
+from evidence.validation.statics import Array
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
-
-from .statics import Array
 
 BEND, TWIST_STIFFNESS, AXIAL, TENSION, ROD = 1.0, 0.7, 1e3, 1.0, 60.0  # N m^2, N m^2, N, N, m
 

@@ -10,10 +10,9 @@ import numpy as np
 
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, rows
-
-from .chains import FOLD
-from .row import Row, from_table
-from .wires import STEP
+from evidence.validation.chains import FOLD
+from evidence.validation.row import Row, from_table
+from evidence.validation.wires import STEP
 
 
 def page(tables: Tables) -> str:

@@ -17,12 +17,11 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from fmu_src.native.mach_o import universal
 from rope_model.codegen.platforms import PLATFORMS as PLATFORMS
 from rope_model.codegen.platforms import host_platform as host_platform
 from rope_model.codegen.platforms import prebuilt_file, prebuilt_platforms
 from rope_model.numerics.kernels import cache_folder, compile_objects, find_compiler, make_once, object_files
-
-from .mach_o import universal
 
 progress = logging.getLogger("balance_rope.progress")
 

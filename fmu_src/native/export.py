@@ -10,20 +10,19 @@ import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from fmu_src.archive import write_archive
+from fmu_src.arrays import arrays, scalars
+from fmu_src.attachments import attachments, xml_bytes
+from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
+from fmu_src.model_description import MODEL, Build, model_description
+from fmu_src.model_description3 import build_description, model_description3
+from fmu_src.native.build import choose_platforms
+from fmu_src.native.shell import shell
+from fmu_src.native.start import Start, binaries_with, c_start
+from fmu_src.native.table import c_places, c_table, start_values
+from fmu_src.profile import Profile
 from rope_model.parameters import Level, RopeCase
 from rope_model.scene_names import Value
-
-from ..archive import write_archive
-from ..arrays import arrays, scalars
-from ..attachments import attachments, xml_bytes
-from ..interface import NO_CHANGES, Variable, case_with, variables
-from ..model_description import MODEL, Build, model_description
-from ..model_description3 import build_description, model_description3
-from ..profile import Profile
-from .build import choose_platforms
-from .shell import shell
-from .start import Start, binaries_with, c_start
-from .table import c_places, c_table, start_values
 
 
 def export_native(

@@ -9,16 +9,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..archive import write_archive
-from ..arrays import scalars
-from ..attachments import license_text, xml_bytes
-from ..interface import Variable
-from ..model_description import Build, model_description
-from ..model_description3 import build_description, model_description3
-from .build import choose_platforms
-from .shell import shell
-from .start import Start, binaries_with, c_start
-from .table import c_table, start_values
+from fmu_src.archive import write_archive
+from fmu_src.arrays import scalars
+from fmu_src.attachments import license_text, xml_bytes
+from fmu_src.interface import Variable
+from fmu_src.model_description import Build, model_description
+from fmu_src.model_description3 import build_description, model_description3
+from fmu_src.native.build import choose_platforms
+from fmu_src.native.shell import shell
+from fmu_src.native.start import Start, binaries_with, c_start
+from fmu_src.native.table import c_table, start_values
 
 _HERE = Path(__file__).resolve().parent
 

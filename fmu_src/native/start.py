@@ -12,10 +12,9 @@ import struct
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from fmu_src.native.build import binaries
+from fmu_src.native.mach_o import parts, with_page_hashes
 from rope_model.texts import c_string
-
-from .build import binaries
-from .mach_o import parts, with_page_hashes
 
 MAGIC = b"FMU start values"
 TOKEN_ROOM = 64

@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
+from fmu_src.arrays import arrays, scalars
+from fmu_src.interface import RATES, Variable
 from rope_model.scene_names import choices_of
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.outputs.sensitivity import LOADS
 from rope_model.simulation.outputs.signal_table import SIGNALS
 from rope_model.texts import c_string
-
-from ..arrays import arrays, scalars
-from ..interface import RATES, Variable
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
 _TEXTS = {"status.fidelity": "FIDELITY_NAME", "status.fidelity_reason": "FIDELITY_REASON", "status.warning": "WARNING"}
@@ -34,11 +33,7 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
     if fmi == 3:
         rows.append('{"time", NULL, 0, 1, 0, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
     return "\n".join(
-        [
-            _HEAD,
-            f"const size_t MODEL_SCALARS = {len(rows)};",
-            _array("const Variable MODEL_VARIABLES[]", rows),
-        ]
+        [_HEAD, f"const size_t MODEL_SCALARS = {len(rows)};", _array("const Variable MODEL_VARIABLES[]", rows)]
     )
 
 

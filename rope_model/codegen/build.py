@@ -13,14 +13,14 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from ..numerics.kernels import FLAGS, cache_folder, compile_library, find_compiler
-from .elements import element_code
-from .formulas import formulas_code
-from .messages import messages_code
-from .platforms import host_platform, prebuilt_file, text_hash
-from .rules import rules_code, state_signals
-from .state_structures import state_structures
-from .tables import parameter_bounds, parameter_structures, signal_numbers
+from rope_model.codegen.elements import element_code
+from rope_model.codegen.formulas import formulas_code
+from rope_model.codegen.messages import messages_code
+from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
+from rope_model.codegen.rules import rules_code, state_signals
+from rope_model.codegen.state_structures import state_structures
+from rope_model.codegen.tables import parameter_bounds, parameter_structures, signal_numbers
+from rope_model.numerics.kernels import FLAGS, cache_folder, compile_library, find_compiler
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
 NAME = "rope"

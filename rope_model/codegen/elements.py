@@ -10,11 +10,11 @@ from collections.abc import Iterator
 
 import casadi as ca
 
-from ..physics.air_element import air_functions
-from ..physics.curved_element import curved_functions
-from ..physics.element import ELEMENT_DOF, ElementFidelity, element_functions
-from ..physics.wire_element import wire_functions
-from .formulas import is_number, statements
+from rope_model.codegen.formulas import is_number, statements
+from rope_model.physics.air_element import air_functions
+from rope_model.physics.curved_element import curved_functions
+from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, element_functions
+from rope_model.physics.wire_element import wire_functions
 
 
 def element_code() -> str:

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
 
-from ..numerics import coupled_newton, generalized_alpha, newton
-from ..numerics.program import no_simplification
-from ..parameters import Accuracy, Inputs, Layout, Rope, Scene, Solver
-from ..physics import (
+from rope_model.numerics import coupled_newton, generalized_alpha, newton
+from rope_model.numerics.program import no_simplification
+from rope_model.parameters import Accuracy, Inputs, Layout, Rope, Scene, Solver
+from rope_model.physics import (
     accuracy,
     air,
     contact,
@@ -43,20 +43,20 @@ from ..physics import (
     wire_element,
     wire_friction,
 )
-from ..shaft_parameters import FAR, PARTS, Shaft
-from ..simulation import rigid, simulator
-from ..simulation.contact import shaft as shaft_search
-from ..simulation.ends import ends, following, misfit, paths, switching
-from ..simulation.ends.following import Following
-from ..simulation.ends.paths import EndMotion, EndPath
-from ..simulation.mesh import adaptation, mesh_fit, mesh_pattern
-from ..simulation.mesh import partition as mesh
-from ..simulation.messages import warning_rules
-from ..simulation.outputs import audit, diagnostics
-from ..simulation.outputs.audit import Audit
-from ..simulation.state import EnergyBalance
-from ..simulation.stepping import bracket, hang, statics, stepping
-from ..texts import c_string
+from rope_model.shaft_parameters import FAR, PARTS, Shaft
+from rope_model.simulation import rigid, simulator
+from rope_model.simulation.contact import shaft as shaft_search
+from rope_model.simulation.ends import ends, following, misfit, paths, switching
+from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.paths import EndMotion, EndPath
+from rope_model.simulation.mesh import adaptation, mesh_fit, mesh_pattern
+from rope_model.simulation.mesh import partition as mesh
+from rope_model.simulation.messages import warning_rules
+from rope_model.simulation.outputs import audit, diagnostics
+from rope_model.simulation.outputs.audit import Audit
+from rope_model.simulation.state import EnergyBalance
+from rope_model.simulation.stepping import bracket, hang, statics, stepping
+from rope_model.texts import c_string
 
 #: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
 #: const, and last, takes the numbers of a formula that returns several

@@ -10,8 +10,8 @@ import ast
 import inspect
 import re
 
-from ..simulation.messages import fidelity_messages, messages, warning_messages
-from ..texts import c_string
+from rope_model.simulation.messages import fidelity_messages, messages, warning_messages
+from rope_model.texts import c_string
 
 #: modules whose functions are texts
 SPOKEN = (messages, fidelity_messages, warning_messages)

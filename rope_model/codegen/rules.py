@@ -18,23 +18,23 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 import casadi as ca
 
-from ..numerics.program import no_simplification
-from ..parameters import Scene, Swivel
-from ..shaft_parameters import Shaft
-from ..simulation.contact.bodies import NO_ROOM, may_touch
-from ..simulation.ends import swivel_phases
-from ..simulation.ends.following import Following
-from ..simulation.ends.paths import EndMotion
-from ..simulation.ends.swivel_phases import SwivelState
-from ..simulation.mesh import mesh_pattern
-from ..simulation.messages import fidelity_rules, warning_rules
-from ..simulation.messages.result_warnings import WARNINGS
-from ..simulation.messages.rules import Rules
-from ..simulation.outputs.state_signals import STATE_SIGNALS
-from ..simulation.state import RopeState
-from .formulas import statements, texts_of
-from .state_structures import PatternStructure, StateStructure
-from .tables import Word, constant
+from rope_model.codegen.formulas import statements, texts_of
+from rope_model.codegen.state_structures import PatternStructure, StateStructure
+from rope_model.codegen.tables import Word, constant
+from rope_model.numerics.program import no_simplification
+from rope_model.parameters import Scene, Swivel
+from rope_model.shaft_parameters import Shaft
+from rope_model.simulation.contact.bodies import NO_ROOM, may_touch
+from rope_model.simulation.ends import swivel_phases
+from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.ends.swivel_phases import SwivelState
+from rope_model.simulation.mesh import mesh_pattern
+from rope_model.simulation.messages import fidelity_rules, warning_rules
+from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.messages.rules import Rules
+from rope_model.simulation.outputs.state_signals import STATE_SIGNALS
+from rope_model.simulation.state import RopeState
 
 #: tables by their name in C behind tell_: each gives whether a case applied
 BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}

@@ -11,17 +11,17 @@ from inspect import cleandoc
 from itertools import pairwise
 from typing import Any
 
-from ..physics.accuracy import ErrorSums
-from ..physics.contact_error import ContactSums
-from ..physics.guard import CAUSES, GuardState
-from ..physics.shaft import KINDS
-from ..simulation.ends.ends import Phase
-from ..simulation.ends.following import Following
-from ..simulation.ends.paths import PATH
-from ..simulation.ends.switching import CHATTER
-from ..simulation.outputs.audit import Audit
-from ..simulation.state import Counts, Crossing, EnergyBalance, Nearest
-from ..simulation.wires import NO_MEMORY
+from rope_model.physics.accuracy import ErrorSums
+from rope_model.physics.contact_error import ContactSums
+from rope_model.physics.guard import CAUSES, GuardState
+from rope_model.physics.shaft import KINDS
+from rope_model.simulation.ends.ends import Phase
+from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.paths import PATH
+from rope_model.simulation.ends.switching import CHATTER
+from rope_model.simulation.outputs.audit import Audit
+from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest
+from rope_model.simulation.wires import NO_MEMORY
 
 MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
 #: kinds of events
@@ -108,12 +108,7 @@ class CountsStructure(Structure):
 class PatternStructure(Structure):
     """The pattern of TMN-ETM; coarse = 0 for EEM."""
 
-    _fields_ = (
-        ("coarse", c_double),
-        ("grading_length", c_double),
-        ("counts", c_int * SEGMENTS),
-        ("end_levels", c_int),
-    )
+    _fields_ = (("coarse", c_double), ("grading_length", c_double), ("counts", c_int * SEGMENTS), ("end_levels", c_int))
 
 
 class EventStructure(Structure):

@@ -10,9 +10,9 @@ import ctypes
 from dataclasses import astuple, fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
-from ..parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
-from ..shaft_parameters import PARTS
-from ..simulation.ends.paths import EndMotion
+from rope_model.parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
+from rope_model.shaft_parameters import PARTS
+from rope_model.simulation.ends.paths import EndMotion
 
 NOT_IN_C = {"kernels"}
 #: types of parameters, of the data classes asked for so far

@@ -9,22 +9,22 @@ from typing import Any, get_args
 
 import casadi as ca
 
-from ..numerics.program import no_simplification
-from ..parameter_table import Joint, Parameter, check_order, parameters_of
-from ..parameters import JOINT_CHECKS, MOST_ELEMENTS, FidelityChoice, Swivel
-from ..physics.elementary import both
-from ..shaft_parameters import PARTS
-from ..simulation.contact.shaft import BODIES
-from ..simulation.ends.paths import REACH, SIDES
-from ..simulation.fidelity import FIDELITIES
-from ..simulation.outputs.neglected_effects import neglected_text
-from ..simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
-from ..simulation.outputs.signals import group_of
-from ..simulation.simulator import SHORTEST_INTERVAL
-from ..texts import c_string
-from .formulas import structure_at, texts_of
-from .state_structures import structure_code
-from .structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
+from rope_model.codegen.formulas import structure_at, texts_of
+from rope_model.codegen.state_structures import structure_code
+from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
+from rope_model.numerics.program import no_simplification
+from rope_model.parameter_table import Joint, Parameter, check_order, parameters_of
+from rope_model.parameters import JOINT_CHECKS, MOST_ELEMENTS, FidelityChoice, Swivel
+from rope_model.physics.elementary import both
+from rope_model.shaft_parameters import PARTS
+from rope_model.simulation.contact.shaft import BODIES
+from rope_model.simulation.ends.paths import REACH, SIDES
+from rope_model.simulation.fidelity import FIDELITIES
+from rope_model.simulation.outputs.neglected_effects import neglected_text
+from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.simulation.outputs.signals import group_of
+from rope_model.simulation.simulator import SHORTEST_INTERVAL
+from rope_model.texts import c_string
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
 #: suffix of a code's name where the word alone would not do

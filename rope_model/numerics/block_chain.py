@@ -21,7 +21,7 @@ from typing import NamedTuple, Protocol
 
 import casadi as ca
 
-from .newton import newton
+from rope_model.numerics.newton import newton
 
 #: the degree of freedom whose reaction presses the bearings at a node, for friction
 PRESSED = 1

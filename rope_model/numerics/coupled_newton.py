@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .newton import NewtonReport, Rules, initial_progress, judge, report
+from rope_model.numerics.newton import NewtonReport, Rules, initial_progress, judge, report
 
 Array = NDArray[np.float64]
 

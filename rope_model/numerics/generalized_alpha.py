@@ -27,7 +27,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .newton import NewtonReport, NewtonStatus
+from rope_model.numerics.newton import NewtonReport, NewtonStatus
 
 Array = NDArray[np.float64]
 

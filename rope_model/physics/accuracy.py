@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
-from .estimates import axial_frequency, bending_length
+from rope_model.physics.elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
+from rope_model.physics.estimates import axial_frequency, bending_length
 
 #: share of the error asked for that a step may leave: tuned on seeded ropes of 60 to 1200 m, judged by `make promise`
 FORCE_SHARE, PLACE_SHARE = 22.0, 0.01

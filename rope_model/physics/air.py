@@ -36,7 +36,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from .elementary import dot, sqrt
+from rope_model.physics.elementary import dot, sqrt
 
 #: m/s
 ROUNDING = 1e-6

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 
-from . import hermite
-from .air import AirLaw, Passing, drag, flow
-from .element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
-from .elementary import cross, dot
+from rope_model.physics import hermite
+from rope_model.physics.air import AirLaw, Passing, drag, flow
+from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
+from rope_model.physics.elementary import cross, dot
 
 #: numbers of an AirLaw, and of it with both conveyances
 LAW_SIZE = 9

@@ -11,7 +11,7 @@ from typing import Any
 
 import casadi as ca
 
-from .element import BALANCE, ElementFunctions
+from rope_model.physics.element import BALANCE, ElementFunctions
 
 _BENDING = BALANCE.index("bending")
 #: function of q, l, the other element's F, and the numbers behind it; the tangent's last argument is cq

@@ -20,8 +20,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import cross, dot, larger, less, smaller, sqrt
-from .shaft import distance, normal
+from rope_model.physics.elementary import cross, dot, larger, less, smaller, sqrt
+from rope_model.physics.shaft import distance, normal
 
 #: depth b in which the spring begins, in rope diameters
 ONSET = 0.05

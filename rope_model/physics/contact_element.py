@@ -17,12 +17,24 @@ from typing import Any
 
 import casadi as ca
 
-from . import hermite
-from .contact import SUMS, touch
-from .contact_places import CELLS, HALVINGS, LEVELS, PARTS, STEPS, WEIGHTS, Probe, point_in, probe, reaching, turning
-from .element import ELEMENT_DOF, ElementFidelity, ElementFunctions
-from .elementary import both, where
-from .shaft import KINDS, Body
+from rope_model.physics import hermite
+from rope_model.physics.contact import SUMS, touch
+from rope_model.physics.contact_places import (
+    CELLS,
+    HALVINGS,
+    LEVELS,
+    PARTS,
+    STEPS,
+    WEIGHTS,
+    Probe,
+    point_in,
+    probe,
+    reaching,
+    turning,
+)
+from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
+from rope_model.physics.elementary import both, where
+from rope_model.physics.shaft import KINDS, Body
 
 #: numbers of the law, and of a body: those of shaft.Body and its speed
 LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")

@@ -20,9 +20,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .elementary import hypot, larger, less, sqrt, where
-from .estimates import bending_length
-from .shaft import KINDS
+from rope_model.physics.elementary import hypot, larger, less, sqrt, where
+from rope_model.physics.estimates import bending_length
+from rope_model.physics.shaft import KINDS
 
 #: of the end forces over that of the pressure, root mean squares; of the loop's place, over the length of rope that
 #: weighs as much as the force that is not resolved while the loop swings once: evidence.contact.estimates fits them

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .contact import ONSET
-from .elementary import dot, larger, less, sign, where
-from .hermite import GAUSS, interpolate
-from .shaft import distance, normal
+from rope_model.physics.contact import ONSET
+from rope_model.physics.elementary import dot, larger, less, sign, where
+from rope_model.physics.hermite import GAUSS, interpolate
+from rope_model.physics.shaft import distance, normal
 
 #: parts of an element, checked one by one: the loop's elements turn by half a radian, those of the legs are nearly
 #: straight

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 
-from .bending_element import bending_element
-from .element import (
+from rope_model.physics.bending_element import bending_element
+from rope_model.physics.element import (
     FRAME,
     NODE_DOF,
     POINTS,
@@ -33,9 +33,9 @@ from .element import (
     relative_coordinates,
     symmetric,
 )
-from .elementary import dot, sqrt
-from .frame import carried, small_turn, smallest_rotation_rate, turned
-from .initial_curvature import TO_POINTS, directors
+from rope_model.physics.elementary import dot, sqrt
+from rope_model.physics.frame import carried, small_turn, smallest_rotation_rate, turned
+from rope_model.physics.initial_curvature import TO_POINTS, directors
 
 #: numbers of an element: directors, angles, k0 and EI
 CURVED = 3 * len(POINTS) + 4

@@ -42,10 +42,10 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from . import costello
-from .elementary import less, sqrt, where
-from .frame import FrameRate, smallest_rotation_rate
-from .hermite import PRODUCTS
+from rope_model.physics import costello
+from rope_model.physics.elementary import less, sqrt, where
+from rope_model.physics.frame import FrameRate, smallest_rotation_rate
+from rope_model.physics.hermite import PRODUCTS
 
 NODE_DOF = 7
 ElementFidelity = Literal["torsional", "spatial", "planar"]

@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .elementary import larger, log, sqrt
+from rope_model.physics.elementary import larger, log, sqrt
 
 #: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at 4 m/s, EI 50 to 1000
 LEAN = 1 / 3

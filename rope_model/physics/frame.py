@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from .elementary import cross, dot, sqrt
+from rope_model.physics.elementary import cross, dot, sqrt
 
 #: (p, p x p', r', change of r') -> turning of the reference frame about the tangent, for the same change; the second
 #: is zero for changes in time

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import hypot, less, smaller, where
+from rope_model.physics.elementary import hypot, less, smaller, where
 
 #: guards; a cause's code is its place, counted from 1
 CAUSES = ("rise", "window", "clearance", "turns", "torque")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, sin, smaller, where
+from rope_model.physics.elementary import cos, larger, sin, smaller, where
 
 
 class Hanging(NamedTuple):

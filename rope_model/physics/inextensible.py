@@ -20,8 +20,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from .elementary import hypot, smaller
-from .outline import suspension_points
+from rope_model.physics.elementary import hypot, smaller
+from rope_model.physics.outline import suspension_points
 
 
 class Flow(NamedTuple):

@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from . import hermite
-from .element import POINTS, WEIGHTS
-from .elementary import cos, dot, sin, sqrt
-from .frame import carried, smallest_rotation_rate, turned
+from rope_model.physics import hermite
+from rope_model.physics.element import POINTS, WEIGHTS
+from rope_model.physics.elementary import cos, dot, sin, sqrt
+from rope_model.physics.frame import carried, smallest_rotation_rate, turned
 
 #: e1 where the tangent is -Y
 START = (0.0, 0.0, 1.0)

@@ -9,8 +9,8 @@ import math
 from functools import reduce
 from typing import Any
 
-from .elementary import atan2, cos, dot, larger, sin, smaller
-from .hermite import interpolate
+from rope_model.physics.elementary import atan2, cos, dot, larger, sin, smaller
+from rope_model.physics.hermite import interpolate
 
 
 def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .elementary import cross, larger, smaller
+from rope_model.physics.elementary import cross, larger, smaller
 
 
 def part_of_time(start: Any, stop: Any, t: Any) -> Any:

@@ -20,10 +20,10 @@ import math
 from types import SimpleNamespace
 from typing import Any
 
-from .contact import Touch, touch
-from .elementary import ceil, dot, floor, larger, smaller
-from .hermite import interpolate
-from .shaft import Body
+from rope_model.physics.contact import Touch, touch
+from rope_model.physics.elementary import ceil, dot, floor, larger, smaller
+from rope_model.physics.hermite import interpolate
+from rope_model.physics.shaft import Body
 
 #: distance of the places that are looked at, in diameters: two ropes that cross do not slip between them
 SPACING = 0.25

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from .elementary import cos, larger, less, sign, sin, smaller, sqrt
+from rope_model.physics.elementary import cos, larger, less, sign, sin, smaller, sqrt
 
 #: m: longer than any shaft
 ENDLESS = 1e6

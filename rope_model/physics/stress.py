@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .costello import torque
+from rope_model.physics.costello import torque
 
 
 def bending_stress(rope: Any, k: Any) -> Any:

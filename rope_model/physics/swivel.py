@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .elementary import larger
+from rope_model.physics.elementary import larger
 
 
 def friction_moment(mu: Any, mean_diameter: Any, seal_moment: Any, tension: Any) -> Any:

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 
-from .bending_element import bending_element
-from .element import (
+from rope_model.physics.bending_element import bending_element
+from rope_model.physics.element import (
     ELEMENT_DOF,
     NODE_DOF,
     POINTS,
@@ -34,8 +34,8 @@ from .element import (
     relative_coordinates,
     symmetric,
 )
-from .frame import smallest_rotation_rate
-from .wire_friction import MEMORY, NOTHING, section, slide, within
+from rope_model.physics.frame import smallest_rotation_rate
+from rope_model.physics.wire_friction import MEMORY, NOTHING, section, slide, within
 
 #: numbers of an element: memory of its points, k0 and C
 HISTORY = MEMORY * len(POINTS) + 2

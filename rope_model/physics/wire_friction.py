@@ -28,10 +28,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from . import hermite
-from .costello import tension
-from .elementary import cross, dot, exp, larger, log, sqrt
-from .frame import carried, small_turn, turned
+from rope_model.physics import hermite
+from rope_model.physics.costello import tension
+from rope_model.physics.elementary import cross, dot, exp, larger, log, sqrt
+from rope_model.physics.frame import carried, small_turn, turned
 
 #: numbers of a section: tangent, curvature vector, angle; and z behind them
 SECTION, MEMORY = 7, 10

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parameters import Scene
-from .contact.point_forces import PointForces
-from .ends.paths import EndMotion
-from .fidelity import Fidelity
-from .outputs.signal_table import checked_names
-from .state import RopeState
+from rope_model.parameters import Scene
+from rope_model.simulation.contact.point_forces import PointForces
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.fidelity import Fidelity
+from rope_model.simulation.outputs.signal_table import checked_names
+from rope_model.simulation.state import RopeState
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parameters import Rope
-from ..physics.curved_element import directors_along
-from ..physics.element import ElementFidelity
-from ..physics.initial_curvature import START
+from rope_model.parameters import Rope
+from rope_model.physics.curved_element import directors_along
+from rope_model.physics.element import ElementFidelity
+from rope_model.physics.initial_curvature import START
 
 Array = NDArray[np.float64]
 

@@ -17,11 +17,11 @@ from __future__ import annotations
 import logging
 from typing import Literal, NamedTuple
 
-from ..parameters import Scene
-from ..physics.element import ElementFidelity
-from .ends.paths import SIDES, EndMotion
-from .messages import fidelity_messages, messages
-from .messages.fidelity_rules import (
+from rope_model.parameters import Scene
+from rope_model.physics.element import ElementFidelity
+from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.messages import fidelity_messages, messages
+from rope_model.simulation.messages.fidelity_rules import (
     COMPLETE,
     INPUTS,
     SUFFICIENT,
@@ -32,7 +32,7 @@ from .messages.fidelity_rules import (
     out_of_plane,
     unsupported_input,
 )
-from .messages.rules import first_text
+from rope_model.simulation.messages.rules import first_text
 
 log = logging.getLogger(__name__)
 

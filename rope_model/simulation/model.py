@@ -9,24 +9,40 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.generalized_alpha import Coefficients, Motion, StepResult, local_error, recentring, restart, step
-from ..parameters import Scene
-from ..physics.accuracy import add_errors, step_error, step_limits
-from ..physics.contact_error import add_contact
-from ..physics.energy_balance import after_step as account_of_step
-from ..physics.energy_balance import with_energies
-from ..physics.shaft import KINDS
-from .contact.point_forces import NO_FORCES, PointForces, nodal_forces
-from .contact.self_contact import SelfTouchingRope
-from .contact.surroundings import surroundings
-from .ends.ends import HangingEnds, Phase, nominal_points
-from .ends.paths import EndPath
-from .fidelity import flexible
-from .outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
-from .rope_kernels import KernelCache
-from .rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters, parameter_vector
-from .scene_kernels import acting_along
-from .state import EnergyBalance, Powers, RopeState
+from rope_model.numerics.generalized_alpha import (
+    Coefficients,
+    Motion,
+    StepResult,
+    local_error,
+    recentring,
+    restart,
+    step,
+)
+from rope_model.parameters import Scene
+from rope_model.physics.accuracy import add_errors, step_error, step_limits
+from rope_model.physics.contact_error import add_contact
+from rope_model.physics.energy_balance import after_step as account_of_step
+from rope_model.physics.energy_balance import with_energies
+from rope_model.physics.shaft import KINDS
+from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
+from rope_model.simulation.contact.self_contact import SelfTouchingRope
+from rope_model.simulation.contact.surroundings import surroundings
+from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
+from rope_model.simulation.ends.paths import EndPath
+from rope_model.simulation.fidelity import flexible
+from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
+from rope_model.simulation.rope_kernels import KernelCache
+from rope_model.simulation.rope_system import (
+    ANGLE,
+    POSITION,
+    SLOPE,
+    Evaluation,
+    RopeSystem,
+    air_parameters,
+    parameter_vector,
+)
+from rope_model.simulation.scene_kernels import acting_along
+from rope_model.simulation.state import EnergyBalance, Powers, RopeState
 
 
 @dataclass(frozen=True)

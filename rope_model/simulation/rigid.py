@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..numerics.generalized_alpha import Motion
-from ..parameters import Scene
-from ..physics.inextensible import Flow, energies, flow, lowest, pull, tension
-from ..physics.outline import suspension_points
-from .ends.ends import HangingEnds
-from .ends.paths import EndMotion
-from .messages import messages
-from .rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
-from .stepping.statics import find_equilibrium, hanging_guess
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.parameters import Scene
+from rope_model.physics.inextensible import Flow, energies, flow, lowest, pull, tension
+from rope_model.physics.outline import suspension_points
+from rope_model.simulation.ends.ends import HangingEnds
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.messages import messages
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
+from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 Ends = tuple[EndMotion, EndMotion]
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
-from ..numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
-from ..numerics.kernels import (
+from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
+from rope_model.numerics.kernels import (
     LIBRARY_SUFFIX,
     Kernel,
     KernelForm,
@@ -26,12 +26,12 @@ from ..numerics.kernels import (
     prepare,
     save_portable,
 )
-from ..numerics.newton import PROGRESS
-from ..numerics.program import EXPRESSIONS
-from ..physics.air_element import AIR_BALANCE, air_element
-from ..physics.contact_element import CONTACT_BALANCE, contact_element
-from ..physics.curved_element import curved_element
-from ..physics.element import (
+from rope_model.numerics.newton import PROGRESS
+from rope_model.numerics.program import EXPRESSIONS
+from rope_model.physics.air_element import AIR_BALANCE, air_element
+from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
+from rope_model.physics.curved_element import curved_element
+from rope_model.physics.element import (
     BALANCE,
     ELEMENT_DOF,
     MOMENTUM,
@@ -40,8 +40,8 @@ from ..physics.element import (
     ElementFidelity,
     element_functions,
 )
-from ..physics.shaft import KINDS
-from ..physics.wire_element import wire_element
+from rope_model.physics.shaft import KINDS
+from rope_model.physics.wire_element import wire_element
 
 log = logging.getLogger(__name__)
 

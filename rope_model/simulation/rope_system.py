@@ -13,25 +13,20 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.coupled_newton import Coupled, Iterate, newton
-from ..numerics.generalized_alpha import Solution
-from ..numerics.newton import KINKED, SMOOTH, report
-from ..parameters import Rope, Scene
-from ..physics.air import air_law
-from ..physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
-from ..physics.contact import LOOK_AHEAD, largest_motion
-from ..physics.contact_element import CONTACT_BALANCE
-from ..physics.element import (
-    BALANCE,
-    NODE_DOF,
-    PARAMETERS,
-    parameters,
-)
-from ..physics.point_forces import point_load
-from ..physics.wire_element import HISTORY, LATEST
-from .curvature import curved_reference, is_curved
-from .rope_kernels import RopeKernels
-from .wires import NO_MEMORY, Slip, history, latest_tangent, slip
+from rope_model.numerics.coupled_newton import Coupled, Iterate, newton
+from rope_model.numerics.generalized_alpha import Solution
+from rope_model.numerics.newton import KINKED, SMOOTH, report
+from rope_model.parameters import Rope, Scene
+from rope_model.physics.air import air_law
+from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
+from rope_model.physics.contact import LOOK_AHEAD, largest_motion
+from rope_model.physics.contact_element import CONTACT_BALANCE
+from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS, parameters
+from rope_model.physics.point_forces import point_load
+from rope_model.physics.wire_element import HISTORY, LATEST
+from rope_model.simulation.curvature import curved_reference, is_curved
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.wires import NO_MEMORY, Slip, history, latest_tangent, slip
 
 Array = NDArray[np.float64]
 #: (elements, bodies): which elements may touch which bodies

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..parameters import Scene
-from ..physics.element import ELEMENT_DOF, ElementFidelity
-from ..physics.wire_friction import wire_stiffness
-from .contact.surroundings import surroundings
-from .curvature import is_curved
-from .fidelity import FIDELITIES, Ends, choose_fidelity, flexible
-from .rope_kernels import AIR, CURVED, WIRES, Kinds
-from .rope_system import air_parameters
+from rope_model.parameters import Scene
+from rope_model.physics.element import ELEMENT_DOF, ElementFidelity
+from rope_model.physics.wire_friction import wire_stiffness
+from rope_model.simulation.contact.surroundings import surroundings
+from rope_model.simulation.curvature import is_curved
+from rope_model.simulation.fidelity import FIDELITIES, Ends, choose_fidelity, flexible
+from rope_model.simulation.rope_kernels import AIR, CURVED, WIRES, Kinds
+from rope_model.simulation.rope_system import air_parameters
 
 
 def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Kinds:

@@ -18,34 +18,34 @@ from pathlib import Path
 
 import numpy as np
 
-from ..numerics.generalized_alpha import Motion
-from ..parameters import Scene
-from ..physics.outline import suspension_points
-from .balance_rope import BalanceRope, Snapshot, Status, state_in
-from .contact.bodies import no_room
-from .contact.point_forces import PointForces, at_places, elements_at, nodal_forces
-from .contact.shaft import LOOK_EVERY, with_passages
-from .ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
-from .ends.following import Following, follow, follow_limits, follow_program, manner_of
-from .ends.misfit import follow_account
-from .ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
-from .fidelity import Fidelity, choose_fidelity, unsupported_motion
-from .mesh.adaptation import raise_fidelity
-from .mesh.partition import Partition, fit_mesh, partition
-from .messages import fidelity_messages, messages
-from .messages.result_warnings import WARNINGS
-from .model import RopeModel, ends_of
-from .outputs.diagnostics import LoopBottom, direction, loop_bottom
-from .outputs.guards import at_rest, with_guards
-from .outputs.signal_table import checked_names
-from .outputs.signals import group_of
-from .rope_kernels import KernelCache
-from .rope_system import ANGLE, Array, RopeSystem
-from .state import RopeState
-from .stepping.hang import hang
-from .stepping.statics import StaticsError, hanging_guess
-from .stepping.stepping import as_rigid, most_work, step_towards
-from .wires import fresh_memory
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.parameters import Scene
+from rope_model.physics.outline import suspension_points
+from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
+from rope_model.simulation.contact.bodies import no_room
+from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
+from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
+from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
+from rope_model.simulation.ends.following import Following, follow, follow_limits, follow_program, manner_of
+from rope_model.simulation.ends.misfit import follow_account
+from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
+from rope_model.simulation.fidelity import Fidelity, choose_fidelity, unsupported_motion
+from rope_model.simulation.mesh.adaptation import raise_fidelity
+from rope_model.simulation.mesh.partition import Partition, fit_mesh, partition
+from rope_model.simulation.messages import fidelity_messages, messages
+from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.model import RopeModel, ends_of
+from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
+from rope_model.simulation.outputs.guards import at_rest, with_guards
+from rope_model.simulation.outputs.signal_table import checked_names
+from rope_model.simulation.outputs.signals import group_of
+from rope_model.simulation.rope_kernels import KernelCache
+from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem
+from rope_model.simulation.state import RopeState
+from rope_model.simulation.stepping.hang import hang
+from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
+from rope_model.simulation.stepping.stepping import as_rigid, most_work, step_towards
+from rope_model.simulation.wires import fresh_memory
 
 log = logging.getLogger(__name__)
 

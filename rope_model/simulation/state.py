@@ -11,20 +11,20 @@ from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from ..numerics.generalized_alpha import Motion
-from ..physics.accuracy import ErrorSums
-from ..physics.contact_error import ContactSums
-from ..physics.energy_balance import residual, total
-from ..physics.guard import GuardState
-from ..physics.shaft import KINDS
-from ..shaft_parameters import FAR
-from .ends.ends import SwivelState
-from .ends.following import Following
-from .ends.paths import EndPath
-from .fidelity import Fidelity
-from .mesh.partition import Partition
-from .outputs.audit import Audit
-from .wires import NO_MEMORY, Array
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.physics.accuracy import ErrorSums
+from rope_model.physics.contact_error import ContactSums
+from rope_model.physics.energy_balance import residual, total
+from rope_model.physics.guard import GuardState
+from rope_model.physics.shaft import KINDS
+from rope_model.shaft_parameters import FAR
+from rope_model.simulation.ends.ends import SwivelState
+from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.paths import EndPath
+from rope_model.simulation.fidelity import Fidelity
+from rope_model.simulation.mesh.partition import Partition
+from rope_model.simulation.outputs.audit import Audit
+from rope_model.simulation.wires import NO_MEMORY, Array
 
 
 class EnergyBalance(NamedTuple):

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parameters import Rope, Scene
-from ..physics.element import POINTS, WEIGHTS
-from ..physics.wire_element import wire_functions
-from ..physics.wire_friction import MEMORY, section_at, slide, slip_curvature, wire_stiffness
+from rope_model.parameters import Rope, Scene
+from rope_model.physics.element import POINTS, WEIGHTS
+from rope_model.physics.wire_element import wire_functions
+from rope_model.physics.wire_friction import MEMORY, section_at, slide, slip_curvature, wire_stiffness
 
 Array = NDArray[np.float64]
 

@@ -19,8 +19,7 @@ def row(value: float, bound: float) -> Row:
 
 
 @pytest.mark.parametrize(
-    ("value", "bound", "missed"),
-    [(0.5, 1.0, False), (1.0, 1.0, True), (math.nan, 1.0, True), (5.0, math.nan, False)],
+    ("value", "bound", "missed"), [(0.5, 1.0, False), (1.0, 1.0, True), (math.nan, 1.0, True), (5.0, math.nan, False)]
 )
 def test_a_row_misses_where_an_acceptance_is_stated_and_not_met(value: float, bound: float, missed: bool) -> None:
     assert row(value, bound).misses is missed

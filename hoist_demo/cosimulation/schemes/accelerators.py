@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .interface import Vector
+from hoist_demo.cosimulation.schemes.interface import Vector
 
 
 class Accelerator(Protocol):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .interface import Advance, Memory, Pair, Scheme
+from hoist_demo.cosimulation.schemes.interface import Advance, Memory, Pair, Scheme
 
 SAFETY, LARGEST_CHANGE = 0.8, 2.0
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .interface import Sample, Vector
+from hoist_demo.cosimulation.schemes.interface import Sample, Vector
 
 #: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))

@@ -19,9 +19,9 @@ from typing import Literal
 
 import numpy as np
 
-from .accelerators import Accelerator, Aitken, InterfaceJacobian, Secant
-from .extrapolation import extrapolation_coefficients
-from .interface import Advance, ExchangeBalance, Load, Memory, Pair, Vector
+from hoist_demo.cosimulation.schemes.accelerators import Accelerator, Aitken, InterfaceJacobian, Secant
+from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
+from hoist_demo.cosimulation.schemes.interface import Advance, ExchangeBalance, Load, Memory, Pair, Vector
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")

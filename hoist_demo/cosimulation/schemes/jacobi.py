@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .extrapolation import Extrapolated, extrapolation_coefficients
-from .interface import Advance, ExchangeBalance, InterfaceMotion, Load, Memory, Pair
+from hoist_demo.cosimulation.schemes.extrapolation import Extrapolated, extrapolation_coefficients
+from hoist_demo.cosimulation.schemes.interface import Advance, ExchangeBalance, InterfaceMotion, Load, Memory, Pair
 
 
 @dataclass(frozen=True)

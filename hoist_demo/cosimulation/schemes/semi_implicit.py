@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .extrapolation import Extrapolated, extrapolation_coefficients
-from .gauss_seidel import exchange
-from .interface import Advance, Load, Memory, Pair
+from hoist_demo.cosimulation.schemes.extrapolation import Extrapolated, extrapolation_coefficients
+from hoist_demo.cosimulation.schemes.gauss_seidel import exchange
+from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pair
 
 
 @dataclass(frozen=True)

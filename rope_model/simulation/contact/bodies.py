@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from ...physics import shaft as physics
-from ...physics.elementary import both, either, smaller
-from ...physics.outline import suspension_points
-from ...physics.shaft import KINDS, Body
-from ...shaft_parameters import FAR, Shaft
-from ..messages import messages
-from ..messages.rules import Rules, first_text
+from rope_model.physics import shaft as physics
+from rope_model.physics.elementary import both, either, smaller
+from rope_model.physics.outline import suspension_points
+from rope_model.physics.shaft import KINDS, Body
+from rope_model.shaft_parameters import FAR, Shaft
+from rope_model.simulation.messages import messages
+from rope_model.simulation.messages.rules import Rules, first_text
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies that stand

@@ -28,14 +28,14 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...numerics.coupled_newton import conjugate_gradients
-from ...numerics.generalized_alpha import Coefficients
-from ...parameter_table import require
-from ...parameters import Scene
-from ..balance_rope import BalanceRope
-from ..rope_system import Array
-from .pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
-from .point_forces import NO_FORCES, PointForces
+from rope_model.numerics.coupled_newton import conjugate_gradients
+from rope_model.numerics.generalized_alpha import Coefficients
+from rope_model.parameter_table import require
+from rope_model.parameters import Scene
+from rope_model.simulation.balance_rope import BalanceRope
+from rope_model.simulation.contact.pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
+from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
+from rope_model.simulation.rope_system import Array
 
 #: largest number of Newton's iterations
 ITERATIONS = 15

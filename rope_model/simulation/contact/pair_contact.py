@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...parameters import Scene
-from ...physics import hermite
-from ...physics.outline import enclosing_box
-from ...physics.rope_on_rope import (
+from rope_model.parameters import Scene
+from rope_model.physics import hermite
+from rope_model.physics.outline import enclosing_box
+from rope_model.physics.rope_on_rope import (
     APART,
     CORRECTIONS,
     MOST_STRANDS,
@@ -26,10 +26,10 @@ from ...physics.rope_on_rope import (
     nearer_place,
     rope_touch,
 )
-from ..balance_rope import BalanceRope
-from ..rope_system import Array
-from .point_forces import at_places, elements_at
-from .self_contact import TANGENT_ENTRIES, strands
+from rope_model.simulation.balance_rope import BalanceRope
+from rope_model.simulation.contact.point_forces import at_places, elements_at
+from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
+from rope_model.simulation.rope_system import Array
 
 #: places that are looked at by their middle first
 GROUP = 16

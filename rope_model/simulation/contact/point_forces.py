@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ...physics import hermite
-from ...physics.point_forces import part_of_time
-from ..rope_system import ANGLE, POSITION, SLOPE, Array
+from rope_model.physics import hermite
+from rope_model.physics.point_forces import part_of_time
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array
 
 #: share of the rope's length by which places may be off its ends
 ROUNDING = 1e-9

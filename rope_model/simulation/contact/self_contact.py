@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...numerics.coupled_newton import Iterate, conjugate_gradients
-from ...numerics.generalized_alpha import Solution
-from ...parameters import Scene
-from ...physics import hermite
-from ...physics.contact import SUMS, Touch
-from ...physics.outline import enclosing_box
-from ...physics.rope_on_rope import (
+from rope_model.numerics.coupled_newton import Iterate, conjugate_gradients
+from rope_model.numerics.generalized_alpha import Solution
+from rope_model.parameters import Scene
+from rope_model.physics import hermite
+from rope_model.physics.contact import SUMS, Touch
+from rope_model.physics.outline import enclosing_box
+from rope_model.physics.rope_on_rope import (
     APART,
     CORRECTIONS,
     MOST_STRANDS,
@@ -29,7 +29,7 @@ from ...physics.rope_on_rope import (
     places_skipped,
     rope_touch,
 )
-from ..rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
+from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
 TANGENT_ENTRIES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])

@@ -18,15 +18,15 @@ from typing import Any
 
 import numpy as np
 
-from ...parameters import Scene
-from ...physics.outline import enclosing_box, middle, turns
-from ...physics.shaft import KINDS, distance, least_distance
-from ..mesh.adaptation import nearest_turn
-from ..outputs.diagnostics import direction, legs_apart, loop_bottom, loop_turns
-from ..rope_system import SLOPE
-from ..state import Crossing, Nearest, RopeState
-from .bodies import Placed, placed_bodies
-from .self_contact import overlap_of
+from rope_model.parameters import Scene
+from rope_model.physics.outline import enclosing_box, middle, turns
+from rope_model.physics.shaft import KINDS, distance, least_distance
+from rope_model.simulation.contact.bodies import Placed, placed_bodies
+from rope_model.simulation.contact.self_contact import overlap_of
+from rope_model.simulation.mesh.adaptation import nearest_turn
+from rope_model.simulation.outputs.diagnostics import direction, legs_apart, loop_bottom, loop_turns
+from rope_model.simulation.rope_system import SLOPE
+from rope_model.simulation.state import Crossing, Nearest, RopeState
 
 #: kinds of bodies in words
 BODIES = {

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from ...parameters import Scene
-from ...physics.contact import OWN_LENGTH
-from ...physics.contact_element import LAW
-from ...physics.outline import enclosing_box
-from ...physics.shaft import Body, least_distance
-from ..rope_system import POSITION, Array
-from .bodies import FIXED, may_touch, placed_bodies
+from rope_model.parameters import Scene
+from rope_model.physics.contact import OWN_LENGTH
+from rope_model.physics.contact_element import LAW
+from rope_model.physics.outline import enclosing_box
+from rope_model.physics.shaft import Body, least_distance
+from rope_model.simulation.contact.bodies import FIXED, may_touch, placed_bodies
+from rope_model.simulation.rope_system import POSITION, Array
 
 
 @dataclass(frozen=True)

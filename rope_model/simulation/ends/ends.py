@@ -19,16 +19,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...parameters import Inputs, Swivel
-from ...physics.elementary import atan2
-from ...physics.swivel import friction_moment
-from ..messages import messages
-from ..rope_system import ANGLE, Array
-from .following import Following, Limits
-from .paths import PATH, REACH, EndMotion, EndPath
-from .swivel_phases import Phase as Phase
-from .swivel_phases import SwivelState as SwivelState
-from .swivel_phases import moment_of_swivel, swivel_friction
+from rope_model.parameters import Inputs, Swivel
+from rope_model.physics.elementary import atan2
+from rope_model.physics.swivel import friction_moment
+from rope_model.simulation.ends.following import Following, Limits
+from rope_model.simulation.ends.paths import PATH, REACH, EndMotion, EndPath
+from rope_model.simulation.ends.swivel_phases import Phase as Phase
+from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
+from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
+from rope_model.simulation.messages import messages
+from rope_model.simulation.rope_system import ANGLE, Array
 
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)

@@ -24,12 +24,12 @@ from collections.abc import Iterable, Sequence
 from itertools import chain
 from typing import Any, NamedTuple
 
-from ...numerics import quintic
-from ...numerics.program import Program
-from ...parameters import CHOICES, Scene
-from ...physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
-from ...physics.estimates import axial_frequency
-from .paths import PATH, RESTS_BELOW, EndMotion, EndPath
+from rope_model.numerics import quintic
+from rope_model.numerics.program import Program
+from rope_model.parameters import CHOICES, Scene
+from rope_model.physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
+from rope_model.physics.estimates import axial_frequency
+from rope_model.simulation.ends.paths import PATH, RESTS_BELOW, EndMotion, EndPath
 
 #: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits; met
 #: within 20 ms that takes 5.8 h times it at most, 0.1 % of g
@@ -261,9 +261,7 @@ def _followed(
     fades = exp(-w * h)
     left, left_speed = (at_start + leaning * h) * fades, (rest_speed - w * leaning * h) * fades
     return quintic.coefficients(
-        h,
-        *(x, v, a),
-        *(place - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)),
+        h, *(x, v, a), *(place - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left))
     )
 
 
@@ -367,13 +365,7 @@ def follow_program() -> Program:
 
 
 def follow(
-    program: Program,
-    now: Following,
-    path: EndPath,
-    manner: Manner,
-    given_at: float,
-    stop: float,
-    end: EndMotion,
+    program: Program, now: Following, path: EndPath, manner: Manner, given_at: float, stop: float, end: EndMotion
 ) -> Followed:
     """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
     numbers = (*numbers_of(now), *path[:2], *chain(*path.coefficients))

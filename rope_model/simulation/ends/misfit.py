@@ -13,11 +13,11 @@ import math
 from functools import reduce
 from typing import Any
 
-from ...numerics import quintic
-from ...physics.accuracy import TINY, memory
-from ...physics.elementary import cos, exp, larger, sin, smaller, sqrt, where
-from ...physics.estimates import axial_frequency
-from .following import LEAST_JERK, Following, beyond_linear, missed
+from rope_model.numerics import quintic
+from rope_model.physics.accuracy import TINY, memory
+from rope_model.physics.elementary import cos, exp, larger, sin, smaller, sqrt, where
+from rope_model.physics.estimates import axial_frequency
+from rope_model.simulation.ends.following import LEAST_JERK, Following, beyond_linear, missed
 
 #: part of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any, NamedTuple
 
-from ...numerics import quintic
-from ...parameter_table import numeric_bounds, parameter, parameters_of
-from ...physics.elementary import larger, smaller
+from rope_model.numerics import quintic
+from rope_model.parameter_table import numeric_bounds, parameter, parameters_of
+from rope_model.physics.elementary import larger, smaller
 
 SIDES = ("left", "right")
 #: columns of an end's path

@@ -12,14 +12,14 @@ import math
 
 import numpy as np
 
-from ...numerics.generalized_alpha import Motion, StepResult
-from ..model import RopeModel, ends_of
-from ..rope_system import ANGLE, Evaluation, RopeSystem
-from ..state import Event, RopeState
-from ..stepping.events import locate
-from .ends import Phase, SwivelState
-from .paths import SIDES
-from .swivel_phases import frictionless, released_at, swivel_excess
+from rope_model.numerics.generalized_alpha import Motion, StepResult
+from rope_model.simulation.ends.ends import Phase, SwivelState
+from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.ends.swivel_phases import frictionless, released_at, swivel_excess
+from rope_model.simulation.model import RopeModel, ends_of
+from rope_model.simulation.rope_system import ANGLE, Evaluation, RopeSystem
+from rope_model.simulation.state import Event, RopeState
+from rope_model.simulation.stepping.events import locate
 
 log = logging.getLogger(__name__)
 

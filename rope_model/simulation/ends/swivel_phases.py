@@ -10,8 +10,8 @@ import math
 from enum import Enum
 from typing import Any, NamedTuple
 
-from ...physics.elementary import both, either, where
-from ...physics.swivel import friction_moment
+from rope_model.physics.elementary import both, either, where
+from rope_model.physics.swivel import friction_moment
 
 #: N m by which a moment must pass the static limit: less is rounding
 MOMENT_RESOLUTION = 1e-9

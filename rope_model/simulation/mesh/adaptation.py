@@ -9,20 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from ...numerics.generalized_alpha import Solution
-from ..ends.ends import right_offset
-from ..ends.paths import ends_at
-from ..fidelity import lowest_sufficient
-from ..messages import fidelity_messages
-from ..messages.fidelity_rules import carries_torque
-from ..model import RopeModel, ends_of, energies, with_angles_along
-from ..rigid import flexible_start, with_elastic_strain
-from ..rope_system import POSITION, SLOPE, Evaluation
-from ..state import Event, RopeState
-from ..wires import carry, fresh_memory
-from .mesh_pattern import DUE_EARLY, transformation_due
-from .partition import Partition, transform
-from .transfer import transfer_fields
+from rope_model.numerics.generalized_alpha import Solution
+from rope_model.simulation.ends.ends import right_offset
+from rope_model.simulation.ends.paths import ends_at
+from rope_model.simulation.fidelity import lowest_sufficient
+from rope_model.simulation.mesh.mesh_pattern import DUE_EARLY, transformation_due
+from rope_model.simulation.mesh.partition import Partition, transform
+from rope_model.simulation.mesh.transfer import transfer_fields
+from rope_model.simulation.messages import fidelity_messages
+from rope_model.simulation.messages.fidelity_rules import carries_torque
+from rope_model.simulation.model import RopeModel, ends_of, energies, with_angles_along
+from rope_model.simulation.rigid import flexible_start, with_elastic_strain
+from rope_model.simulation.rope_system import POSITION, SLOPE, Evaluation
+from rope_model.simulation.state import Event, RopeState
+from rope_model.simulation.wires import carry, fresh_memory
 
 log = logging.getLogger(__name__)
 

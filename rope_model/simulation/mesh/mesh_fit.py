@@ -15,10 +15,10 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...physics import contact_error
-from ...physics.accuracy import BRAKED, length_for, memory
-from ...physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
-from ...physics.estimates import axial_frequency, bending_length
+from rope_model.physics import contact_error
+from rope_model.physics.accuracy import BRAKED, length_for, memory
+from rope_model.physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
+from rope_model.physics.estimates import axial_frequency, bending_length
 
 #: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
 #: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro

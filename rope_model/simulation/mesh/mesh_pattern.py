@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...physics.elementary import either, floor, less, where
-from .mesh_fit import DUE
+from rope_model.physics.elementary import either, floor, less, where
+from rope_model.simulation.mesh.mesh_fit import DUE
 
 #: m, for rounding: a transformation is made where it is due by this less
 DUE_EARLY = 1e-7

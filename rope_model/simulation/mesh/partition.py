@@ -29,11 +29,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...parameters import MOST_ELEMENTS, Mesh, Scene
-from ..messages import messages
-from ..rope_system import Array, arc_lengths
-from .mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
-from .mesh_pattern import fewest_outer, fine_share, inner_length, pattern_centre, relative_lengths
+from rope_model.parameters import MOST_ELEMENTS, Mesh, Scene
+from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
+from rope_model.simulation.mesh.mesh_pattern import (
+    fewest_outer,
+    fine_share,
+    inner_length,
+    pattern_centre,
+    relative_lengths,
+)
+from rope_model.simulation.messages import messages
+from rope_model.simulation.rope_system import Array, arc_lengths
 
 #: a step carries the loop at most this many l past that: 20 ms at 20 m/s where l = 1.6 m
 LATEST = 0.25

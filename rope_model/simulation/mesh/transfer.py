@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...numerics.banded import solve_banded
-from ...physics import hermite
-from ..rope_system import ANGLE, Array
+from rope_model.numerics.banded import solve_banded
+from rope_model.physics import hermite
+from rope_model.simulation.rope_system import ANGLE, Array
 
 Indices = NDArray[np.intp]
 

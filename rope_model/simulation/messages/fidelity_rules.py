@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
-from ...physics.elementary import both, either, larger, where
-from ...physics.estimates import (
+from rope_model.physics.elementary import both, either, larger, where
+from rope_model.physics.estimates import (
     LARGEST_YAW,
     Travel,
     held_error,
@@ -18,12 +18,12 @@ from ...physics.estimates import (
     release_error,
     travel_estimate,
 )
-from ...physics.guard import guarded
-from ...physics.inextensible import lowest, pull
-from ..contact.bodies import may_touch
-from ..ends.paths import EndMotion
-from . import fidelity_messages
-from .rules import Rules
+from rope_model.physics.guard import guarded
+from rope_model.physics.inextensible import lowest, pull
+from rope_model.simulation.contact.bodies import may_touch
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.messages import fidelity_messages
+from rope_model.simulation.messages.rules import Rules
 
 #: inputs that turn a rope whose swivels hold, that act out of the plane, and that move the ends along it
 TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az"), ("vx", "ax")

@@ -24,17 +24,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from ...parameters import Scene
-from ...physics.shaft import KINDS
-from ..contact.bodies import may_touch
-from ..contact.shaft import BODIES
-from ..ends.paths import SIDES
-from ..outputs.diagnostics import direction
-from ..outputs.neglected_effects import neglected_text
-from ..rope_system import ANGLE
-from ..state import RopeState
-from . import warning_messages, warning_rules
-from .rules import first_text
+from rope_model.parameters import Scene
+from rope_model.physics.shaft import KINDS
+from rope_model.simulation.contact.bodies import may_touch
+from rope_model.simulation.contact.shaft import BODIES
+from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.messages import warning_messages, warning_rules
+from rope_model.simulation.messages.rules import first_text
+from rope_model.simulation.outputs.diagnostics import direction
+from rope_model.simulation.outputs.neglected_effects import neglected_text
+from rope_model.simulation.rope_system import ANGLE
+from rope_model.simulation.state import RopeState
 
 
 def neglected_effects(scene: Scene, state: RopeState) -> str:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...physics.accuracy import length_for, mesh_error, turned_by_mesh
-from ...physics.elementary import both, either, floor, smaller, where
-from ...physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
-from ...shaft_parameters import FAR
-from ..ends.following import FEWEST_BREAKS
-from ..mesh.mesh_fit import LONGEST, NATURAL_RADIUS
-from ..mesh.mesh_pattern import fine_share
-from ..outputs.audit import (
+from rope_model.physics.accuracy import length_for, mesh_error, turned_by_mesh
+from rope_model.physics.elementary import both, either, floor, smaller, where
+from rope_model.physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
+from rope_model.shaft_parameters import FAR
+from rope_model.simulation.ends.following import FEWEST_BREAKS
+from rope_model.simulation.mesh.mesh_fit import LONGEST, NATURAL_RADIUS
+from rope_model.simulation.mesh.mesh_pattern import fine_share
+from rope_model.simulation.messages import warning_messages
+from rope_model.simulation.messages.fidelity_rules import carries_torque
+from rope_model.simulation.messages.rules import Rules
+from rope_model.simulation.outputs.audit import (
     FEWEST_ELEMENTS,
     FEWEST_STEPS,
     LARGE_CHANGE,
@@ -21,9 +24,6 @@ from ..outputs.audit import (
     axial_step,
     signal_values,
 )
-from . import warning_messages
-from .fidelity_rules import carries_torque
-from .rules import Rules
 
 #: rad: yaw of a loop that is turned over
 HALF_A_TURN = math.pi

@@ -20,10 +20,10 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from ...numerics.generalized_alpha import auxiliary_weights
-from ...physics.elementary import atan2, cross, dot, larger, sqrt, where
-from ...physics.estimates import axial_frequency
-from ...physics.frame import end_moment
+from rope_model.numerics.generalized_alpha import auxiliary_weights
+from rope_model.physics.elementary import atan2, cross, dot, larger, sqrt, where
+from rope_model.physics.estimates import axial_frequency
+from rope_model.physics.frame import end_moment
 
 Load = tuple[float, float, float, float, float, float]
 #: momentum, angular momentum about the origin, first moment of the mass: physics.element.MOMENTUM

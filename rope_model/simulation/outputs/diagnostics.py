@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...numerics.generalized_alpha import Motion
-from ...physics.hermite import integral, integral_to
-from ...physics.outline import (
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.physics.hermite import integral, integral_to
+from rope_model.physics.outline import (
     heading,
     least_advance,
     line_yaw,
@@ -20,8 +20,8 @@ from ...physics.outline import (
     squared_distance,
     turn,
 )
-from ..mesh.transfer import interpolate
-from ..rope_system import POSITION, SLOPE, Array, arc_lengths
+from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.simulation.rope_system import POSITION, SLOPE, Array, arc_lengths
 
 #: straight pieces of an element, for the turns: legs that lie against each other must not seem to pass through
 PIECES = 8

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...parameters import Scene
-from ...physics.guard import guarded, loop_height, off_plumb, sideways, watch
-from ...physics.outline import turns
-from ...physics.shaft import KINDS
-from ...shaft_parameters import FAR
-from ..contact.shaft import nearer
-from ..ends.ends import HangingEnds
-from ..mesh.adaptation import nearest_turn
-from ..rope_system import POSITION, Array
-from ..state import Nearest, RopeState
-from .diagnostics import LoopBottom, direction, loop_bottom
+from rope_model.parameters import Scene
+from rope_model.physics.guard import guarded, loop_height, off_plumb, sideways, watch
+from rope_model.physics.outline import turns
+from rope_model.physics.shaft import KINDS
+from rope_model.shaft_parameters import FAR
+from rope_model.simulation.contact.shaft import nearer
+from rope_model.simulation.ends.ends import HangingEnds
+from rope_model.simulation.mesh.adaptation import nearest_turn
+from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
+from rope_model.simulation.rope_system import POSITION, Array
+from rope_model.simulation.state import Nearest, RopeState
 
 
 def rise(scene: Scene, state: RopeState, bottom: LoopBottom) -> float:

@@ -12,8 +12,8 @@ import scipy.sparse as sp
 from scipy.linalg import eigvals_banded
 from scipy.sparse.linalg import eigsh
 
-from ...physics.element import NODE_DOF, element_functions
-from ..rope_system import ANGLE, POSITION, Array, RopeSystem
+from rope_model.physics.element import NODE_DOF, element_functions
+from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem
 
 #: N/m: rounding by Qa / l of a zero stiffness, of a swivel that turns freely
 ROUNDING = 1e-5

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..fidelity import FIDELITIES, Fidelity
+from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 
 
 class Effect(NamedTuple):

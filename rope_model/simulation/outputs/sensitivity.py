@@ -11,15 +11,15 @@ from typing import Protocol
 
 import numpy as np
 
-from ...parameters import Scene
-from ...physics.frame import conveyance_load
-from ..ends.ends import YAW_SENSE, HangingEnds, Phase
-from ..ends.following import manner_of, sample_moves
-from ..ends.paths import SIDES, EndMotion, ends_at
-from ..messages import messages
-from ..rigid import tension_change
-from ..rope_system import ANGLE, Array
-from ..state import RopeState
+from rope_model.parameters import Scene
+from rope_model.physics.frame import conveyance_load
+from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds, Phase
+from rope_model.simulation.ends.following import manner_of, sample_moves
+from rope_model.simulation.ends.paths import SIDES, EndMotion, ends_at
+from rope_model.simulation.messages import messages
+from rope_model.simulation.rigid import tension_change
+from rope_model.simulation.rope_system import ANGLE, Array
+from rope_model.simulation.state import RopeState
 
 #: m, m/s, m/s^2, and the same in rad: too small to bend the rope, large against rounding
 _SIZES = (1e-7, 1e-5, 1e-3)

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from ...physics.guard import CAUSES as CAUSES
-from ...physics.shaft import KINDS
-from ..contact.shaft import BODIES
-from ..ends.paths import SIDES
+from rope_model.physics.guard import CAUSES as CAUSES
+from rope_model.physics.shaft import KINDS
+from rope_model.simulation.contact.shaft import BODIES
+from rope_model.simulation.ends.paths import SIDES
 
 SHAPE_POINTS = 81
 

@@ -7,28 +7,36 @@ from typing import Protocol
 
 import numpy as np
 
-from ...physics.accuracy import end_force_error, loop_error
-from ...physics.contact_error import contact_error, with_contact_at_ends, with_contact_of_place
-from ...physics.estimates import loop_width
-from ...physics.frame import conveyance_load
-from ...physics.guard import sideways
-from ...physics.outline import turns
-from ...physics.shaft import KINDS
-from ...physics.stress import material_values
-from ..contact.shaft import clearances
-from ..ends.ends import Phase
-from ..ends.misfit import with_drift, with_misfit
-from ..ends.paths import SIDES
-from ..mesh.adaptation import nearest_turn
-from ..mesh.transfer import interpolate
-from ..rigid import rigid_tension
-from ..rope_system import ANGLE, Array, RopeSystem, arc_lengths
-from .audit import signal_values as audit_values
-from .diagnostics import LoopBottom, direction, interpolate_midpoints, leg_clearance, shape, shape_places, tension
-from .guards import rise
-from .sensitivity import Linearised, added_mass_signals
-from .signal_table import SHAPE_POINTS, SIGNALS
-from .state_signals import STATE_SIGNALS
+from rope_model.physics.accuracy import end_force_error, loop_error
+from rope_model.physics.contact_error import contact_error, with_contact_at_ends, with_contact_of_place
+from rope_model.physics.estimates import loop_width
+from rope_model.physics.frame import conveyance_load
+from rope_model.physics.guard import sideways
+from rope_model.physics.outline import turns
+from rope_model.physics.shaft import KINDS
+from rope_model.physics.stress import material_values
+from rope_model.simulation.contact.shaft import clearances
+from rope_model.simulation.ends.ends import Phase
+from rope_model.simulation.ends.misfit import with_drift, with_misfit
+from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.mesh.adaptation import nearest_turn
+from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.simulation.outputs.audit import signal_values as audit_values
+from rope_model.simulation.outputs.diagnostics import (
+    LoopBottom,
+    direction,
+    interpolate_midpoints,
+    leg_clearance,
+    shape,
+    shape_places,
+    tension,
+)
+from rope_model.simulation.outputs.guards import rise
+from rope_model.simulation.outputs.sensitivity import Linearised, added_mass_signals
+from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.simulation.outputs.state_signals import STATE_SIGNALS
+from rope_model.simulation.rigid import rigid_tension
+from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem, arc_lengths
 
 
 class Evaluated(Linearised, Protocol):

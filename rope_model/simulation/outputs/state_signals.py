@@ -7,13 +7,13 @@ from functools import partial
 from operator import attrgetter
 from typing import Any
 
-from ...physics.accuracy import TINY
-from ...physics.elementary import larger, less, sqrt
-from ...physics.energy_balance import residual, total
-from ...physics.shaft import KINDS
-from ..ends.paths import SIDES
-from ..state import EnergyBalance, Nearest
-from .signal_table import SIGNALS
+from rope_model.physics.accuracy import TINY
+from rope_model.physics.elementary import larger, less, sqrt
+from rope_model.physics.energy_balance import residual, total
+from rope_model.physics.shaft import KINDS
+from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.outputs.signal_table import SIGNALS
+from rope_model.simulation.state import EnergyBalance, Nearest
 
 
 def _force_mean(side: int, state: Any) -> Any:

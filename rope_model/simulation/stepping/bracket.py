@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from ...physics.elementary import both, larger, smaller, where
+from rope_model.physics.elementary import both, larger, smaller, where
 
 
 class Bracket(NamedTuple):

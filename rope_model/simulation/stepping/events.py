@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .bracket import Bracket, narrowed, trial_place
+from rope_model.simulation.stepping.bracket import Bracket, narrowed, trial_place
 
 
 def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...numerics.generalized_alpha import Motion
-from ..curvature import is_curved
-from ..fidelity import flexible
-from ..mesh.adaptation import with_loop_yaw
-from ..messages import messages
-from ..model import RopeModel, energies
-from ..rope_system import ANGLE
-from ..state import RopeState
-from .statics import StaticsError, find_equilibrium
+from rope_model.numerics.generalized_alpha import Motion
+from rope_model.simulation.curvature import is_curved
+from rope_model.simulation.fidelity import flexible
+from rope_model.simulation.mesh.adaptation import with_loop_yaw
+from rope_model.simulation.messages import messages
+from rope_model.simulation.model import RopeModel, energies
+from rope_model.simulation.rope_system import ANGLE
+from rope_model.simulation.state import RopeState
+from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 
 #: parts in which the permanent curvature comes in
 CURVATURE_STEPS = 8

@@ -23,11 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from ...physics.element import PARAMETERS
-from ...physics.elementary import larger
-from ...physics.hanging import hanging_shape, node_row
-from ..messages import messages
-from ..rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
+from rope_model.physics.element import PARAMETERS
+from rope_model.physics.elementary import larger
+from rope_model.physics.hanging import hanging_shape, node_row
+from rope_model.simulation.messages import messages
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
 #: s: pseudo-time steps beyond leave no inertia that matters
 SETTLED = 1e3

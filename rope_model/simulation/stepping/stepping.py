@@ -6,21 +6,28 @@ import logging
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...numerics.generalized_alpha import StepResult
-from ...physics.accuracy import ACCEPT_BELOW, next_step, parts_of
-from ...physics.elementary import larger
-from ..ends.paths import ends_at
-from ..ends.switching import EVENT_WIDTH, chatters, next_release, release_swivels, switch_swivels, switching_step
-from ..mesh.adaptation import transform_if_due, with_loop_yaw
-from ..mesh.mesh_pattern import distance_to_due
-from ..mesh.partition import LATEST
-from ..messages import messages
-from ..model import RopeModel, powers
-from ..rigid import rigid_rope
-from ..rope_system import Evaluation, RopeSystem
-from ..state import Counts, RopeState
-from .events import locate
-from .statics import StaticsError
+from rope_model.numerics.generalized_alpha import StepResult
+from rope_model.physics.accuracy import ACCEPT_BELOW, next_step, parts_of
+from rope_model.physics.elementary import larger
+from rope_model.simulation.ends.paths import ends_at
+from rope_model.simulation.ends.switching import (
+    EVENT_WIDTH,
+    chatters,
+    next_release,
+    release_swivels,
+    switch_swivels,
+    switching_step,
+)
+from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
+from rope_model.simulation.mesh.mesh_pattern import distance_to_due
+from rope_model.simulation.mesh.partition import LATEST
+from rope_model.simulation.messages import messages
+from rope_model.simulation.model import RopeModel, powers
+from rope_model.simulation.rigid import rigid_rope
+from rope_model.simulation.rope_system import Evaluation, RopeSystem
+from rope_model.simulation.state import Counts, RopeState
+from rope_model.simulation.stepping.events import locate
+from rope_model.simulation.stepping.statics import StaticsError
 
 log = logging.getLogger(__name__)
 
