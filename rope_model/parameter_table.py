@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import field, fields
 from typing import Any, NamedTuple, TypeVar, get_args
 
@@ -54,15 +54,32 @@ class Joint(NamedTuple):
     formula: Callable[[Any], tuple[Any, ...]]  # x -> conditions, the value, and the number in the bound, if any
 
 
-def parameter(default: T, unit: str, description: str, **facts: Any) -> T:
-    """A field that is a number; ``facts`` are those of Parameter."""
-    return field(default=default, metadata=Parameter(unit, description, **facts)._asdict())
+class Bounds(NamedTuple):
+    """Bounds of a parameter and the advice for a value beyond them, as in Parameter."""
+
+    lower: float | str | None = None
+    upper: float | str | None = None
+    cure: str = ""
+
+
+#: no bounds
+_ANY = Bounds()
+
+
+def at_least(lower: float | str, cure: str) -> Bounds:
+    """A lower bound alone."""
+    return Bounds(lower, None, cure)
+
+
+def parameter(default: T, unit: str, description: str, bounds: Bounds = _ANY, tunable: bool = False) -> T:
+    """A field that is a number, with the facts of Parameter."""
+    return field(default=default, metadata=Parameter(unit, description, *bounds, tunable)._asdict())
 
 
 def direction(description: str) -> float:
     """A field that is an angle of at most a full turn; a larger number was given in degrees."""
     cure = "give it in radians: 45 degrees are 0.7854"
-    return parameter(0.0, "rad", description, lower=-_TURN, upper=_TURN, cure=cure)
+    return parameter(0.0, "rad", description, Bounds(-_TURN, _TURN, cure))
 
 
 def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, cure: str) -> T:
@@ -104,27 +121,31 @@ def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
         raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
 
 
-def require_in_bounds(data: Any, joint: Iterable[Joint] = ()) -> None:
-    """ValueError unless the fields of ``data`` are finite, of their choices, in their bounds, and ``joint`` holds."""
-    order = check_order(type(data))
-    for name, p in order:
-        value = getattr(data, name)
-        text = isinstance(value, str) and not p.choices
-        require(not text, name, value, "a number", "give it without quotation marks")
-        require(not isinstance(value, float) or math.isfinite(value), name, value, "finite", "give a number")
-    for name, p in order:
-        value = getattr(data, name)
-        if p.choices:
-            ok = value in p.choices
-        else:
-            lower, upper = (getattr(data, b) if isinstance(b, str) else b for b in (p.lower, p.upper))
-            ok = (lower is None or lower <= value) and (upper is None or value <= upper)
-        if not ok:
-            bound = p.bound.format(repr(getattr(data, p.other))) if p.other else p.bound
-            require(False, name, value, bound, p.cure)
-    for what, bound, cure, formula in joint:
-        holds, value, *number = formula(data)
-        require(all(holds), what, value, bound.format(*number), cure)
+class Checked:
+    """Data that raise ValueError unless all are finite, of their choices, in their bounds, and ``joint`` holds."""
+
+    joint = tuple[Joint, ...]()
+
+    def __post_init__(self) -> None:
+        order = check_order(type(self))
+        for name, p in order:
+            value = getattr(self, name)
+            text = isinstance(value, str) and not p.choices
+            require(not text, name, value, "a number", "give it without quotation marks")
+            require(not isinstance(value, float) or math.isfinite(value), name, value, "finite", "give a number")
+        for name, p in order:
+            value = getattr(self, name)
+            if p.choices:
+                ok = value in p.choices
+            else:
+                lower, upper = (getattr(self, b) if isinstance(b, str) else b for b in (p.lower, p.upper))
+                ok = (lower is None or lower <= value) and (upper is None or value <= upper)
+            if not ok:
+                bound = p.bound.format(repr(getattr(self, p.other))) if p.other else p.bound
+                require(False, name, value, bound, p.cure)
+        for what, bound, cure, formula in self.joint:
+            holds, value, *number = formula(self)
+            require(all(holds), what, value, bound.format(*number), cure)
 
 
 def _words(bound: float | str | None) -> str:

@@ -10,7 +10,17 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
 
-from rope_model.parameter_table import Joint, choice, direction, parameter, parameters_of, require, require_in_bounds
+from rope_model.parameter_table import (
+    Bounds,
+    Checked,
+    Joint,
+    at_least,
+    choice,
+    direction,
+    parameter,
+    parameters_of,
+    require,
+)
 from rope_model.shaft_parameters import Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
@@ -94,102 +104,86 @@ _OF_MESH = (
 
 
 @dataclass(frozen=True)
-class Rope:
+class Rope(Checked):
     """A round wire rope: T = Qa e + Qb tau, M = Qc e + Qd tau and c2 d^2 Qa e tau, bending moment EI kappa."""
 
     length: float = parameter(
         120.0,
         "m",
         "length between the two swivels",
-        lower=LEAST,
-        upper=1e4,
-        cure="give it in metres, as the rope's data sheet does",
+        Bounds(LEAST, 1e4, "give it in metres, as the rope's data sheet does"),
     )
-    mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", lower=LEAST, cure=_DATA_SHEET)
-    Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", lower=LEAST, cure=_DATA_SHEET)
+    mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", at_least(LEAST, _DATA_SHEET))
+    Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", at_least(LEAST, _DATA_SHEET))
     Qb: float = parameter(2.336e5, "N.m", "tension per twist; default is the symmetric mean of the published pair")
     Qc: float = parameter(2.336e5, "N.m", "torque per axial strain, M = Qc e + Qd tau; default as Qb")
-    Qd: float = parameter(3.3e3, "N.m2", "torsional stiffness [assumed]", lower=LEAST, cure=_DATA_SHEET)
+    Qd: float = parameter(3.3e3, "N.m2", "torsional stiffness [assumed]", at_least(LEAST, _DATA_SHEET))
     EI: float = parameter(
         300.0,
         "N.m2",
         "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none",
-        lower=LEAST,
-        cure=_DATA_SHEET,
+        at_least(LEAST, _DATA_SHEET),
     )
     EI_stick: float = parameter(
         0.0,
         "N.m2",
         "bending stiffness while wires stick, above EI, that of wires that slide; 0: no friction between wires",
-        lower=0.0,
-        cure="use 0 for no friction between the wires",
+        at_least(0.0, "use 0 for no friction between the wires"),
     )
     slip_moment: float = parameter(
         1.0,
         "N.m",
         "moment of the friction between wires of the slack rope [assumed]",
-        lower=LEAST,
-        cure="use a small one where only the tension presses the wires together",
+        at_least(LEAST, "use a small one where only the tension presses the wires together"),
     )
     slip_factor: float = parameter(
         0.02,
         "1",
         "growth of that moment with the tension, over the diameter [assumed]",
-        lower=0.0,
-        upper=1.0,
-        cure="use 0 for a moment that does not depend on the tension",
+        Bounds(0.0, 1.0, "use 0 for a moment that does not depend on the tension"),
     )
     rhoJ: float = parameter(
         1.94e-3,  # rho d^2/8
         "kg.m",
         "polar mass moment per length [assumed]",
-        lower=LEAST,
-        cure=_DATA_SHEET,
+        at_least(LEAST, _DATA_SHEET),
     )
     c2: float = parameter(
         0.0,
         "1",
         "growth of torsional stiffness with tension: c2 d^2 T",
-        lower=0.0,
-        upper=10.0,
-        cure="use 0 where it is not known",
+        Bounds(0.0, 10.0, "use 0 where it is not known"),
     )
     beta_K: float = parameter(
         1.0e-3,
         "s",
         "material damping proportional to stiffness [assumed]",
-        lower=0.0,
-        cure="use 0 for no material damping",
+        at_least(0.0, "use 0 for no material damping"),
     )
     torsion_damping: float = parameter(
-        1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", lower=0.0, upper=1e6, cure="use 1 for beta_K"
+        1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", Bounds(0.0, 1e6, "use 1 for beta_K")
     )
     bending_damping: float = parameter(
-        1.0, "1", "damping of bending as a multiple of beta_K [assumed]", lower=0.0, upper=1e6, cure="use 1 for beta_K"
+        1.0, "1", "damping of bending as a multiple of beta_K [assumed]", Bounds(0.0, 1e6, "use 1 for beta_K")
     )
-    diameter: float = parameter(0.044, "m", "rope diameter [assumed]", lower=LEAST, upper=1.0, cure="give it in metres")
+    diameter: float = parameter(0.044, "m", "rope diameter [assumed]", Bounds(LEAST, 1.0, "give it in metres"))
     installed_twist: float = parameter(
         0.0,
         "rad",
         "twist put in at the right end before it was fastened",
-        lower=-1e3,
-        upper=1e3,
-        cure="give it in radians: a turn is 6.2832",
+        Bounds(-1e3, 1e3, "give it in radians: a turn is 6.2832"),
     )
     initial_curvature: float = parameter(
         0.0,
         "1/m",
         "permanent curvature, as a reel leaves it; 0: straight",
-        lower=0.0,
-        upper=10.0,
-        cure="take a part of 1/R of the reel of radius R, and turn its direction for the other sense",
+        Bounds(0.0, 10.0, "take a part of 1/R of the reel of radius R, and turn its direction for the other sense"),
     )
     initial_curvature_angle: float = direction(
         "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self, _OF_ROPE)
+    joint = _OF_ROPE
 
     @property
     def Qs(self) -> float:
@@ -208,24 +202,20 @@ class Rope:
 
 
 @dataclass(frozen=True)
-class Layout:
+class Layout(Checked):
     """Places of the ends: left at X = -spacing/2, right at +spacing/2, heights are inputs."""
 
     spacing: float = parameter(
         2.0,
         "m",
         "horizontal distance of the two suspension points [assumed]",
-        lower=LEAST,
-        cure="give the distance between the conveyances",
+        at_least(LEAST, "give the distance between the conveyances"),
     )
-    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", lower=LEAST, cure="use 9.81")
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
+    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", at_least(LEAST, "use 9.81"))
 
 
 @dataclass(frozen=True)
-class Swivel:
+class Swivel(Checked):
     """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance."""
 
     mode: SwivelMode = choice(
@@ -236,47 +226,40 @@ class Swivel:
         "choose how the end is held",
     )
     mean_diameter: float = parameter(
-        0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", lower=LEAST, cure="take the bearing's d_m"
+        0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", at_least(LEAST, "take the bearing's d_m")
     )
     mu_static: float = parameter(
         0.0018,  # a healthy rolling bearing
         "1",
         "coefficient of static friction of the {side} swivel [assumed]",
-        lower="mu_kinetic",
-        cure="raise it, or lower mu_kinetic",
+        at_least("mu_kinetic", "raise it, or lower mu_kinetic"),
         tunable=True,
     )
     mu_kinetic: float = parameter(
         0.0013,
         "1",
         "coefficient of kinetic friction of the {side} swivel [assumed]",
-        lower=0.0,
-        cure="use 0 for no friction",
+        at_least(0.0, "use 0 for no friction"),
         tunable=True,
     )
     seal_moment: float = parameter(
         0.0,
         "N.m",
         "friction moment of the {side} swivel at any tension [assumed]",
-        lower=0.0,
-        cure="use 0 for none",
+        at_least(0.0, "use 0 for none"),
         tunable=True,
     )
     inertia: float = parameter(
         0.05,
         "kg.m2",
         "inertia that turns with the rope's {side} end [assumed]",
-        lower=LEAST,
-        cure="give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin",
+        at_least(LEAST, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"),
     )
     release_time: float = parameter(0.0, "s", "time until which the {side} swivel is locked")
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
-
 
 @dataclass(frozen=True)
-class Mesh:
+class Mesh(Checked):
     """Partition of the rope into elements.
 
     EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.  Without
@@ -295,121 +278,88 @@ class Mesh:
         "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted to the rope",
         "choose one",
     )
-    elements: int = parameter(
-        600, "", "number of elements, kind 1", lower=2, upper=MOST_ELEMENTS, cure="use fewer or more"
-    )
+    elements: int = parameter(600, "", "number of elements, kind 1", Bounds(2, MOST_ELEMENTS, "use fewer or more"))
     coarse_length: float = parameter(
         2.0,
         "m",
         "element length of segments I and VII, kind 0; in the loop 1/8 of it, without III and V 1/4",
-        lower=LEAST,
-        cure="2 m suits a 120 m rope",
+        at_least(LEAST, "2 m suits a 120 m rope"),
     )
     counts: tuple[int, int, int, int, int] = parameter(
         (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0"
     )
     end_levels: int = parameter(
-        2,
-        "",
-        "how often the outermost elements are halved, kind 0",
-        lower=0,
-        upper=8,
-        cure="2 resolves the clamped ends",
+        2, "", "how often the outermost elements are halved, kind 0", Bounds(0, 8, "2 resolves the clamped ends")
     )
     grading_length: float = parameter(
         0.0,
         "m",
         "largest (element length)^2 in I and VII over distance from the loop, kind 0; 0: all l",
-        lower=0.0,
-        upper=1e4,
-        cure="1 m suits a 1000 m rope",
+        Bounds(0.0, 1e4, "1 m suits a 1000 m rope"),
     )
     loop_error: float = parameter(
         0.0,
         "m",
         "error of the loop's place by the mesh, kind 2; 0: half of accuracy.loop",
-        lower=0.0,
-        upper=1.0,
-        cure="0 suits most studies",
+        Bounds(0.0, 1.0, "0 suits most studies"),
     )
+
+    joint = _OF_MESH
 
     def __post_init__(self) -> None:
         require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
-        require_in_bounds(self, _OF_MESH)
+        super().__post_init__()
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class Accuracy(Checked):
     """Allowed error of a run: mesh and steps follow from it."""
 
     end_force: float = parameter(
         1e-3,
         "1",
         "RMS error of the end forces over a run, relative to the largest",
-        lower=1e-6,
-        upper=1.0,
-        cure="1e-3 suits most studies",
+        Bounds(1e-6, 1.0, "1e-3 suits most studies"),
     )
     loop: float = parameter(
-        0.01, "m", "largest error of the loop's place", lower=1e-5, upper=1.0, cure="0.01 m suits most studies"
+        0.01, "m", "largest error of the loop's place", Bounds(1e-5, 1.0, "0.01 m suits most studies")
     )
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
 
 
 @dataclass(frozen=True)
-class Solver:
+class Solver(Checked):
     """Time integration: generalized-alpha with step control.
 
     Newton's tolerance is in m for positions and rad for twist angles; of r' it is the change over the shortest element.
     """
 
     step_max: float = parameter(
-        0.02, "s", "largest time step", lower=LEAST, upper=1.0, cure="10 ms suits most ropes", tunable=True
+        0.02, "s", "largest time step", Bounds(LEAST, 1.0, "10 ms suits most ropes"), tunable=True
     )
     step_min: float = parameter(
-        1.0e-5,
-        "s",
-        "smallest time step; below it a step fails",
-        lower=LEAST,
-        upper="step_max",
-        cure="use 1e-5 s",
-        tunable=True,
+        1.0e-5, "s", "smallest time step; below it a step fails", Bounds(LEAST, "step_max", "use 1e-5 s"), tunable=True
     )
     tolerance: float = parameter(
         1.0,
         "1",
         "largest local error of a step over that allowed; 1e6: no step is shortened for it",
-        lower=LEAST,
-        upper=1e6,
-        cure="use 1",
+        Bounds(LEAST, 1e6, "use 1"),
         tunable=True,
     )
     newton_tolerance: float = parameter(
-        3e-6,
-        "1",
-        "error that Newton's method may leave, in m and rad",
-        lower=LEAST,
-        upper=1e-3,
-        cure="use 3e-6",
-        tunable=True,
+        3e-6, "1", "error that Newton's method may leave, in m and rad", Bounds(LEAST, 1e-3, "use 3e-6"), tunable=True
     )
     rho_inf: float = parameter(
         0.6,
         "1",
         "spectral radius of generalized-alpha at infinite frequency",
-        lower=0.0,
-        upper=1.0,
-        cure="0.6 damps waves that the mesh cannot resolve",
+        Bounds(0.0, 1.0, "0.6 damps waves that the mesh cannot resolve"),
     )
     work_max: int = parameter(
         0,
         "",
         "Newton iterations of a communication step beyond which it gives up accuracy; 0: any number",
-        lower=0,
-        upper=100_000,
-        cure="60 serves steps of 10 ms",
+        Bounds(0, 100_000, "60 serves steps of 10 ms"),
         tunable=True,
     )
     kernels: KernelForm = choice(
@@ -420,12 +370,9 @@ class Solver:
         "'auto' compiles when it can",
     )
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
-
 
 @dataclass(frozen=True)
-class Model:
+class Model(Checked):
     """Fidelity of the model."""
 
     fidelity: FidelityChoice = choice(
@@ -445,17 +392,12 @@ class Model:
         0.0,
         "1",
         "relative error of the end forces that auto may trade for speed",
-        lower=0.0,
-        upper=1.0,
-        cure="use 0 to leave nothing out",
+        Bounds(0.0, 1.0, "use 0 to leave nothing out"),
     )
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
 
 
 @dataclass(frozen=True)
-class Inputs:
+class Inputs(Checked):
     """Trust in the given motions, and the way in which the rope's ends follow them."""
 
     given: Trusted = choice(
@@ -474,66 +416,42 @@ class Inputs:
         0.0,
         "rad/s",
         "rate at which a misfit is drawn in; 0: sqrt(accuracy.end_force gravity / accuracy.loop), some 1 rad/s",
-        lower=0.0,
-        upper=100.0,
-        cure="0 suits most hosts",
+        Bounds(0.0, 100.0, "0 suits most hosts"),
     )
     estimate_bandwidth: float = parameter(
         0.0,
         "rad/s",
         "bandwidth of estimated inputs; 0: a third of the rope's slowest axial wave",
-        lower=0.0,
-        upper=1e3,
-        cure="0 suits most ropes",
+        Bounds(0.0, 1e3, "0 suits most ropes"),
     )
     misfit_max: float = parameter(
         0.5,
         "m",
         "largest misfit of a position (m, rad) and of a speed (m/s, rad/s)",
-        lower=LEAST,
-        upper=1e4,
-        cure="0.5 admits motions that a rope can follow",
+        Bounds(LEAST, 1e4, "0.5 admits motions that a rope can follow"),
     )
     acceleration_max: float = parameter(
-        100.0,
-        "m/s2",
-        "largest acceleration of an end, m/s2 or rad/s2",
-        lower=LEAST,
-        upper=1e6,
-        cure="100 is beyond any hoist",
+        100.0, "m/s2", "largest acceleration of an end, m/s2 or rad/s2", Bounds(LEAST, 1e6, "100 is beyond any hoist")
     )
     hold_max: float = parameter(
         1.0,
         "s",
         "how long the sample of a moving end may be repeated",
-        lower=LEAST,
-        upper=1e4,
-        cure="1 s is beyond any slower part's step",
+        Bounds(LEAST, 1e4, "1 s is beyond any slower part's step"),
     )
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
 
 
 _WHERE = "0 is the rope's left end, 1 its right end"
 
 
 @dataclass(frozen=True)
-class Stations:
+class Stations(Checked):
     """Places in the rope of the outputs station.*; they stay in it while it flows through the loop."""
 
     first: float = parameter(
-        0.0,
-        "1",
-        "place of the first station over the rope's length, from its left end",
-        lower=0.0,
-        upper="last",
-        cure=_WHERE,
+        0.0, "1", "place of the first station over the rope's length, from its left end", Bounds(0.0, "last", _WHERE)
     )
-    last: float = parameter(1.0, "1", "place of the last station, likewise", lower=0.0, upper=1.0, cure=_WHERE)
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
+    last: float = parameter(1.0, "1", "place of the last station, likewise", Bounds(0.0, 1.0, _WHERE))
 
 
 @dataclass(frozen=True)
@@ -631,6 +549,3 @@ def rope_240(level: Level = "standard") -> RopeCase:
 
 
 ROPE_CASES = {"rope-120": rope_120, "rope-240": rope_240}
-
-#: checks by data class
-JOINT_CHECKS: dict[type[Any], tuple[Joint, ...]] = {Rope: _OF_ROPE, Mesh: _OF_MESH}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from rope_model.parameter_table import direction, parameter, require_in_bounds
+from rope_model.parameter_table import Bounds, Checked, direction, parameter
 
 #: m: no shaft reaches so far; a clearance of that much says that there is no such body
 FAR = 1e6
@@ -20,19 +20,19 @@ _ROUNDING = "0 is sharp-edged, 1 as round as it can be"
 
 
 def _size(default: float, description: str) -> float:
-    return parameter(default, "m", description, lower=0.0, upper=REACH, cure=_NONE)
+    return parameter(default, "m", description, Bounds(0.0, REACH, _NONE))
 
 
 def _place(description: str) -> float:
-    return parameter(0.0, "m", description, lower=-REACH, upper=REACH, cure="give it in metres")
+    return parameter(0.0, "m", description, Bounds(-REACH, REACH, "give it in metres"))
 
 
 def _rounding(default: float, description: str) -> float:
-    return parameter(default, "1", description, lower=0.0, upper=1.0, cure=_ROUNDING)
+    return parameter(default, "1", description, Bounds(0.0, 1.0, _ROUNDING))
 
 
 @dataclass(frozen=True)
-class Lining:
+class Lining(Checked):
     """The shaft's wall, seen from inside: a rectangle with rounded corners or, wholly rounded, a circle."""
 
     width: float = _size(0.0, "width of the shaft in X; 0: none")
@@ -41,12 +41,9 @@ class Lining:
     x: float = _place("X of the shaft's axis from midway between the ends")
     z: float = _place("Z of the shaft's axis from the ends")
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
-
 
 @dataclass(frozen=True)
-class Conveyance:
+class Conveyance(Checked):
     """Either conveyance: an upright box over the suspension point, which it moves with; its yaw is left out."""
 
     width: float = _size(0.0, "width of a conveyance in X; 0: none")
@@ -54,23 +51,17 @@ class Conveyance:
     height: float = _size(0.0, "height of a conveyance")
     above: float = _size(0.0, "height of its underside above the rope's end")
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
-
 
 @dataclass(frozen=True)
-class HeadRopes:
+class HeadRopes(Checked):
     """Head ropes above each conveyance: an upright row, closed between its outermost ropes."""
 
     diameter: float = _size(0.0, "diameter of a head rope; 0: none")
     row: float = _size(0.0, "distance of the outermost head ropes, in a row along Z")
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
-
 
 @dataclass(frozen=True)
-class Divider:
+class Divider(Checked):
     """A horizontal beam from wall to wall, of square or round section."""
 
     size: float = _size(0.0, "side or diameter of the section; 0: none")
@@ -79,91 +70,70 @@ class Divider:
     direction: float = direction("yaw about Y, 0: along Z")
     rounding: float = _rounding(1.0, "radius of the corners over half the side: 0 square, 1 round")
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
-
 
 @dataclass(frozen=True)
-class Sump:
+class Sump(Checked):
     """The shaft's end below: its floor, or water standing in it."""
 
     level: float = parameter(
         -FAR,
         "m",
         "height of floor or water, from the origin of left.y and right.y; -1e6: none",
-        lower=-FAR,
-        upper=REACH,
-        cure="give it in metres, or -1e6 for none",
+        Bounds(-FAR, REACH, "give it in metres, or -1e6 for none"),
     )
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
 
 
 @dataclass(frozen=True)
-class Contact:
+class Contact(Checked):
     """Contact of the rope with a body or with itself, per length: see physics.contact."""
 
     stiffness: float = parameter(
         1e6,
         "N/m2",
         "contact stiffness of rope and body, per length; 0: bodies do not hold the rope [assumed]",
-        lower=0.0,
-        upper=1e9,
-        cure="1e6 holds a falling rope within a diameter",
+        Bounds(0.0, 1e9, "1e6 holds a falling rope within a diameter"),
     )
     damping: float = parameter(
         0.5,
         "s/m",
         "relative growth of the contact force per speed of approach [assumed]",
-        lower=0.0,
-        upper=100.0,
-        cure="use 0 for a perfect rebound",
+        Bounds(0.0, 100.0, "use 0 for a perfect rebound"),
     )
     friction: float = parameter(
-        0.2, "1", "coefficient of friction of rope and body [assumed]", lower=0.0, upper=10.0, cure="use 0 for none"
+        0.2, "1", "coefficient of friction of rope and body [assumed]", Bounds(0.0, 10.0, "use 0 for none")
     )
     slip_speed: float = parameter(
         0.01,
         "m/s",
         "speed at which friction has reached 71 % of its force; slower ropes creep",
-        lower=1e-6,
-        upper=10.0,
-        cure="use 0.01",
+        Bounds(1e-6, 10.0, "use 0.01"),
     )
     rope_stiffness: float = parameter(
         0.0,
         "N/m2",
         "contact stiffness of the rope with itself, per length; 0: legs pass through each other",
-        lower=0.0,
-        upper=1e9,
-        cure="1e7 holds a leg that swings across the other",
+        Bounds(0.0, 1e9, "1e7 holds a leg that swings across the other"),
     )
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
 
 
 def _threshold(unit: str, description: str, cure: str) -> float:
-    return parameter(0.0, unit, f"{description}; 0: none", lower=0.0, upper=FAR, cure=cure)
+    return parameter(0.0, unit, f"{description}; 0: none", Bounds(0.0, FAR, cure))
 
 
 def _delay() -> float:
     text = "delay before this guard trips"
-    return parameter(0.0, "s", text, lower=0.0, upper=REACH, cure="use 0 to trip at once")
+    return parameter(0.0, "s", text, Bounds(0.0, REACH, "use 0 to trip at once"))
 
 
 def _switch(description: str) -> float:
-    return parameter(
-        -FAR, "m", description, lower=-FAR, upper=REACH, cure="give it in metres, or -1e6 to follow the loop"
-    )
+    return parameter(-FAR, "m", description, Bounds(-FAR, REACH, "give it in metres, or -1e6 to follow the loop"))
 
 
 _OFF = "use 0 for no such guard"
 
 
 @dataclass(frozen=True)
-class Guard:
+class Guard(Checked):
     """Guards of the loop: thresholds, delays, and heights of those that are switches: see physics.guard."""
 
     rise: float = _threshold("m", "rise of the loop that trips a guard", _OFF)
@@ -181,37 +151,30 @@ class Guard:
     torque: float = _threshold("N.m", "moment of a swivel that trips a guard", _OFF)
     torque_delay: float = _delay()
 
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
-
 
 _ACROSS = " within air.cross_height"
 
 
 def _velocity(axis: str, where: str) -> float:
     text = f"velocity of the air along {axis}{where}; changes between steps make gusts"
-    return parameter(0.0, "m/s", text, lower=-100.0, upper=100.0, cure="give it in m/s", tunable=True)
+    return parameter(0.0, "m/s", text, Bounds(-100.0, 100.0, "give it in m/s"), tunable=True)
 
 
 @dataclass(frozen=True)
-class Air:
+class Air(Checked):
     """The air in the shaft: its flow along and across it, and aside where a conveyance passes: see physics.air."""
 
     density: float = parameter(
         0.0,
         "kg/m3",
         "density of the air; 0: none",
-        lower=0.0,
-        upper=100.0,
-        cure="air at the surface has 1.2, 1000 m deeper 1.35",
+        Bounds(0.0, 100.0, "air at the surface has 1.2, 1000 m deeper 1.35"),
     )
     drag: float = parameter(
         1.2,
         "1",
         "drag coefficient of the rope across the flow [assumed]",
-        lower=0.0,
-        upper=10.0,
-        cure="stranded ropes have 1.0 to 1.3",
+        Bounds(0.0, 10.0, "stranded ropes have 1.0 to 1.3"),
     )
     vx: float = _velocity("X", _ACROSS)
     vy: float = _velocity("Y, upwards", "")
@@ -221,29 +184,20 @@ class Air:
         FAR,
         "m",
         "height of that gallery, from floor to roof; 1e6: air blows everywhere",
-        lower=0.1,
-        upper=FAR,
-        cure="give the height of the gallery's mouth, or 1e6 for air that moves as one",
+        Bounds(0.1, FAR, "give the height of the gallery's mouth, or 1e6 for air that moves as one"),
     )
     buffet: float = parameter(
         0.0,
         "1",
         "speed of the air that a passing conveyance pushes at the leg beside it, over its own; 0: none [assumed]",
-        lower=0.0,
-        upper=10.0,
-        cure="0.06 suits a conveyance of 3 m2 in the open, 2 m away; in a shaft it is more",
+        Bounds(0.0, 10.0, "0.06 suits a conveyance of 3 m2 in the open, 2 m away; in a shaft it is more"),
     )
     buffet_length: float = parameter(
         4.0,
         "m",
         "height of that conveyance, from tail to bow [assumed]",
-        lower=0.1,
-        upper=100.0,
-        cure="give the height of the skip or cage",
+        Bounds(0.1, 100.0, "give the height of the skip or cage"),
     )
-
-    def __post_init__(self) -> None:
-        require_in_bounds(self)
 
 
 @dataclass(frozen=True)

@@ -234,37 +234,18 @@ static fmi2Status set(Instance *i, const char *function, Kind kind, const fmi2Va
     return fmi2OK;
 }
 
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[]) {
-    return get(c, "fmi2GetReal", KIND_REAL, vr, nvr, value);
-}
+#define VARIABLES_OF(Type, kind)                                                                                       \
+    fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]) {         \
+        return get(c, "fmi2Get" #Type, kind, vr, nvr, value);                                                          \
+    }                                                                                                                  \
+    fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]) {   \
+        return set(c, "fmi2Set" #Type, kind, vr, nvr, value);                                                          \
+    }
 
-fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[]) {
-    return get(c, "fmi2GetInteger", KIND_INTEGER, vr, nvr, value);
-}
-
-fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[]) {
-    return get(c, "fmi2GetBoolean", KIND_BOOLEAN, vr, nvr, value);
-}
-
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[]) {
-    return get(c, "fmi2GetString", KIND_STRING, vr, nvr, value);
-}
-
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[]) {
-    return set(c, "fmi2SetReal", KIND_REAL, vr, nvr, value);
-}
-
-fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[]) {
-    return set(c, "fmi2SetInteger", KIND_INTEGER, vr, nvr, value);
-}
-
-fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Boolean value[]) {
-    return set(c, "fmi2SetBoolean", KIND_BOOLEAN, vr, nvr, value);
-}
-
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[]) {
-    return set(c, "fmi2SetString", KIND_STRING, vr, nvr, value);
-}
+VARIABLES_OF(Real, KIND_REAL)
+VARIABLES_OF(Integer, KIND_INTEGER)
+VARIABLES_OF(Boolean, KIND_BOOLEAN)
+VARIABLES_OF(String, KIND_STRING)
 
 /* states */
 
@@ -385,57 +366,22 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
     return fmi2Discard;
 }
 
-/* model exchange: a complete library has these functions, this FMU has no such interface */
+/* model exchange: a complete library has these functions, this FMU has no such interface; nobody reads the arguments */
 
-static fmi2Status no_model_exchange(fmi2Component c) {
-    return refuse_unsupported(c, CO_SIMULATION_ONLY);
-}
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#define REFUSED(name, why, ...)                                                                                        \
+    fmi2Status fmi2##name(__VA_ARGS__) {                                                                               \
+        return refuse_unsupported(c, why);                                                                             \
+    }
 
-fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) {
-    (void)eventInfo;
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
-    (void)noSetFMUStatePriorToCurrentPoint, (void)enterEventMode, (void)terminateSimulation;
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
-    (void)time;
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
-    (void)x, (void)nx;
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
-    (void)derivatives, (void)nx;
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni) {
-    (void)eventIndicators, (void)ni;
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
-    (void)x, (void)nx;
-    return no_model_exchange(c);
-}
-
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
-    (void)x_nominal, (void)nx;
-    return no_model_exchange(c);
-}
+REFUSED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component c)
+REFUSED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2EventInfo *eventInfo)
+REFUSED(EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi2Component c)
+REFUSED(CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
+REFUSED(SetTime, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real time)
+REFUSED(SetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, const fmi2Real x[], size_t nx)
+REFUSED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real derivatives[], size_t nx)
+REFUSED(GetEventIndicators, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real eventIndicators[], size_t ni)
+REFUSED(GetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x[], size_t nx)
+REFUSED(GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x_nominal[], size_t nx)

@@ -389,188 +389,71 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
     return status(component_derivative(i->component, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity));
 }
 
-/* what the capability flags rule out */
+/* what the capability flags rule out: nobody reads the arguments */
 
-static fmi3Status refuse_not_provided(fmi3Instance instance) {
-    return refuse_unsupported(instance, "this FMU does not provide that; see its capability flags");
-}
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#define REFUSED(name, why, ...)                                                                                        \
+    fmi3Status fmi3##name(__VA_ARGS__) {                                                                               \
+        return refuse_unsupported(instance, why);                                                                      \
+    }
+#define NOT_PROVIDED "this FMU does not provide that; see its capability flags"
+#define NO_EVENTS "this FMU has no structural parameters, no event mode and no clocks"
 
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
-                                    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-                                    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
-    (void)unknowns, (void)nUnknowns, (void)knowns, (void)nKnowns, (void)seed, (void)nSeed;
-    (void)sensitivity, (void)nSensitivity;
-    return refuse_not_provided(instance);
-}
-
-fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                    size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
-                                    size_t nValues) {
-    (void)valueReferences, (void)nValueReferences, (void)orders, (void)values, (void)nValues;
-    return refuse_not_provided(instance);
-}
-
-fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference valueReference,
-                                               size_t *nDependencies) {
-    (void)valueReference, (void)nDependencies;
-    return refuse_not_provided(instance);
-}
-
-fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
-                                       size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
-                                       size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[],
-                                       size_t nDependencies) {
-    (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents;
-    (void)dependencyKinds, (void)nDependencies;
-    return refuse_not_provided(instance);
-}
+REFUSED(GetAdjointDerivative, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference unknowns[],
+        size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+        fmi3Float64 sensitivity[], size_t nSensitivity)
+REFUSED(GetOutputDerivatives, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
+REFUSED(GetNumberOfVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference valueReference,
+        size_t *nDependencies)
+REFUSED(GetVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference dependent,
+        size_t elementIndicesOfDependent[], fmi3ValueReference independents[], size_t elementIndicesOfIndependents[],
+        fmi3DependencyKind dependencyKinds[], size_t nDependencies)
 
 /* structural parameters, events and clocks */
 
-static fmi3Status no_events(fmi3Instance instance) {
-    return refuse_unsupported(instance, "this FMU has no structural parameters, no event mode and no clocks");
-}
-
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
-    return no_events(instance);
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
-    return no_events(instance);
-}
-
-fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-    return no_events(instance);
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
-    return no_events(instance);
-}
-
-fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
-    return no_events(instance);
-}
-
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
-                                    fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
-                                    fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
-                                    fmi3Float64 *nextEventTime) {
-    (void)discreteStatesNeedUpdate, (void)terminateSimulation, (void)nominalsOfContinuousStatesChanged;
-    (void)valuesOfContinuousStatesChanged, (void)nextEventTimeDefined, (void)nextEventTime;
-    return no_events(instance);
-}
-
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                  size_t nValueReferences, fmi3Float64 intervals[],
-                                  fmi3IntervalQualifier qualifiers[]) {
-    (void)valueReferences, (void)nValueReferences, (void)intervals, (void)qualifiers;
-    return no_events(instance);
-}
-
-fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                   size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-                                   fmi3IntervalQualifier qualifiers[]) {
-    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions, (void)qualifiers;
-    return no_events(instance);
-}
-
-fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                               size_t nValueReferences, fmi3Float64 shifts[]) {
-    (void)valueReferences, (void)nValueReferences, (void)shifts;
-    return no_events(instance);
-}
-
-fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[]) {
-    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
-    return no_events(instance);
-}
-
-fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                  size_t nValueReferences, const fmi3Float64 intervals[]) {
-    (void)valueReferences, (void)nValueReferences, (void)intervals;
-    return no_events(instance);
-}
-
-fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                   size_t nValueReferences, const fmi3UInt64 counters[],
-                                   const fmi3UInt64 resolutions[]) {
-    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
-    return no_events(instance);
-}
-
-fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                               size_t nValueReferences, const fmi3Float64 shifts[]) {
-    (void)valueReferences, (void)nValueReferences, (void)shifts;
-    return no_events(instance);
-}
-
-fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                size_t nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]) {
-    (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
-    return no_events(instance);
-}
-
-fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clockReference,
-                                      fmi3Float64 activationTime) {
-    (void)clockReference, (void)activationTime;
-    return no_events(instance);
-}
+REFUSED(EnterConfigurationMode, NO_EVENTS, fmi3Instance instance)
+REFUSED(ExitConfigurationMode, NO_EVENTS, fmi3Instance instance)
+REFUSED(EnterEventMode, NO_EVENTS, fmi3Instance instance)
+REFUSED(EnterStepMode, NO_EVENTS, fmi3Instance instance)
+REFUSED(EvaluateDiscreteStates, NO_EVENTS, fmi3Instance instance)
+REFUSED(UpdateDiscreteStates, NO_EVENTS, fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
+        fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
+        fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
+REFUSED(GetIntervalDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+REFUSED(GetIntervalFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
+REFUSED(GetShiftDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, fmi3Float64 shifts[])
+REFUSED(GetShiftFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+REFUSED(SetIntervalDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, const fmi3Float64 intervals[])
+REFUSED(SetIntervalFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+REFUSED(SetShiftDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, const fmi3Float64 shifts[])
+REFUSED(SetShiftFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+        size_t nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+REFUSED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
+        fmi3Float64 activationTime)
 
 /* model exchange */
 
-static fmi3Status no_model_exchange(fmi3Instance instance) {
-    return refuse_unsupported(instance, CO_SIMULATION_ONLY);
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation) {
-    (void)noSetFMUStatePriorToCurrentPoint, (void)enterEventMode, (void)terminateSimulation;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
-    (void)time;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates) {
-    (void)continuousStates, (void)nContinuousStates;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
-                                             size_t nContinuousStates) {
-    (void)derivatives, (void)nContinuousStates;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators) {
-    (void)eventIndicators, (void)nEventIndicators;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates) {
-    (void)continuousStates, (void)nContinuousStates;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates) {
-    (void)nominals, (void)nContinuousStates;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators) {
-    (void)nEventIndicators;
-    return no_model_exchange(instance);
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
-    (void)nContinuousStates;
-    return no_model_exchange(instance);
-}
+REFUSED(EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi3Instance instance)
+REFUSED(CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi3Instance instance,
+        fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
+REFUSED(SetTime, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 time)
+REFUSED(SetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, const fmi3Float64 continuousStates[],
+        size_t nContinuousStates)
+REFUSED(GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
+        size_t nContinuousStates)
+REFUSED(GetEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 eventIndicators[],
+        size_t nEventIndicators)
+REFUSED(GetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 continuousStates[],
+        size_t nContinuousStates)
+REFUSED(GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 nominals[],
+        size_t nContinuousStates)
+REFUSED(GetNumberOfEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nEventIndicators)
+REFUSED(GetNumberOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nContinuousStates)

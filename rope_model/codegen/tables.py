@@ -14,7 +14,7 @@ from rope_model.codegen.state_structures import structure_code
 from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
 from rope_model.numerics.program import no_simplification
 from rope_model.parameter_table import Joint, Parameter, check_order, parameters_of
-from rope_model.parameters import JOINT_CHECKS, MOST_ELEMENTS, FidelityChoice, Swivel
+from rope_model.parameters import MOST_ELEMENTS, FidelityChoice, Swivel
 from rope_model.physics.elementary import both
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.contact.shaft import BODIES
@@ -80,7 +80,7 @@ def parameter_structures() -> str:
 
 def parameter_bounds() -> str:
     """The text of parameters.inc: a function for each group that checks its parameters in their order."""
-    return _HEAD + "".join(map(_bounds, GROUPS)) + "".join(map(_joint_checks, JOINT_CHECKS)) + _scene_check()
+    return _HEAD + "".join(map(_bounds, GROUPS)) + _scene_check()
 
 
 def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -130,13 +130,14 @@ def _structure(kind: type[Any]) -> str:
 
 
 def _bounds(kind: type[Any]) -> str:
-    """check_rope and so on: require_in_bounds of rope_model.parameter_table in C."""
+    """check_rope and so on: the checks of rope_model.parameter_table in C."""
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
     calls = [_choice(name, p) for name, p in table if p.choices]
     calls += [f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
     calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
-    body = "".join(f"    {call};\n" for call in calls)
+    with no_simplification():
+        body = "".join([*(f"    {call};\n" for call in calls), *(_joint(kind, joint) for joint in kind.joint)])
     head = f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"
     return f"\n{head} {{\n{body}}}\n"
 
@@ -144,22 +145,10 @@ def _bounds(kind: type[Any]) -> str:
 def _scene_check() -> str:
     """check_scene: every group by the name that it has for hosts."""
     calls = [
-        f'    {check}(&(Check){{"{name}", message}}, &scene->{place});\n'
+        f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{place});\n'
         for name, place, kind in _groups_of_scene()
-        for check in (f"check_{kind.__name__.lower()}", *((_joint_name(kind),) if kind in JOINT_CHECKS else ()))
     ]
     return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
-
-
-def _joint_name(kind: type[Any]) -> str:
-    return f"check_{kind.__name__.lower()}_jointly"
-
-
-def _joint_checks(kind: type[Any]) -> str:
-    """The checks of several parameters of a group at once."""
-    with no_simplification():
-        body = "".join(_joint(kind, joint) for joint in JOINT_CHECKS[kind])
-    return f"\nstatic void {_joint_name(kind)}(const Check *check, const {kind.__name__} *x) {{\n{body}}}\n"
 
 
 def _joint(kind: type[Any], joint: Joint) -> str:

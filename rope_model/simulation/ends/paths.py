@@ -13,7 +13,7 @@ from functools import reduce
 from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
-from rope_model.parameter_table import numeric_bounds, parameter, parameters_of
+from rope_model.parameter_table import Bounds, numeric_bounds, parameter, parameters_of
 from rope_model.physics.elementary import larger, smaller
 
 SIDES = ("left", "right")
@@ -28,7 +28,7 @@ FARTHEST, FASTEST, HARDEST = 1e4, 60.0, 100.0
 
 def _motion(unit: str, description: str, reach: float) -> float:
     """A field of EndMotion; {side} stands for left or right."""
-    return parameter(0.0, unit, description, lower=-reach, upper=reach)
+    return parameter(0.0, unit, description, Bounds(-reach, reach))
 
 
 @dataclass(frozen=True)
