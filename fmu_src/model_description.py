@@ -38,7 +38,7 @@ class Build(NamedTuple):
     token: str
     version: str
     tool: str
-    date: str
+    date: str = ""
     stop: float = 30.0
     tolerance: float | None = None
     sources: tuple[str, ...] = ()

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import importlib.metadata
 import os
 import time
-import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fmu_src.archive import write_archive
 from fmu_src.arrays import arrays, scalars
-from fmu_src.attachments import attachments, xml_bytes
+from fmu_src.attachments import attachments
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
-from fmu_src.model_description import MODEL, Build, model_description
-from fmu_src.model_description3 import build_description, model_description3
-from fmu_src.native.build import choose_platforms
+from fmu_src.native.model_fmu import native_files
 from fmu_src.native.shell import shell
-from fmu_src.native.start import Start, binaries_with, c_start
-from fmu_src.native.table import c_places, c_table, start_values
+from fmu_src.native.table import c_places, c_table
 from fmu_src.profile import Profile
 from rope_model.parameters import Level, RopeCase
 from rope_model.scene_names import Value
@@ -42,32 +36,22 @@ def export_native(
     """
     if fmi not in (2, 3):
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
-    chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
     table = native_table(data)
-    form = arrays if fmi == 3 and profile.arrays else scalars
-    sources = {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)}
-    what = f"{case} {level} {fmi} {sorted(start.items())} {profile}"
-    own = Start(_token(sources, what), start_values(table, fmi), form is arrays)
-    code = binaries_with(own, sources, MODEL, fmi, chosen)
-    sources["start.c"] = c_start(own)
-    build = Build(
-        own.token,
-        importlib.metadata.version("balance-rope"),
-        f"balance-rope {importlib.metadata.version('balance-rope')}, native",
-        _date(),
-        profile.stop,
-        data.scene.accuracy.end_force,
-        tuple(sorted(name for name in sources if name.endswith(".c"))),
-    )
     described = profile.select(table)
-    root = model_description(described, build) if fmi == 2 else model_description3(form(described), len(table), build)
-    files = {"modelDescription.xml": xml_bytes(root)}
-    files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
-    files["sources/buildDescription.xml"] = xml_bytes(build_description(build, fmi))
-    files |= code
-    files |= attachments(described.values(), data, fmi, native=True)
-    write_archive(destination, files)
+    files = native_files(
+        table,
+        described,
+        {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)},
+        f"{case} {level} {fmi} {sorted(start.items())} {profile}",
+        fmi,
+        platforms,
+        arrays if fmi == 3 and profile.arrays else scalars,
+        date=_date(),
+        stop=profile.stop,
+        tolerance=data.scene.accuracy.end_force,
+    )
+    write_archive(destination, files | attachments(described.values(), data, fmi, native=True))
     return destination
 
 
@@ -92,14 +76,6 @@ def rope_sources() -> dict[str, str]:
     from rope_model.codegen.build import sources
 
     return sources()
-
-
-def _token(sources: Mapping[str, str], what: str) -> str:
-    """GUID or instantiation token: the same for the same sources, start values and FMI version."""
-    digest = hashlib.sha256(what.encode())
-    for name, text in sorted(sources.items()):
-        digest.update(f"\0{name}\0{text}".encode())
-    return str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
 
 
 def _date() -> str:

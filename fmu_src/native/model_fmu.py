@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from fmu_src.archive import write_archive
-from fmu_src.arrays import scalars
+from fmu_src.arrays import Form, arrays
 from fmu_src.attachments import license_text, xml_bytes
 from fmu_src.interface import Variable
 from fmu_src.model_description import Build, model_description
@@ -63,47 +63,58 @@ class ExportedModel(Protocol):
 def export_model(destination: Path, model: ExportedModel, platforms: Sequence[str] | None = None, fmi: int = 2) -> Path:
     """Write the FMU of ``model`` to ``destination``; ``platforms`` as for the rope."""
     table = [Variable(*variable) for variable in model.variables]
-    sources = model_sources(table, model.sources, fmi)
-    values = start_values(table, fmi)
-    start = Start(_token(model.name, sources, values), values)
-    code = binaries_with(start, sources, model.name, fmi, choose_platforms(platforms))
-    sources["start.c"] = c_start(start)
-    version = importlib.metadata.version("balance-rope")
-    compiled = tuple(sorted(file for file in sources if file.endswith(".c")))
-    build = Build(
-        start.token,
-        version,
-        f"balance-rope {version}, native",
-        "",
-        model.duration,
-        sources=compiled,
+    files = native_files(
+        table,
+        dict(enumerate(table)),
+        model_sources(table, model.sources, fmi),
+        f"{model.name}\0{start_values(table, fmi)}",
+        fmi,
+        platforms,
+        stop=model.duration,
         name=model.name,
         description=model.description,
         derivatives=False,
         initial=model.initial,
     )
-    described = dict(enumerate(table))
-    root = (
-        model_description(described, build) if fmi == 2 else model_description3(scalars(described), len(table), build)
-    )
-    files = {"modelDescription.xml": xml_bytes(root), **model.attachments}
+    files |= model.attachments
     files["documentation/licenses/license.txt"] = license_text().encode()
     files["documentation/licenses/fmi-headers.txt"] = (_HERE / "include" / "LICENSE.txt").read_bytes()
-    files |= {f"sources/{file}": text.encode() for file, text in sources.items()}
-    files["sources/buildDescription.xml"] = xml_bytes(build_description(build, fmi))
-    files |= code
     write_archive(destination, files)
     return destination
+
+
+def native_files(
+    table: Sequence[Variable],
+    described: Mapping[int, Variable],
+    sources: Mapping[str, str],
+    what: str,
+    fmi: int,
+    platforms: Sequence[str] | None,
+    form: Form = arrays,
+    **facts: Any,
+) -> dict[str, bytes]:
+    """Path in the FMU -> contents: description, sources and libraries.
+
+    ``sources`` lack start.c; ``what`` tells exports of the same sources apart; ``facts`` are those of Build.
+    """
+    digest = hashlib.sha256(what.encode())
+    for name, text in sorted(sources.items()):
+        digest.update(f"\0{name}\0{text}".encode())
+    token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
+    start = Start(token, start_values(table, fmi), form is arrays)
+    version = importlib.metadata.version("balance-rope")
+    written = {**sources, "start.c": c_start(start)}
+    compiled = tuple(sorted(name for name in written if name.endswith(".c")))
+    build = Build(token, version, f"balance-rope {version}, native", sources=compiled, **facts)
+    root = model_description(described, build) if fmi == 2 else model_description3(form(described), len(table), build)
+    return {
+        "modelDescription.xml": xml_bytes(root),
+        **{f"sources/{name}": text.encode() for name, text in written.items()},
+        "sources/buildDescription.xml": xml_bytes(build_description(build, fmi)),
+        **binaries_with(start, sources, build.name, fmi, choose_platforms(platforms)),
+    }
 
 
 def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
     """The C files ``model`` with everything between model.h and the FMI functions but start.c."""
     return {**model, **shell(fmi), "variables.c": c_table(table, fmi)}
-
-
-def _token(name: str, sources: Mapping[str, str], values: Sequence[float]) -> str:
-    """GUID: the same for the same sources and start values."""
-    digest = hashlib.sha256(f"{name}\0{values}".encode())
-    for file, text in sorted(sources.items()):
-        digest.update(f"\0{file}\0{text}".encode())
-    return str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope {digest.hexdigest()}"))
