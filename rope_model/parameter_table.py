@@ -122,11 +122,15 @@ def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
 
 
 class Checked:
-    """Data that raise ValueError unless all are finite, of their choices, in their bounds, and ``joint`` holds."""
+    """Data that are checked when they are made."""
 
     joint = tuple[Joint, ...]()
 
     def __post_init__(self) -> None:
+        self.require_in_bounds()
+
+    def require_in_bounds(self) -> None:
+        """ValueError unless all are finite, of their choices, in their bounds, and ``joint`` holds."""
         order = check_order(type(self))
         for name, p in order:
             value = getattr(self, name)

@@ -308,7 +308,7 @@ class Mesh(Checked):
 
     def __post_init__(self) -> None:
         require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
-        super().__post_init__()
+        self.require_in_bounds()
 
 
 @dataclass(frozen=True)

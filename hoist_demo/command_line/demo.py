@@ -14,7 +14,7 @@ from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip, rope_values, settings
-from hoist_demo.command_line.results import interruption, named, results_folder
+from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -76,18 +76,10 @@ is written all the same), 2 wrong arguments, 130 interrupted while the results w
 """
 
 
-def add_demo(
-    commands: argparse._SubParsersAction[argparse.ArgumentParser], fmu: Path, levels: Callable[[], Levels] = dict
-) -> None:
-    """Add the subcommand `demo`; its options hold the function to run as `run`. `levels` name a rope's accuracy."""
-    demo = commands.add_parser(
-        "demo",
-        help="wind once and write figures, CSV and a report",
-        description=_DEMO_DESCRIPTION,
-        epilog=_DEMO_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    demo.set_defaults(run=partial(_demo, levels=levels))
+def add_demo(commands: Commands, fmu: Path, levels: Callable[[], Levels] = dict) -> None:
+    """Add the subcommand `demo`; `levels` name a rope's accuracy."""
+    about = "wind once and write figures, CSV and a report"
+    demo = add_command(commands, "demo", partial(_demo, levels=levels), about, _DEMO_DESCRIPTION, _DEMO_EPILOG)
     demo.add_argument(
         "--case",
         choices=tuple(NAMED),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import interruption, named, results_folder
+from hoist_demo.command_line.results import Commands, add_command, add_results, interruption, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
@@ -47,23 +47,16 @@ interrupted.
 """
 
 
-def add_duty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the subcommand `duty`; its options hold the function to run as `run`."""
-    duty = commands.add_parser(
-        "duty",
-        help="wind many trips as one run, each from where the last has left the rope",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    duty.set_defaults(run=_duty)
+def add_duty(commands: Commands) -> None:
+    """Add the subcommand `duty`."""
+    about = "wind many trips as one run, each from where the last has left the rope"
+    duty = add_command(commands, "duty", _duty, about, _DESCRIPTION, _EPILOG)
     duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/reference/files.md")
     duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
-    duty.add_argument("--out", type=named, metavar="DIR", help="results (out/duty/ and the file's name)")
     duty.add_argument(
         "--exposure", action="store_true", help="also count what each place in the rope goes through: exposure.csv"
     )
-    duty.add_argument("--check", action="store_true", help="check only")
+    add_results(duty, "duty")
 
 
 def _duty(options: argparse.Namespace) -> int:

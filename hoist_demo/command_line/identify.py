@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import Commands, add_command, add_results, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -26,21 +26,15 @@ interrupted.
 """
 
 
-def add_identify(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the subcommand `identify`; its options hold the function to run as `run`."""
-    identify = commands.add_parser(
-        "identify",
-        help="find a rope's properties from measurements",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+def add_identify(commands: Commands) -> None:
+    """Add the subcommand `identify`."""
+    identify = add_command(
+        commands, "identify", _identify, "find a rope's properties from measurements", _DESCRIPTION, _EPILOG
     )
-    identify.set_defaults(run=_identify)
     identify.add_argument(
         "measured", type=Path, metavar="MEASURED.toml", help="what was measured, see docs/reference/files.md"
     )
-    identify.add_argument("--out", type=named, metavar="DIR", help="results (out/identify/ and the file's name)")
-    identify.add_argument("--check", action="store_true", help="check only")
+    add_results(identify, "identify")
 
 
 def _identify(options: argparse.Namespace) -> int:

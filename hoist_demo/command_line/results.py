@@ -10,6 +10,25 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+Run = Callable[[argparse.Namespace], int]
+
+
+def add_command(
+    commands: Commands, name: str, run: Run, about: str, description: str, epilog: str
+) -> argparse.ArgumentParser:
+    """Add a subcommand; its options hold the function to run as `run`."""
+    form = argparse.RawDescriptionHelpFormatter
+    made = commands.add_parser(name, help=about, description=description, epilog=epilog, formatter_class=form)
+    made.set_defaults(run=run)
+    return made
+
+
+def add_results(command: argparse.ArgumentParser, name: str) -> None:
+    """Add --out and --check to a command that reads a file."""
+    command.add_argument("--out", type=named, metavar="DIR", help=f"results (out/{name}/ and the file's name)")
+    command.add_argument("--check", action="store_true", help="check only")
+
 
 def results_folder(out: Path) -> Path:
     """``out``, made where it is not there; ValueError as by `writable`."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hoist_demo.command_line.results import interruption, named, results_folder
+from hoist_demo.command_line.results import Commands, add_command, add_results, interruption, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import write_csv
@@ -46,19 +46,13 @@ _SUMS = {
 }
 
 
-def add_ropes(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the subcommand `ropes`; its options hold the function to run as `run`."""
-    ropes = commands.add_parser(
-        "ropes",
-        help="wind once with several balance ropes that differ",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+def add_ropes(commands: Commands) -> None:
+    """Add the subcommand `ropes`."""
+    ropes = add_command(
+        commands, "ropes", _ropes, "wind once with several balance ropes that differ", _DESCRIPTION, _EPILOG
     )
-    ropes.set_defaults(run=_ropes)
     ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/reference/files.md")
-    ropes.add_argument("--out", type=named, metavar="DIR", help="results (out/ropes/ and the file's name)")
-    ropes.add_argument("--check", action="store_true", help="check only")
+    add_results(ropes, "ropes")
 
 
 def _ropes(options: argparse.Namespace) -> int:

@@ -11,7 +11,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import Commands, add_command, add_results, results_folder
 
 _DESCRIPTION = """\
 Wind many times with the rope's FMU, over parameters that a TOML file names, on all cores or on a dask cluster.
@@ -30,23 +30,15 @@ file or arguments, 130 interrupted.
 """
 
 
-def add_study(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the subcommand `study`; its options hold the function to run as `run`."""
-    study = commands.add_parser(
-        "study",
-        help="wind many times over chosen parameters",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    study.set_defaults(run=_study)
+def add_study(commands: Commands) -> None:
+    """Add the subcommand `study`."""
+    study = add_command(commands, "study", _study, "wind many times over chosen parameters", _DESCRIPTION, _EPILOG)
     study.add_argument("study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/reference/files.md")
     study.add_argument("--fmu", type=Path, metavar="PATH", help="the rope, instead of the file's")
-    study.add_argument("--out", type=named, metavar="DIR", help="results (out/study/ and the file's name)")
     where = study.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="processes on this machine (one per core)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a dask scheduler, e.g. tcp://host:8786")
-    study.add_argument("--check", action="store_true", help="check only")
+    add_results(study, "study")
 
 
 def _study(options: argparse.Namespace) -> int:

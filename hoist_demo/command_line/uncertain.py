@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.results import named, results_folder
+from hoist_demo.command_line.results import Commands, add_command, add_results, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -29,20 +29,13 @@ exit code: 0 all windings wound to the end, 1 some did not, 2 wrong file or argu
 """
 
 
-def add_uncertain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the subcommand `uncertain`; its options hold the function to run as `run`."""
-    uncertain = commands.add_parser(
-        "uncertain",
-        help="what a winding may be, with all that is not known of its rope",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    uncertain.set_defaults(run=_uncertain)
+def add_uncertain(commands: Commands) -> None:
+    """Add the subcommand `uncertain`."""
+    about = "what a winding may be, with all that is not known of its rope"
+    uncertain = add_command(commands, "uncertain", _uncertain, about, _DESCRIPTION, _EPILOG)
     uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md")
-    uncertain.add_argument("--out", type=named, metavar="DIR", help="results (out/uncertain/ and the file's name)")
     uncertain.add_argument("--workers", type=int, metavar="N", help="processes (one per core)")
-    uncertain.add_argument("--check", action="store_true", help="check only")
+    add_results(uncertain, "uncertain")
 
 
 def _uncertain(options: argparse.Namespace) -> int:

@@ -61,13 +61,8 @@ class Brake:
 
     def __post_init__(self) -> None:
         require_magnitudes(self, {"delay"}, "brake.")
-        require(
-            self.first_stage,
-            self.first_stage <= 1.0,
-            "brake.first_stage",
-            "at most 1, the full torque",
-            "give a fraction",
-        )
+        part, bound = self.first_stage, "at most 1, the full torque"
+        require(part, part <= 1.0, "brake.first_stage", bound, "give a fraction")
 
 
 @dataclass(frozen=True)
@@ -131,10 +126,5 @@ class Jam:
     def require_within(self, shaft_travel: float, name: str) -> None:
         """Raise the ValueError of impossible numbers; ``name`` is the conveyance of the jam."""
         require_magnitudes(self, {"height", "damping"}, f"{name}.")
-        require(
-            self.height,
-            self.height <= shaft_travel,
-            f"{name}.height",
-            f"within 0 and shaft_travel = {shaft_travel:g} m",
-            "give a place that the conveyance passes",
-        )
+        bound, cure = f"within 0 and shaft_travel = {shaft_travel:g} m", "give a place that the conveyance passes"
+        require(self.height, self.height <= shaft_travel, f"{name}.height", bound, cure)

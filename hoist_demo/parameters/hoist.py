@@ -95,13 +95,8 @@ class Hoist:
             bound = f"within {low:g} and {high:g} {unit}".rstrip()
             require(value, low <= value <= high, name, bound, hint)
         if self.drive_shaft is not None:
-            require(
-                self.drive_shaft.motor_mass,
-                self.drive_shaft.motor_mass < self.sheave_mass,
-                "drive_shaft.motor_mass",
-                f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
-                "give the motor's share",
-            )
+            mass, bound = self.drive_shaft.motor_mass, f"below sheave_mass = {self.sheave_mass:g} kg, which contains it"
+            require(mass, mass < self.sheave_mass, "drive_shaft.motor_mass", bound, "give the motor's share")
 
         for name in ("jam_left", "jam_right"):
             jam = getattr(self, name)
@@ -109,13 +104,8 @@ class Hoist:
                 jam.require_within(self.shaft_travel, name)
         if self.slack_tension is not None:
             lightest = GRAVITY * min(self.mass_left, self.mass_right)
-            require(
-                self.slack_tension,
-                self.slack_tension < lightest,
-                "slack_tension",
-                f"below {lightest:.6g} N, the weight of the lighter conveyance",
-                "give a part of it",
-            )
+            tension, bound = self.slack_tension, f"below {lightest:.6g} N, the weight of the lighter conveyance"
+            require(tension, tension < lightest, "slack_tension", bound, "give a part of it")
 
     @property
     def rope_stiffness(self) -> float:

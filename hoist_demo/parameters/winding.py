@@ -46,32 +46,19 @@ class Winding:
         for name in ("creep_distance", "departure_creep_distance"):
             value = getattr(self, name)
             require(value, value >= 0.0, name, "finite and at least 0", "give a length in m, 0 for no creep")
-        require(
-            self.creep_speed,
-            self.creep_speed > 0.0 and (not self.creeps or self.creep_speed <= self.speed),
-            "creep_speed",
-            f"above 0 and at most the speed limit {self.speed:g} m/s",
-            "creep more slowly",
-        )
+        creep, bound = self.creep_speed, f"above 0 and at most the speed limit {self.speed:g} m/s"
+        slow = creep > 0.0 and (not self.creeps or creep <= self.speed)
+        require(creep, slow, "creep_speed", bound, "creep more slowly")
         if self.emergency_law not in get_args(EmergencyLaw):
             known = ", ".join(get_args(EmergencyLaw))
             raise ValueError(f"emergency_law = {self.emergency_law!r} must be one of {known}: choose one")
         if self.emergency_at is not None:
             require(self.emergency_at, self.emergency_at >= 0.0, "emergency_at", "at least 0", "give a time in s")
-        require(
-            self.emergency_deceleration,
-            self.emergency_deceleration >= self.acceleration,
-            "emergency_deceleration",
-            f"at least the acceleration limit {self.acceleration:g} m/s^2",
-            "brake harder or wind more gently",
-        )
-        require(
-            self.emergency_jerk,
-            self.emergency_jerk >= self.jerk,
-            "emergency_jerk",
-            f"at least the jerk limit {self.jerk:g} m/s^3",
-            "shorten the brake's ramp",
-        )
+        value, bound = self.emergency_deceleration, f"at least the acceleration limit {self.acceleration:g} m/s^2"
+        cure = "brake harder or wind more gently"
+        require(value, value >= self.acceleration, "emergency_deceleration", bound, cure)
+        value, bound = self.emergency_jerk, f"at least the jerk limit {self.jerk:g} m/s^3"
+        require(value, value >= self.jerk, "emergency_jerk", bound, "shorten the brake's ramp")
 
     @property
     def creeps(self) -> bool:
@@ -86,13 +73,8 @@ class Winding:
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
     """Reject a trip longer than the shaft, and a law of emergency stops for a brake that is not there or too weak."""
-    require(
-        winding.travel,
-        abs(winding.travel) <= hoist.shaft_travel,
-        "travel",
-        f"within +- shaft_travel = {hoist.shaft_travel:g} m",
-        "shorten the trip",
-    )
+    way, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"
+    require(way, abs(way) <= hoist.shaft_travel, "travel", bound, "shorten the trip")
     if winding.emergency_law == "drive":
         return
     if hoist.brake is None:

@@ -130,7 +130,7 @@ def _structure(kind: type[Any]) -> str:
 
 
 def _bounds(kind: type[Any]) -> str:
-    """check_rope and so on: the checks of rope_model.parameter_table in C."""
+    """check_rope and so on: require_in_bounds of rope_model.parameter_table in C."""
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
     calls = [_choice(name, p) for name, p in table if p.choices]
