@@ -117,7 +117,6 @@ def _compiler() -> tuple[str, ...]:
 
 
 def _flags(name: str) -> tuple[str, ...]:
-    """Compiler flags of the platform."""
     target = ("-target", PLATFORMS[name].target) if importlib.util.find_spec("ziglang") is not None else ()
     position = () if name.endswith("windows") else ("-fPIC",)
     return (*target, *FLAGS, *position, *(("-Wl,--build-id=none",) if name.endswith("linux") else ()))

@@ -326,49 +326,27 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     return refuse_unsupported(c, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none");
 }
 
+/* not every argument is read from here on */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
 /* status; only steps that run on in the background have a pending one */
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value) {
-    Instance *i = c;
-    (void)s;
-    if (!may(i, "fmi2GetStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
-    *value = fmi2OK;
-    return fmi2Discard;
-}
+#define STATUS_OF(name, Type, found, answered)                                                                         \
+    fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, Type *value) {                                   \
+        Instance *i = c;                                                                                               \
+        if (!may(i, "fmi2Get" #name, COMPUTED) || !not_null(i, value)) return fmi2Error;                               \
+        *value = found;                                                                                                \
+        return answered ? fmi2OK : fmi2Discard;                                                                        \
+    }
 
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
-    Instance *i = c;
-    if (!may(i, "fmi2GetRealStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
-    *value = component_time(i->component);
-    return s == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
-}
+STATUS_OF(Status, fmi2Status, fmi2OK, 0)
+STATUS_OF(RealStatus, fmi2Real, component_time(i->component), s == fmi2LastSuccessfulTime)
+STATUS_OF(IntegerStatus, fmi2Integer, 0, 0)
+STATUS_OF(BooleanStatus, fmi2Boolean, fmi2False, s == fmi2Terminated)
+STATUS_OF(StringStatus, fmi2String, "", 0)
 
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
-    Instance *i = c;
-    (void)s;
-    if (!may(i, "fmi2GetIntegerStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
-    *value = 0;
-    return fmi2Discard;
-}
+/* model exchange: a complete library has these functions, this FMU has no such interface */
 
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
-    Instance *i = c;
-    if (!may(i, "fmi2GetBooleanStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
-    *value = fmi2False;
-    return s == fmi2Terminated ? fmi2OK : fmi2Discard;
-}
-
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value) {
-    Instance *i = c;
-    (void)s;
-    if (!may(i, "fmi2GetStringStatus", COMPUTED) || !not_null(i, value)) return fmi2Error;
-    *value = "";
-    return fmi2Discard;
-}
-
-/* model exchange: a complete library has these functions, this FMU has no such interface; nobody reads the arguments */
-
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 #define REFUSED(name, why, ...)                                                                                        \
     fmi2Status fmi2##name(__VA_ARGS__) {                                                                               \
         return refuse_unsupported(c, why);                                                                             \

@@ -201,7 +201,6 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
 
 
 def _parameters(options: argparse.Namespace) -> dict[str, Parameter]:
-    """Return the parameters of the rope that can be set."""
     if options.in_process:
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 
@@ -244,7 +243,6 @@ def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
 
 
 def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
-    """Return a title with trip, hoist and rope."""
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
     at = run.winding.emergency_at
     stop = "" if at is None else f", emergency stop at {at:g} s"

@@ -141,7 +141,6 @@ def _as_it_is(rope: InProcessRope) -> Recording:
 
 
 def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
-    """Return the printed summary of a duty."""
     from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
 
     rows = []

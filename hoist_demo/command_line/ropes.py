@@ -127,7 +127,6 @@ def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) 
 def _summary(
     ropes: Ropes, result: Result, rows: dict[str, dict[str, float]], pairs: Sequence[Neighbours]
 ) -> list[SummaryRow]:
-    """Return the printed summary of trip and ropes."""
     from hoist_demo.report.summary import incidents, warnings
     from hoist_demo.ropes.table import COLUMNS, outcome, remarks, unbroken
 
@@ -157,7 +156,6 @@ def _summary(
 
 
 def _pressed(pair: Neighbours) -> list[SummaryRow]:
-    """Return the contact of two ropes in words."""
     account = pair.account
     if account is None or account.peak == 0.0:
         return []

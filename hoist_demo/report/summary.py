@@ -145,7 +145,6 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
 
 
 def _slip(recording: Recording) -> list[SummaryRow]:
-    """Return rows on the slip of the head ropes."""
     if (slid := slip(recording)) is None:
         return []
     group = "Head ropes that slipped"

@@ -150,7 +150,6 @@ class _Reader:
         )
 
     def _given(self, vary: Iterable[str], samples: Sequence[Sample]) -> dict[str, str]:
-        """Return the sources of the values that are set."""
         given = read_statuses(self.raw.get("fixed", {}))
         for table in self.raw.get("variant", []):
             given |= read_statuses(table.get("values", {}))
@@ -196,7 +195,6 @@ class _Reader:
         return self.fmu_is_there or key == "controller" or key.partition(".")[0] in SECTIONS
 
     def _signals(self, names: Any, fmu: Path) -> tuple[str, ...]:
-        """Names of the time series to keep."""
         if not isinstance(names, list):
             raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
         if self.fmu_is_there:
@@ -204,7 +202,6 @@ class _Reader:
         return tuple(map(str, names))
 
     def _best(self, head: dict[str, Any]) -> dict[str, str] | None:
-        """Return the metric that chooses the best run."""
         senses = {"minimise": "min", "maximise": "max"}
         given = {name: head[name] for name in senses if name in head}
         if not given:
@@ -241,7 +238,6 @@ class _Reader:
         return variants
 
     def _values(self, where: str, table: Mapping[str, Any]) -> dict[str, Value]:
-        """Single values of a table."""
         found: dict[str, Value] = {}
         given: Mapping[str, Any] = {}
         with self.problems.collect(f"[{where}]"):

@@ -43,7 +43,6 @@ def _hints(kind: type[Any]) -> dict[str, Any]:
 
 
 def _structure(kind: type[Any]) -> type[ctypes.Structure]:
-    """The structure of one group of parameters."""
     return type(kind.__name__, (ctypes.Structure,), {"_fields_": [(m.name, _type(m)) for m in members(kind)]})
 
 

@@ -233,12 +233,10 @@ def _turning() -> ca.Function:
 
 
 def _probe(x: Any) -> Probe:
-    """A probe of its numbers."""
     return Probe(x[0], x[1], x[2])
 
 
 def _body(x: Any) -> tuple[Body, Any]:
-    """A body and its speed of their numbers."""
     return Body(x[0:3], x[3:6], x[6], x[7], x[8], x[9]), x[10:13]
 
 

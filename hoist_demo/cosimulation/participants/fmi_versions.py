@@ -153,7 +153,6 @@ class Instance(ABC):
         return read
 
     def _access(self, name: str, variables: Sequence[Variable], values: Any) -> Callable[[], None]:
-        """A getter or setter with its arguments."""
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
         length = [c_size_t(len(values))] if self._tells_lengths else []
         return self._checked(name, references, c_size_t(len(references)), values, *length)

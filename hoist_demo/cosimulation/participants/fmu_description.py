@@ -149,7 +149,6 @@ def version_of(path: Path) -> tuple[Path, int, int]:
 
 @lru_cache(maxsize=8)  # a study reads the same file for every run
 def _read(path: Path, changed: int, size: int) -> Fmu:
-    """Read a file in one version."""
     try:
         with ZipFile(path) as archive:
             if "modelDescription.xml" not in archive.namelist():

@@ -113,7 +113,6 @@ class HoistPartner:
         self._shown = self._done = None
 
     def _under(self, load: Load) -> Vector:
-        """The path of a step."""
         self._path[_START], self._path[_RISE], self._path[_BEND] = load.start, load.rise, load.bend
         return self._path
 
