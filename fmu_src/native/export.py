@@ -11,6 +11,7 @@ from fmu_src.archive import write_archive
 from fmu_src.arrays import arrays, scalars
 from fmu_src.attachments import attachments
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
+from fmu_src.native.build import choose_platforms
 from fmu_src.native.model_fmu import native_files
 from fmu_src.native.shell import shell
 from fmu_src.native.table import c_places, c_table
@@ -36,6 +37,7 @@ def export_native(
     """
     if fmi not in (2, 3):
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
+    chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
     table = native_table(data)
     described = profile.select(table)
@@ -45,7 +47,7 @@ def export_native(
         {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)},
         f"{case} {level} {fmi} {sorted(start.items())} {profile}",
         fmi,
-        platforms,
+        chosen,
         arrays if fmi == 3 and profile.arrays else scalars,
         date=_date(),
         stop=profile.stop,

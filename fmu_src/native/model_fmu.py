@@ -69,7 +69,7 @@ def export_model(destination: Path, model: ExportedModel, platforms: Sequence[st
         model_sources(table, model.sources, fmi),
         f"{model.name}\0{start_values(table, fmi)}",
         fmi,
-        platforms,
+        choose_platforms(platforms),
         stop=model.duration,
         name=model.name,
         description=model.description,
@@ -89,7 +89,7 @@ def native_files(
     sources: Mapping[str, str],
     what: str,
     fmi: int,
-    platforms: Sequence[str] | None,
+    platforms: Sequence[str],
     form: Form = arrays,
     **facts: Any,
 ) -> dict[str, bytes]:
@@ -111,7 +111,7 @@ def native_files(
         "modelDescription.xml": xml_bytes(root),
         **{f"sources/{name}": text.encode() for name, text in written.items()},
         "sources/buildDescription.xml": xml_bytes(build_description(build, fmi)),
-        **binaries_with(start, sources, build.name, fmi, choose_platforms(platforms)),
+        **binaries_with(start, sources, build.name, fmi, platforms),
     }
 
 
