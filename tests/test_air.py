@@ -1,7 +1,6 @@
 """Drag of the air: the element that has it, and both forms of the rope in it."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -164,9 +163,7 @@ def test_both_forms_agree_in_the_wind_with_a_floor() -> None:
 
 @pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to bring along")
 @pytest.mark.parametrize("curvature", [0.0, pytest.param(0.05, marks=pytest.mark.slow)])
-def test_a_bundle_has_all_that_its_scene_needs(
-    curvature: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_bundle_has_all_that_its_scene_needs(curvature, tmp_path, monkeypatch, caplog):
     """In air and on a floor without a compiler; what it was not made for is interpreted, and says so."""
     air = scene(density=1.2, vx=4.0)
     blown = replace(air, rope=replace(air.rope, initial_curvature=curvature))

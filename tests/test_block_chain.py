@@ -183,9 +183,7 @@ def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: p
     assert len(libraries) == 3
 
 
-def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(monkeypatch, caplog):
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     with caplog.at_level(logging.INFO, logger=kernels.__name__):
         functions, form = kernels.prepare(SMALL, build_small, "auto")
@@ -197,9 +195,7 @@ def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
 
 
 @needs_compiler
-def test_a_bundle_brings_its_library_along(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_bundle_brings_its_library_along(tmp_path, monkeypatch, caplog):
     assert len(write_bundle(2, tmp_path, [("torsional", ())])) == 2
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     assert RopeKernels(2, "compiled", tmp_path).form == "compiled"

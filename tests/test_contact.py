@@ -220,9 +220,7 @@ def test_what_a_thin_bar_presses_changes_smoothly_with_its_place() -> None:
 @given(st.floats(0.0, math.inf), st.floats(1e-3, 0.1), st.floats(1e-4, 1.0), st.integers(1, 1000))
 @example(9e134, 0.044, 0.011, 90)
 @example(math.nan, 0.044, 0.011, 90)
-def test_no_more_places_are_skipped_than_there_are(
-    distance: float, diameter: float, weight: float, number: int
-) -> None:
+def test_no_more_places_are_skipped_than_there_are(distance, diameter, weight, number):
     assert 0.0 <= places_skipped(distance, diameter, weight, float(number)) <= number
 
 

@@ -239,9 +239,7 @@ class Faulty:
 
 
 @pytest.mark.parametrize("way", ["rejects", "nan", "raises"])
-def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bits(
-    way: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bits(way, tmp_path, monkeypatch):
     monkeypatch.setattr("hoist_demo.cosimulation.host.KEPT_EVERY", 0.03)
     whole = wind("gauss-seidel-1")
     # the trial before the start takes 0.48 s of the rope's time

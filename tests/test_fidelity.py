@@ -176,9 +176,7 @@ def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> Non
         ("rigid", {"z": 0.2}, "left.z"),
     ],
 )
-def test_fidelity_by_name_says_what_it_cannot_follow_and_changes_nothing(
-    fidelity: str, motion: dict[str, float], name: str
-) -> None:
+def test_fidelity_by_name_says_what_it_cannot_follow_and_changes_nothing(fidelity, motion, name):
     rope = start(EVEN, fidelity=fidelity)
     advance(rope, 1)
     before = rope.save()

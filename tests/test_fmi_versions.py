@@ -72,9 +72,7 @@ def test_a_winding_that_takes_steps_back_has_the_bits_of_fmi_2(kind: str, fmu_of
 
 
 @pytest.mark.parametrize("kind", FMI_3)
-def test_a_run_that_was_stopped_goes_on_with_the_same_bits(
-    kind: str, fmu_of: FmuOf, whole: Result, tmp_path: Path
-) -> None:
+def test_a_run_that_was_stopped_goes_on_with_the_same_bits(kind, fmu_of, whole, tmp_path):
     stopped = wound(fmu_of(kind), stop_at=0.2, save_to=tmp_path / "last_good.npz")
     assert stopped.saved is not None
     kept = Checkpoint.read(stopped.saved)

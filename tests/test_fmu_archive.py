@@ -178,9 +178,7 @@ def test_initial_unknowns_are_the_calculated_outputs_in_order(fmu: Archive) -> N
         assert [unknown.get(key) for unknown in fmu.structure(section)] == outputs, section
 
 
-def test_outputs_depend_on_nothing_at_their_instant_and_the_ropes_on_everything_while_initialising(
-    fmu: Archive,
-) -> None:
+def test_outputs_depend_on_nothing_at_their_instant_and_the_ropes_on_everything_while_initialising(fmu):
     """That it is so, and the drive's while initialising, is shown in test_dependencies."""
     sections = ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown")
     for section, dependencies in zip(sections, ("", None), strict=True):

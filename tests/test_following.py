@@ -283,9 +283,7 @@ def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
 
 @pytest.mark.parametrize("form", [NativeRope, RopeSimulator])
 @pytest.mark.parametrize("fidelity", ["torsional", "spatial", "planar", "rigid"])
-def test_a_state_within_a_misfit_goes_on_to_the_same_bits(
-    form: type[NativeRope | RopeSimulator], fidelity: FidelityChoice
-) -> None:
+def test_a_state_within_a_misfit_goes_on_to_the_same_bits(form, fidelity):
     torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
     scene = Scene(rope=Rope(length=60.0, **torque), model=Model(fidelity))
     rope, other = form(scene), form(scene)

@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scenes import stations
 
 from rope_model import BalanceRope, EndMotion, Guard, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Sump, balance_rope
-from rope_model.parameters import FidelityChoice
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16))
@@ -109,9 +108,7 @@ EACH = {
         ("rigid", ("rise", "window", "turns", "torque")),
     ],
 )
-def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(
-    form: str, fidelity: FidelityChoice, blind: tuple[str, ...]
-) -> None:
+def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(form, fidelity, blind):
     told = {}
     for name, guard in EACH.items():
         rope = balance_rope(guarded(guard).with_(model=Model(fidelity)), form)  # type: ignore[arg-type]

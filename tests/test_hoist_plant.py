@@ -89,9 +89,7 @@ PATH = PlantInputPath(
 
 @pytest.mark.parametrize("added_mass", [(0.0, 0.0), (900.0, 300.0)])
 @pytest.mark.parametrize("name", HOISTS)
-def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(
-    name: str, added_mass: tuple[float, float]
-) -> None:
+def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added_mass):
     plant, state = _swinging(name)
     path = replace(PATH, added_mass=added_mass)
     for h in (1e-3, 0.01, 0.04):

@@ -290,9 +290,7 @@ def example_files() -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("kind", "example"), example_files())
-def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(
-    kind: str, example: str, tmp_path: Path
-) -> None:
+def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(kind, example, tmp_path):
     path = tmp_path / "file.toml"
     words = {found[0]: found for found in WORD.finditer(example) if not found[0].startswith("#")}
     for k, word in enumerate(words.values()):
