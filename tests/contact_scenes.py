@@ -76,7 +76,7 @@ class Alone:
         self._own.restore(self._kept)
 
     def accept(self) -> None:
-        """Nothing more."""
+        pass
 
 
 def swinging(scene: Scene, speed: float) -> BalanceRope:

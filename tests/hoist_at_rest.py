@@ -24,7 +24,6 @@ def rest_at(plant: Plant, heights: tuple[float, float]) -> tuple[PlantState, Pla
 
 
 def state_with(plant: Plant, state: PlantState, **values: float) -> PlantState:
-    """The state with some of its numbers replaced."""
     x = state.x.copy()
     for name, value in values.items():
         x[plant.state_names.index(name)] = value

@@ -60,7 +60,6 @@ class Host:
         return status
 
     def error(self) -> str:
-        """The last error."""
         return next(message for status, message in reversed(self.log) if status == 3)
 
     def set(self, **values: Any) -> None:

@@ -16,22 +16,9 @@ from scenes import ends_at
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import (
-    BalanceRope,
-    Conveyance,
-    Divider,
-    HeadRopes,
-    Layout,
-    Lining,
-    Rope,
-    Scene,
-    Shaft,
-    Status,
-    Sump,
-    at_level,
-    balance_rope,
-)
+from rope_model import BalanceRope, Layout, Rope, Scene, Status, at_level, balance_rope
 from rope_model.parameters import Model
+from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.outputs.diagnostics import shape
 
 Array = NDArray[np.float64]
@@ -50,7 +37,6 @@ class Case:
 
 
 def draw(seed: int) -> Case:
-    """The scene of a seed."""
     rng = np.random.default_rng([SEED, seed])
     travel, spare, spacing = rng.uniform(6.0, 15.0), rng.uniform(8.0, 16.0), rng.uniform(1.4, 2.4)
     coupling = rng.choice([-1.0, 0.2, 1.0]) * 2.336e5
@@ -81,7 +67,6 @@ def draw(seed: int) -> Case:
 
 
 def centre_line(rope: BalanceRope) -> Array:
-    """Points along the rope, (POINTS, 3) [m]."""
     state, scene = rope.state, rope.scene
     q, lengths = state.motion.q, state.partition.lengths
     return shape(q, lengths, 0.5 * float(lengths.sum()), scene.layout.spacing, POINTS)
@@ -103,7 +88,6 @@ def depths(scene: Scene, points: Array) -> dict[str, float]:
 
 
 def dividers(scene: Scene) -> dict[str, Divider]:
-    """Those that are there, by name."""
     found = {f"divider {k}": getattr(scene.shaft, f"divider_{k}") for k in range(1, 5)}
     return {name: divider for name, divider in found.items() if divider.size > 0.0}
 

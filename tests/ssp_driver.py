@@ -27,14 +27,8 @@ from masters import remainder_steps
 from native_host import Host
 
 H = 0.01
-SIGNALS: tuple[tuple[str, str], ...] = (
-    ("drive", "left.y"),
-    ("drive", "right.y"),
-    ("drive", "left.vy"),
-    ("drive", "drive.torque"),
-    ("rope", "left.fy"),
-    ("rope", "right.fy"),
-)
+SIGNALS = tuple(("drive", name) for name in ("left.y", "right.y", "left.vy", "drive.torque"))
+SIGNALS += ("rope", "left.fy"), ("rope", "right.fy")
 Rows = list[list[float]]
 #: values of a parameter set by their type
 READ: dict[str, Callable[[str], float | bool]] = {"Real": float, "Integer": int, "Boolean": "true".__eq__}
@@ -103,7 +97,6 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
 
 
 def ecos_rows(ssp: str, steps: int) -> Rows:
-    """As SIGNALS."""
     from ecospy import EcosSimulation
 
     with EcosSimulation(ssp_path=ssp, step_size=H) as simulation:

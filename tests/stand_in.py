@@ -24,7 +24,6 @@ RUNNERS = {
 
 
 def stand_in() -> dict[str, str]:
-    """What stands behind rope.h in these tests."""
     files = (ROOT / "tests" / "native" / "stand_in.c", ROOT / "rope_model" / "csrc" / "rope.h")
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
     return texts | {"parameters.h": parameter_structures(), "signal_numbers.h": signal_numbers()}

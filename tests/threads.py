@@ -19,19 +19,16 @@ OUTPUTS = ("left.fy", "right.mx", "loop.y", "energy.kinetic")
 
 
 def why_not() -> str:
-    """Why it cannot be run here; '' where it can."""
     if sys.platform != "linux" or shutil.which("cc") is None:
         return "needs Linux and a C compiler"
     return "" if _python() else "needs this Python's shared library"
 
 
 def _python() -> str | None:
-    """The name of this Python's shared library."""
     return ctypes.util.find_library(f"python{sys.version_info.major}.{sys.version_info.minor}")
 
 
 def build(folder: Path, flags: Sequence[str] = ()) -> Path:
-    """The host."""
     program, here = folder / "threads", ROOT / "tests" / "native"
     include = ROOT / "fmu_src" / "native" / "include"
     command = ["cc", "-std=gnu99", "-O1", *flags, f"-I{include}", here / "threads.c", "-o", program]
