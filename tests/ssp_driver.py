@@ -54,8 +54,6 @@ def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
     with zipfile.ZipFile(ssp) as archive:
         root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
     master, experiment = (root.find(f".//{{*}}{name}") for name in ("FixedStepMaster", "DefaultExperiment"))
-    assert master is not None
-    assert experiment is not None
     return remainder_steps(float(master.get("stepSize", "")), float(experiment.get("stopTime", "")))
 
 

@@ -11,10 +11,9 @@ from scenes import ends_at
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import balance_rope
+from rope_model import Accuracy, Layout, Mesh, Rope, Scene, Solver, balance_rope
 from rope_model.numerics.generalized_alpha import Coefficients, local_error
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Accuracy, Layout, Mesh, Rope, Scene, Solver
 from rope_model.physics import accuracy
 
 ROPE = Rope(length=400.0, beta_K=0.0)
@@ -75,9 +74,8 @@ def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_tak
 
 
 def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians() -> None:
-    found = [
-        accuracy.memory(Rope(beta_K=damping), omega) for damping, omega in ((1e-3, 100.0), (0.0, 100.0), (0.0, 1.0))
-    ]
+    waves = (1e-3, 100.0), (0.0, 100.0), (0.0, 1.0)
+    found = [accuracy.memory(Rope(beta_K=damping), omega) for damping, omega in waves]
     assert_allclose(found, [2.0 / (1e-3 * 100.0**2), 2.0 * 400.0 / 2.0 / 100.0, 60.0], rtol=1e-12)
 
 

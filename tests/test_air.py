@@ -8,17 +8,14 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import wound
 
-from rope_model import EndMotion, balance_rope
+from rope_model import Air, EndMotion, Mesh, Rope, RopeSimulator, Scene, Shaft, Solver, Sump, balance_rope
 from rope_model.numerics import kernels
-from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.air import AirLaw, air_law
 from rope_model.physics.air_element import AIR_BALANCE, air_element, air_functions
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity, element_functions
-from rope_model.shaft_parameters import Air, Shaft, Sump
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.rope_system import parameter_vector
 from rope_model.simulation.scene_kernels import kernels_needed
-from rope_model.simulation.simulator import RopeSimulator
 
 STEP, LENGTH = 0.01, 10.0
 LAW = air_law(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
@@ -180,9 +177,8 @@ def test_a_bundle_has_all_that_its_scene_needs(curvature, tmp_path, monkeypatch,
 def gust(form: Any) -> Any:
     """The rope of `scene` in still air, into which the host blows across its plane from .1 s on."""
     # a floor far below: the kernels of the tests above
-    still, blown = (
-        replace(scene(), shaft=Shaft(air=Air(density=1.2, vz=vz), sump=Sump(level=-20.0))) for vz in (0.0, 20.0)
-    )
+    shafts = [Shaft(air=Air(density=1.2, vz=vz), sump=Sump(level=-20.0)) for vz in (0.0, 20.0)]
+    still, blown = (replace(scene(), shaft=shaft) for shaft in shafts)
     rope = balance_rope(still, form)
     assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
     for k in range(1, 31):

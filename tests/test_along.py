@@ -8,14 +8,11 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip, wound
 
-from rope_model import BalanceRope, balance_rope
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
+from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, RopeSimulator, Scene, balance_rope
 from rope_model.physics.estimates import loop_width, natural_width
-from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.outputs.diagnostics import shape, shape_places
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
-from rope_model.simulation.simulator import RopeSimulator
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way

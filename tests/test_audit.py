@@ -7,15 +7,13 @@ from scenes import Trip, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from rope_model import EndMotion, Mesh, Rope, RopeSimulator, Scene, Solver
 from rope_model.engine import NativeRope
 from rope_model.numerics.generalized_alpha import Coefficients
-from rope_model.parameters import Mesh, Rope, Scene, Solver
 from rope_model.physics.accuracy import turned_by_mesh
 from rope_model.simulation.ends.ends import HangingEnds
-from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.outputs.audit import Audit
 from rope_model.simulation.rope_system import Array
-from rope_model.simulation.simulator import RopeSimulator
 
 pytest.importorskip("rope_model.codegen.build")
 

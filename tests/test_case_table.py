@@ -14,8 +14,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling
-from rope_model import Scene, parameters
-from rope_model.parameters import rope_120
+from rope_model import Scene, parameters, rope_120
 from rope_model.scene_names import with_values
 
 every_scene = pytest.mark.parametrize("name", CASES)

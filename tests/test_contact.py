@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import wound
 
-from rope_model import EndMotion, balance_rope
-from rope_model.parameters import Mesh, Rope, Scene
+from rope_model import EndMotion, Mesh, Rope, Scene, balance_rope
 from rope_model.physics import hermite
 from rope_model.physics.contact import ONSET, SUMS, Touch, largest_motion, moved_by, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element

@@ -9,14 +9,11 @@ from end_paths import led
 from numpy.testing import assert_allclose
 from scenes import CHOICES, Choice, fixed_steps, smooth_step, wound
 
-from rope_model import balance_rope
-from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
-from rope_model.simulation.balance_rope import BalanceRope
+from rope_model import BalanceRope, Mesh, Model, Rope, RopeState, Scene, Swivel, balance_rope
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
 from rope_model.simulation.messages.fidelity_rules import expected_travel, force_error
 from rope_model.simulation.rigid import RigidRope, rigid_rope
-from rope_model.simulation.state import RopeState
 
 Ends = tuple[EndMotion, EndMotion]
 H = 0.01

@@ -53,16 +53,9 @@ class Archive:
         self.native = any(name.startswith("sources/") for name in self.files)
 
     @property
-    def interface(self) -> Element:
-        found = self.root.find("CoSimulation")
-        assert found is not None
-        return found
-
-    @property
     def variables(self) -> list[dict[str, Any]]:
         """Attributes of each variable, those of its type included, and the ``kind``."""
         listed = self.root.find("ModelVariables")
-        assert listed is not None
         if self.fmi == 2:
             return [{**v.attrib, **v[0].attrib, "kind": v[0].tag} for v in listed]
         out = []
@@ -73,7 +66,6 @@ class Archive:
 
     def structure(self, section: str) -> list[Element]:
         structure = self.root.find("ModelStructure")
-        assert structure is not None
         return list(structure.find(section) or []) if self.fmi == 2 else structure.findall(section)
 
 
@@ -217,7 +209,6 @@ def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
 
 def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
     experiment = fmu.root.find("DefaultExperiment")
-    assert experiment is not None
     assert float(experiment.get("stopTime", "0")) > float(experiment.get("startTime", "0"))
     assert float(experiment.get("stepSize", "0")) > 0
     tolerance = next((float(v["start"]) for v in fmu.variables if v["name"] == "accuracy.end_force"), None)
@@ -228,7 +219,7 @@ def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
 
 
 def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) -> None:
-    identifier = fmu.interface.get("modelIdentifier")
+    identifier = fmu.root.find("CoSimulation").get("modelIdentifier")
     binaries = {name: data for name, data in fmu.files.items() if name.startswith("binaries/")}
     assert {name.rpartition("/")[2].partition(".")[0] for name in binaries} == {identifier}
     built = available_platforms() if fmu.everywhere else (host_platform(),)
@@ -288,7 +279,7 @@ def test_sources_are_complete(fmu: Archive) -> None:
     files = {str(node.get("name")) for node in listed.iter("SourceFile")}
     assert files == {name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)}
     if fmu.fmi == 2:
-        assert {node.get("name") for node in fmu.interface.iter("File")} == files
+        assert {node.get("name") for node in fmu.root.find("CoSimulation").iter("File")} == files
     definitions = {node.get("name") for node in listed.iter("PreprocessorDefinition")}
     assert definitions == ({"FMI3_OVERRIDE_FUNCTION_PREFIX"} if fmu.fmi == 3 else set())
     for name, data in fmu.files.items():

@@ -14,12 +14,10 @@ from numpy.testing import assert_allclose
 
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import EndMotion, Inputs, Scene, balance_rope, rope_120
+from rope_model import BalanceRope, EndMotion, Inputs, RopeSimulator, Scene, Status, balance_rope, rope_120
 from rope_model.engine import NativeRope
 from rope_model.parameters import FidelityChoice, Model, Rope, Trusted
-from rope_model.simulation.balance_rope import BalanceRope, Status
 from rope_model.simulation.ends.following import manner_of
-from rope_model.simulation.simulator import RopeSimulator
 
 H, TRAVEL = 0.01, 20.0
 TRIP = s_curve(Winding(travel=TRAVEL, speed=4.0, start_delay=0.2))
@@ -153,8 +151,7 @@ def test_a_stop_whose_jerk_sets_in_within_a_long_step_is_no_misfit(step: float) 
     trip = s_curve(Winding(travel=40.0, speed=8.0, jerk=2.0, start_delay=0.0, emergency_at=4.0, emergency_jerk=30.0))
     ropes = balance_rope(SCENE), balance_rope(SCENE)
     short, long = (
-        wind(rope, lambda t: exact(t, s_curve(trip)), until=8.0, h=h)
-        for rope, h in zip(ropes, (0.0025, step), strict=True)
+        wind(rope, lambda t: exact(t, trip), until=8.0, h=h) for rope, h in zip(ropes, (0.0025, step), strict=True)
     )
     short = short[round(step / 0.0025) - 1 :: round(step / 0.0025)]
     off = np.sqrt(np.mean(((long - short) / np.abs(short).max()) ** 2, axis=0)).max()

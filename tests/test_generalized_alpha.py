@@ -38,6 +38,12 @@ class Corrected:
         newton = verdict_on(corrections(), tolerance, 10)
         return Solution(q, v, a, self.evaluate(q, v, a, reaction), newton)
 
+    def evaluate(self: Any, q: Array, v: Array, a: Array, reaction: Array) -> Told:
+        return Told(self.residual(q, v, a))
+
+    def norm(self, x: Array) -> float:
+        return float(np.max(np.abs(x)))
+
 
 class SpringPendulum(Corrected):
     """A mass on a stiffening spring with a damper, hung from a point that is moved; rows: point, mass."""
@@ -53,9 +59,8 @@ class SpringPendulum(Corrected):
     def pull(self, q: Array, v: Array) -> Array:
         d = q[1] - q[0]
         stretch = np.linalg.norm(d) - self.rest
-        return np.asarray(
-            self.stiffness * (stretch + stretch**3) * d / np.linalg.norm(d) + self.damping * (v[1] - v[0])
-        )
+        force = self.stiffness * (stretch + stretch**3) * d / np.linalg.norm(d)
+        return np.asarray(force + self.damping * (v[1] - v[0]))
 
     def residual(self, q: Array, v: Array, a: Array) -> Array:
         pull = self.pull(q, v)
@@ -69,12 +74,6 @@ class SpringPendulum(Corrected):
         K = across * np.eye(2) + (self.stiffness * (1 + 3 * stretch**2) - across) * np.outer(n, n)
         J = c[0] * K + (c[1] * self.damping + c[2] * self.mass) * np.eye(2)
         return np.array([[0.0, 0.0], -np.linalg.solve(J, R[1])]), R
-
-    def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Told:
-        return Told(self.residual(q, v, a))
-
-    def norm(self, x: Array) -> float:
-        return float(np.max(np.abs(x)))
 
     def exact(self, t: float) -> tuple[Array, Array, Array]:
         """q, v of the mass and force on the point, by another method."""
@@ -142,15 +141,12 @@ class Oscillator(Corrected):
     def prescribed_motion(self, t: float) -> Array:
         return np.zeros((3, 1, 1))
 
+    def residual(self, q: Array, v: Array, a: Array) -> Array:
+        return a + self.omega**2 * q
+
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
-        R = a + self.omega**2 * q
+        R = self.residual(q, v, a)
         return -R / (c[2] + c[0] * self.omega**2), R
-
-    def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Told:
-        return Told(a + self.omega**2 * q)
-
-    def norm(self, x: Array) -> float:
-        return float(np.max(np.abs(x)))
 
 
 def amplification(rho: float, omega: float) -> Array:

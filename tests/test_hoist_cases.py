@@ -10,8 +10,7 @@ from hoist_at_rest import wind
 from hoist_demo.cases.installed import INSTALLED, TAIL_SPARE, Case, round_rope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.parameters import require_trip_fits
-from rope_model import EndMotion
-from rope_model.parameters import Layout, Rope
+from rope_model import EndMotion, Layout, Rope
 
 cases = pytest.mark.parametrize("case", INSTALLED.values(), ids=INSTALLED.keys())
 

@@ -16,7 +16,7 @@ REST = TrajectoryPoint(0.0, 0.0, 0.0, 0.0)
     [
         pytest.param(0.0, 0.0, 5e4, 0.0, id="at rest: the holding torque"),
         pytest.param(0.75, 0.0, 5e4 + HOIST.sheave_radius * HOIST.moving_mass * 0.75, 0.0, id="fed forward"),
-        pytest.param(0.0, -0.1, 5e4 + HOIST.sheave_radius * (1e3 + 5.0), 5.0, id="k_v e, and h k_v e / T_i more"),
+        pytest.param(0.0, -0.1, 5e4 + HOIST.sheave_radius * 1e3, 5.0, id="k_v e; h k_v e / T_i from then on"),
     ],
 )
 def test_the_command_is_that_of_the_law(acceleration: float, speed: float, torque: float, integral: float) -> None:

@@ -114,15 +114,6 @@ def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding:
     assert peak >= winding.speed * (1 - 1e-12) or needed(peak * (1 + 1e-6)) > between
 
 
-def test_creep_from_full_speed_takes_the_textbook_time() -> None:
-    winding = Winding(travel=90.0, speed=4.0, start_delay=0.0, creep_distance=3.0, creep_speed=0.5)
-    # up to 4 m/s and down to 0.5 m/s with a / j = 1.5 s, stop from 0.5 m/s in two ramps of 1 s
-    up, down = 4.0 / 0.75 + 1.5, 3.5 / 0.75 + 1.5
-    cruise = (90.0 - 3.0 - 4.0 / 2 * up - 4.5 / 2 * down) / 4.0
-    expected = up + cruise + down + (3.0 - 0.5) / 0.5 + 2.0
-    np.testing.assert_allclose(s_curve(winding).duration, expected, rtol=1e-13)
-
-
 def test_raising_and_lowering_are_mirrored() -> None:
     t = np.linspace(0.0, 40.0, 401)
     np.testing.assert_array_equal(s_curve(LANDING).sample(t), -s_curve(replace(LANDING, travel=-90.0)).sample(t))
@@ -161,16 +152,26 @@ def test_each_derivative_is_the_difference_quotient_of_the_one_before(winding: W
     np.testing.assert_allclose((high[:, :3] - low[:, :3]) / (2 * d), mid[:, 1:], rtol=0, atol=atol)
 
 
-def test_the_90_m_winding_peaks_where_the_quadratic_says() -> None:
-    # v (v/a + a/j) = 90 m
-    v, trajectory = 0.375 * (math.sqrt(1.5**2 + 4 * 90 / 0.75) - 1.5), s_curve(Winding())
-    np.testing.assert_allclose(trajectory.peak_speed, v, rtol=1e-13)
-    np.testing.assert_allclose(trajectory.duration, 1.0 + 2 * (v / 0.75 + 1.5), rtol=1e-13)
+#: v (v/a + a/j) = 90 m
+PEAK = 0.375 * (math.sqrt(1.5**2 + 4 * 90 / 0.75) - 1.5)
+# up to 4 m/s and down to 0.5 m/s with a / j = 1.5 s, stop from 0.5 m/s in two ramps of 1 s
+UP, DOWN = 4.0 / 0.75 + 1.5, 3.5 / 0.75 + 1.5
+CREPT = UP + (90.0 - 3.0 - 4.0 / 2 * UP - 4.5 / 2 * DOWN) / 4.0 + DOWN + (3.0 - 0.5) / 0.5 + 2.0
 
 
-def test_stops_and_the_shortest_trip_take_the_textbook_time() -> None:
-    stop = s_curve(Winding(travel=90.0, speed=4.0, emergency_at=12.0))
-    # v / d + d / j: constant deceleration with one ramp on either side; four jerk ramps
-    np.testing.assert_allclose(stop.duration - 12.0, 4.0 / 5.0 + 5.0 / 50.0, rtol=1e-12)
-    shortest = s_curve(Winding(travel=1.0, start_delay=0.0))
-    np.testing.assert_allclose(shortest.duration, 4 * (1.0 / (2 * 0.5)) ** (1 / 3), rtol=1e-13)
+@pytest.mark.parametrize(
+    ("winding", "peak", "duration"),
+    [
+        pytest.param(Winding(), PEAK, 1.0 + 2 * (PEAK / 0.75 + 1.5), id="90 m"),
+        pytest.param(Winding(speed=4.0, start_delay=0.0, creep_distance=3.0, creep_speed=0.5), 4.0, CREPT, id="creep"),
+        # v / d + d / j: constant deceleration with one ramp on either side
+        pytest.param(Winding(speed=4.0, emergency_at=12.0), 4.0, 12.0 + 4.0 / 5.0 + 5.0 / 50.0, id="stop"),
+        # four jerk ramps of 1 s
+        pytest.param(
+        pytest.param(Winding(travel=1.0, start_delay=0.0), 0.5, 4.0, id="shortest"),
+        ),
+    ],
+)
+def test_a_trip_peaks_and_ends_as_in_the_textbook(winding: Winding, peak: float, duration: float) -> None:
+    trajectory = s_curve(winding)
+    np.testing.assert_allclose([trajectory.peak_speed, trajectory.duration], [peak, duration], rtol=1e-12)

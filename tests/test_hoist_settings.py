@@ -41,10 +41,7 @@ def test_a_value_has_its_parameters_type_and_a_choice_its_word(given: str, name:
     [
         ("rope.EI", r"--set rope\.EI must be NAME=VALUE"),
         ("rope.EI=stiff", r"rope\.EI = 'stiff' must be a finite number: give it in N\.m2"),
-        ("rope.EI=nan", r"rope\.EI = nan must be a finite number"),
         ("rope.IE=1", r"rope\.IE is not a parameter: did you mean rope\.EI"),
-        ("model.rung=1", r"model\.rung is not a parameter: did you mean model\.fidelity"),
-        ("rope.ei=450", r"rope\.ei is not a parameter: did you mean rope\.EI\?"),
         ("model.fidelity=7", r"model\.fidelity = 7\.0 must be one of 0 \(auto\), 1 \(torsional\), .*: give code"),
         ("right.swivel.mode=sticky", r"mode = 'sticky' must be one of 0 \(locked\), 1 \(free\), 2 \(coulomb\)"),
         ("winding.emergency_law=brake", r"must be one of drive, deceleration, torque, two-stage: choose one"),

@@ -104,8 +104,7 @@ def test_slips_last_until_the_swivel_sticks_again_and_transformations_are_where_
 
 
 def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
-    run = SimpleNamespace(
-        recording=recording(time=[0, 5, 9]), completed=False, cause="?", trajectory=SimpleNamespace(duration=12.0)
-    )
+    rows, trip = recording(time=[0, 5, 9]), SimpleNamespace(duration=12.0)
+    run = SimpleNamespace(recording=rows, completed=False, cause="?", trajectory=trip)
     found = panels.marks(run, Winding(emergency_at=4.0))
     assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]

@@ -21,11 +21,10 @@ from random_shafts import draw
 from scenes import ends_at
 
 from hoist_demo.control.trajectory import emergency_stop, s_curve
-from rope_model import EndMotion, Layout, Lining, Mesh, Model, Rope, Scene, Shaft, at_level
+from rope_model import EndMotion, Layout, Lining, Mesh, Model, Rope, Scene, Shaft, Swivel, at_level
 from rope_model.codegen.build import sources
 from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler
-from rope_model.parameters import Swivel
 from rope_model.simulation.stepping.hang import MOST_CORRECTIONS
 from rope_model.simulation.stepping.stepping import most_work
 
@@ -87,9 +86,8 @@ def step_works(seed: int) -> Iterator[tuple[float, int, float]]:
     touch = replace(case.scene.shaft.contact, rope_stiffness=float(rng.choice([0.0, 1e5])))
     rope = replace(case.scene.rope, EI=math.exp(rng.uniform(math.log(20.0), math.log(600.0))))
     swivel = Swivel(rng.choice(["locked", "free", "coulomb"]))
-    scene = at_level(
-        Scene(rope, case.scene.layout, swivel, swivel, shaft=replace(case.scene.shaft, contact=touch)), "standard"
-    )
+    shaft = replace(case.scene.shaft, contact=touch)
+    scene = at_level(Scene(rope, case.scene.layout, swivel, swivel, shaft=shaft), "standard")
     error = share * scene.accuracy.end_force
     scene = replace(scene, model=Model("torsional"), accuracy=replace(scene.accuracy, end_force=error))
     full = s_curve(case.trip)
