@@ -167,9 +167,7 @@ CREPT = UP + (90.0 - 3.0 - 4.0 / 2 * UP - 4.5 / 2 * DOWN) / 4.0 + DOWN + (3.0 - 
         # v / d + d / j: constant deceleration with one ramp on either side
         pytest.param(Winding(speed=4.0, emergency_at=12.0), 4.0, 12.0 + 4.0 / 5.0 + 5.0 / 50.0, id="stop"),
         # four jerk ramps of 1 s
-        pytest.param(
         pytest.param(Winding(travel=1.0, start_delay=0.0), 0.5, 4.0, id="shortest"),
-        ),
     ],
 )
 def test_a_trip_peaks_and_ends_as_in_the_textbook(winding: Winding, peak: float, duration: float) -> None:
