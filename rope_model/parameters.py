@@ -292,7 +292,7 @@ class Mesh:
             "EEM: elements of equal length",
             "fitted to the rope: TMN-ETM, or EEM on a short or stiff rope",
         ),
-        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 fitted to the rope",
+        "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 auto, fitted to the rope",
         "choose one",
     )
     elements: int = parameter(
