@@ -97,8 +97,8 @@ def upright(law: AirLaw, top: float, l: float) -> dict[str, float]:
 def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(l: float, missed: float) -> None:
     sums = [upright(GALLERY, top, l) for top in np.linspace(18.0, 18.0 + l, 10, endpoint=False)]
     side = 0.5 * 1.2 * 1.2 * 0.044 * 5.0 * 4.3  # per m/s in X and Z, of 5 m/s: rho_a c_d d |u| u h / 2
-    assert_allclose([one["air_fx"] for one in sums], 3.0 * side, rtol=missed)
-    assert_allclose([one["air_fz"] for one in sums], -4.0 * side, rtol=missed)
+    for axis, speed in (("x", 3.0), ("z", -4.0)):
+        assert_allclose([one[f"air_f{axis}"] for one in sums], speed * side, rtol=missed)
     # at the gallery's height on average
     assert np.mean([one["air_mz"] for one in sums]) == pytest.approx(11.0 * 3.0 * side, rel=missed)
 

@@ -121,10 +121,6 @@ def small_function(factor: float = 2.0) -> ca.Function:
     return ca.Function("small", [x], [factor * ca.sin(x)])
 
 
-SMALL = [small_function()]
-build_small = partial(kernels.build_library, SMALL, folder=kernels.cache_folder())
-
-
 @needs_compiler
 def test_a_second_build_finds_the_first_ones_library_and_others_make_another(tmp_path, monkeypatch) -> None:
     build = partial(kernels.build_library, compiler=kernels.find_compiler(), folder=tmp_path)
@@ -154,11 +150,13 @@ def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
 
 
 def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(monkeypatch, caplog):
+    small = [small_function()]
+    build = partial(kernels.build_library, small, folder=kernels.cache_folder())
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     with caplog.at_level(logging.INFO, logger=kernels.__name__):
-        functions, form = kernels.prepare(SMALL, build_small, "auto")
+        functions, form = kernels.prepare(small, build, "auto")
     assert form == "portable"
     assert "portable" in caplog.text
     np.testing.assert_allclose(np.asarray(functions[0]([0, 1, 2])).ravel(), 2 * np.sin([0, 1, 2]), rtol=1e-15)
     with pytest.raises(RuntimeError, match="install a C compiler"):
-        kernels.prepare(SMALL, build_small, "compiled")
+        kernels.prepare(small, build, "compiled")

@@ -267,20 +267,16 @@ def test_an_element_near_no_body_is_the_plain_one() -> None:
     assert not np.array(element.balance(near[0], near[1], *near[3:]))[-len(CONTACT_BALANCE) :].any()
 
 
-def shaft(level: float, **contact: float) -> Shaft:
-    """A narrow shaft with bodies of every kind."""
-    return Shaft(
-        sump=Sump(level=level),
-        divider_1=Divider(size=0.2, y=level + 0.7, offset=0.3),
+def narrow() -> Scene:
+    """A short rope in a narrow shaft with bodies of every kind."""
+    shaft = Shaft(
+        sump=Sump(level=-4.2),
+        divider_1=Divider(size=0.2, y=-3.5, offset=0.3),
         lining=Lining(width=2.8, depth=2.0),
         conveyance=Conveyance(width=1.0, depth=1.0, height=3.0, above=0.3),
         head_ropes=HeadRopes(diameter=0.04, row=0.5),
-        contact=Contact(**contact),
     )
-
-
-def short(**parts: Any) -> Scene:
-    return Scene(rope=Rope(length=10.0), mesh=Mesh("eem", elements=10)).with_(**parts)
+    return Scene(rope=Rope(length=10.0), mesh=Mesh("eem", elements=10), shaft=shaft)
 
 
 def ends(t: float) -> tuple[EndMotion, EndMotion]:
@@ -290,7 +286,7 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
 
 
 def test_both_forms_agree_in_contact() -> None:
-    python, native = (wound(balance_rope(short(shaft=shaft(-4.2)), form), ends, 30) for form in ("python", "native"))
+    python, native = (wound(balance_rope(narrow(), form), ends, 30) for form in ("python", "native"))
     one, other = python.state, native.state
     assert other.energy_balance.dissipated_contact > 0.01
     # rounding, by some hundred steps of a stiff contact
@@ -311,7 +307,7 @@ def test_both_forms_agree_in_contact() -> None:
 
 @pytest.mark.parametrize("form", ["python", "native"])
 def test_a_rope_saved_in_contact_goes_on_bit_by_bit(form: Any) -> None:
-    rope = wound(balance_rope(short(shaft=shaft(-4.2)), form), ends, 15)
+    rope = wound(balance_rope(narrow(), form), ends, 15)
     saved = rope.state.to_bytes()
     straight = wound(rope, ends, 5, first=15).state
     other = balance_rope(rope.scene, form)

@@ -20,12 +20,6 @@ INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
 
 
-def anchor(heading: str) -> str:
-    """As GitHub makes it."""
-    text = re.sub(r"\[(.*?)\]\(.*?\)", r"\1", heading).strip().lower().replace(" ", "-")
-    return "".join(c for c in text if c.isalnum() or c in "-_")
-
-
 @cache
 def text_of(path: Path) -> str:
     """Without blocks of code."""
@@ -34,7 +28,10 @@ def text_of(path: Path) -> str:
 
 @cache
 def anchors(path: Path) -> frozenset[str]:
-    return frozenset(anchor(heading) for heading in re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE))
+    """Of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE)
+    texts = [re.sub(r"\[(.*?)\]\(.*?\)", r"\1", text).strip().lower().replace(" ", "-") for text in headings]
+    return frozenset("".join(c for c in text if c.isalnum() or c in "-_") for text in texts)
 
 
 @pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])

@@ -39,8 +39,8 @@ def test_cycles_are_those_of_the_example_of_astm_e1049() -> None:
     found = exposures.exposure(record([-2, 1, -3, 5, -1, 3, -4, 4, -2], [0.0] * 9), WHERE)
     assert_allclose(found["tension.range"], [9.0, 0.0])
     assert_allclose(found["tension.cycles"], [4.0, 0.0])
-    assert_allclose([found["tension.least"][0], found["tension.largest"][0]], [-4.0, 5.0])
-    assert_allclose([found["tension.least_at"][0], found["tension.largest_at"][0]], [6.0, 3.0])
+    extremes = [found[f"tension.{name}"][0] for name in ("least", "largest", "least_at", "largest_at")]
+    assert_allclose(extremes, [-4.0, 5.0, 6.0, 3.0])
     # by bins of their range: 3 and 4 from 2 on; 6, 8 and 9 from 5 on
     binned = {name: found[name][0] for name in exposures.bin_columns("torque") if found[name][0]}
     assert binned == {"torque.from_2": 2.0, "torque.from_5": 2.0}
@@ -55,10 +55,8 @@ def test_trips_to_and_fro_add_up_to_whole_cycles() -> None:
     up, down = (exposures.exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, 4], [4, 2, 0]))
     assert_allclose(up["torque.cycles"], [0.5, 0.0])
     both = exposures.together([up, down, up, down])
-    assert_allclose(both["torque.cycles"], [2.0, 0.0])
-    assert_allclose(both["torque.range"], [4.0, 0.0])
-    assert_allclose(both["s"], [0.0, 120.0])
-    assert_allclose(both["torque.from_2"], [2.0, 0.0])
+    names = "torque.cycles", "torque.range", "s", "torque.from_2"
+    assert_allclose([both[name] for name in names], [[2.0, 0.0], [4.0, 0.0], [0.0, 120.0], [2.0, 0.0]])
 
 
 def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:

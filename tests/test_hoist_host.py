@@ -126,9 +126,8 @@ def test_a_failing_rope_stops_the_loop_and_keeps_the_record(settings: dict[str, 
 
 def test_a_rope_that_cannot_hang_stops_before_the_first_row() -> None:
     result = _run(FakeRope(fails_at=-1.0), Winding(travel=2.0))
-    assert not result.completed
+    assert (result.completed, result.steps) == (False, 0)
     assert "no hanging shape" in result.cause
-    assert result.steps == 0
     assert "no hanging shape" in render(summarize(result, Hoist(), Winding(), Coupling()))
 
 
@@ -137,8 +136,8 @@ def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Pa
     back = read_csv(tmp_path / "signals.csv")
     names = [name for name in short.recording.signals if not name.startswith("shape.")]
     assert list(back.signals) == names
-    assert {name: back.units[name] for name in names} == {name: short.recording.units[name] for name in names}
-    assert back.units["left.fy"] == "N"
+    assert back.units.items() <= short.recording.units.items()
+    assert (set(back.units), back.units["left.fy"]) == (set(names), "N")
     for name in names:
         # %.10g rounds to half a unit of the tenth digit
         np.testing.assert_allclose(back[name], short.recording[name], rtol=5e-10, atol=0)
@@ -152,10 +151,9 @@ def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> No
         write_csv(result.recording, folder / "signals.csv")
         write_shapes(result.recording, shape_rows(result.recording), folder / "shapes.csv")
         write_figures(result.recording, Hoist(), folder)
-    files = sorted(path.name for path in (tmp_path / "0").iterdir())
-    assert {"signals.csv", "shapes.csv", "tracking.png", "forces.png", "shapes.png", "energies.png"} <= set(files)
-    for name in files:
-        assert (tmp_path / "0" / name).read_bytes() == (tmp_path / "1" / name).read_bytes(), name
+    first, second = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in "01")
+    assert {"signals.csv", "shapes.csv", "tracking.png", "forces.png", "shapes.png", "energies.png"} <= first.keys()
+    assert first == second
 
 
 def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> None:

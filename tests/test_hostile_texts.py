@@ -1,4 +1,4 @@
-"""The same fifty hostile texts through every key of a file that takes a text, and into every kind of file we write."""
+"""The same hostile texts through every key of a file that takes a text, and into every kind of file we write."""
 
 from __future__ import annotations
 
