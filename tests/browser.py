@@ -10,10 +10,8 @@ import math
 import re
 import shutil
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -48,16 +46,8 @@ const common = () => ({{
 </script></body>"""
 
 
-@dataclass(frozen=True)
-class Seen:
-    """What the probe saw, and the browser's messages."""
-
-    said: dict[str, Any]
-    console: list[str]
-
-
-def look(page: Path, touches: str, width: int, fragment: str = "") -> Seen:
-    """Open a copy of the page with the probe in it."""
+def look(page: Path, touches: str, width: int, fragment: str = "") -> SimpleNamespace:
+    """Open a copy of the page with the probe in it; what the probe ``said``, and the browser's ``console``."""
     folder = page.parent / f"{page.stem}-{width}"
     folder.mkdir()
     probed = page.read_text(encoding="utf-8").replace("</body>", _PROBE.format(touches=touches))
@@ -70,7 +60,7 @@ def look(page: Path, touches: str, width: int, fragment: str = "") -> Seen:
     found = re.search(r'<pre id="seen">(.+?)</pre>', done.stdout, re.DOTALL)
     console = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
     assert found, f"the probe said nothing; the browser: {console or done.stderr[-2000:]}"
-    return Seen(json.loads(html.unescape(found[1])), console)
+    return SimpleNamespace(said=json.loads(html.unescape(found[1])), console=console)
 
 
 def bottom(t: float) -> tuple[float, float, float]:
@@ -86,38 +76,33 @@ def curve(t: float) -> np.ndarray:
     return np.vstack([[-1.0, 7.0 * t, 0.0], loop, [1.0, 90.0 - 7.0 * t, 0.0]])
 
 
-def run(tmp_path: Path, known: bool = True, **more: np.ndarray) -> Path:
-    """A trip of an invented rope; ``known``: with what there is along it."""
+def shaped(shapes: np.ndarray) -> dict[str, np.ndarray]:
+    return {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+
+
+def result(signals: dict[str, np.ndarray], cause: str = "", **units: str) -> SimpleNamespace:
+    """What a run leaves that was stopped by a cause, or completed."""
+    trajectory = SimpleNamespace(duration=9.0) if signals else None
+    return SimpleNamespace(recording=Recording(signals, units), completed=not cause, cause=cause, trajectory=trajectory)
+
+
+def run(tmp_path: Path, **more: np.ndarray) -> Path:
+    """A trip of an invented rope, with what there is along it."""
     t = np.linspace(0.0, END, STEPS)
     shapes = np.array([curve(float(s)) for s in t])
+    still = np.full(STEPS, 1.0)
     signals = {
-        "time": t,
-        "reference.position": 7.0 * t,
-        "reference.speed": np.full(STEPS, 7.0),
-        "conveyance.left.y": 7.0 * t,
-        "conveyance.right.y": 90.0 - 7.0 * t,
-        "conveyance.left.vy": np.full(STEPS, 7.0) + np.sin(t),
-        "drive.tension_ratio": 1.2 + 0.1 * np.sin(t),
-        "left.fy": -1e3 * (5.0 + t),
-        "left.swivel.slipping": ((t > 2.0) & (t < 3.0)).astype(float),
-        "right.swivel.slipping": np.zeros(STEPS),
-        "count.transformations": np.floor(t / 2.0),
-        "stress.bending_max": 3.6e7 + 1e5 * np.sin(t),
-        "loop.clearance": np.full(STEPS, 2.0),
-        "loop.broken": np.full(STEPS, math.nan),
-    }
-    signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
-    if known:
-        peak = np.where(np.arange(POINTS) == POINTS // 2, 4e7, 1e5)
-        signals |= {f"shape.bending[{i + 1}]": np.full(STEPS, peak[i]) for i in range(POINTS)}
-        signals |= {f"shape.torsion[{i + 1}]": np.zeros(STEPS) for i in range(POINTS)}
-        signals |= {f"shape.tension[{i + 1}]": 80.0 * shapes[:, i, 1] for i in range(POINTS)}
-    result = SimpleNamespace(
-        recording=Recording(signals | more, {"left.fy": "N", "conveyance.left.y": "m"}),
-        completed=True,
-        cause="",
-        trajectory=SimpleNamespace(duration=9.0),
-    )
-    winding = Winding(emergency_at=5.0)
-    path = tmp_path / "run.html"
-    return run_report(result, Hoist(), winding, [], "A <trip> & its rope", path, locked=("right",))
+        "time": t, "reference.position": 7.0 * t, "reference.speed": 7.0 * still, "conveyance.left.y": 7.0 * t,
+        "conveyance.right.y": 90.0 - 7.0 * t, "conveyance.left.vy": 7.0 + np.sin(t),
+        "drive.tension_ratio": 1.2 + 0.1 * np.sin(t), "left.fy": -1e3 * (5.0 + t),
+        "left.swivel.slipping": ((t > 2.0) & (t < 3.0)).astype(float), "right.swivel.slipping": 0.0 * t,
+        "count.transformations": np.floor(t / 2.0), "stress.bending_max": 3.6e7 + 1e5 * np.sin(t),
+        "loop.clearance": 2.0 * still, "loop.broken": math.nan * still,
+    }  # fmt: skip
+    for i in range(POINTS):
+        signals[f"shape.bending[{i + 1}]"] = (4e7 if i == POINTS // 2 else 1e5) * still
+        signals[f"shape.torsion[{i + 1}]"] = 0.0 * t
+        signals[f"shape.tension[{i + 1}]"] = 80.0 * shapes[:, i, 1]
+    wound = result(signals | shaped(shapes) | more, **{"left.fy": "N", "conveyance.left.y": "m"})
+    winding, path = Winding(emergency_at=5.0), tmp_path / "run.html"
+    return run_report(wound, Hoist(), winding, [], "A <trip> & its rope", path, locked=("right",))

@@ -76,8 +76,7 @@ def folders(fmus: dict[int, Path], tmp_path_factory: pytest.TempPathFactory) -> 
 
 @pytest.fixture(params=VERSIONS)
 def fmi(request: pytest.FixtureRequest) -> int:
-    version: int = request.param
-    return version
+    return int(request.param)
 
 
 @pytest.fixture
@@ -97,7 +96,6 @@ class Chain:
 
     @staticmethod
     def unloaded(values: Array) -> Chain:
-        """Nothing held yet, no loads."""
         return Chain(np.zeros(values.shape, dtype=bool), values, np.zeros(values.shape))
 
     def free(self, nodes: int) -> NDArray[np.bool_]:

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rope_model import BalanceRope, EndMotion, Neighbours, balance_rope
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
+from rope_model import BalanceRope, EndMotion, Layout, Mesh, Neighbours, Rope, Scene, Solver, balance_rope
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
 from rope_model.simulation.contact.self_contact import touches_of
@@ -76,7 +75,7 @@ class Alone:
         self._own.restore(self._kept)
 
     def accept(self) -> None:
-        """Nothing more."""
+        pass
 
 
 def swinging(scene: Scene, speed: float) -> BalanceRope:

@@ -38,8 +38,6 @@ class PlantInputPath:
 
 
 class PlantOutput(namedtuple("Shown", OUTPUTS)):
-    """What a drive shows at one instant."""
-
     @property
     def tension_ratio(self) -> float:
         return tension_ratio(self.tension_left, self.tension_right)
@@ -54,8 +52,6 @@ class PlantOutput(namedtuple("Shown", OUTPUTS)):
 
 
 class Plant(HoistPlant):
-    """A drive that takes inputs and paths by name."""
-
     def step(self, state: PlantState, h: float, u: PlantInput | PlantInputPath) -> PlantStep:
         return self.advance(state, h, *_packed(u))
 
@@ -64,6 +60,15 @@ class Plant(HoistPlant):
 
     def loads_at(self, state: PlantState, path: PlantInputPath, s: float) -> PlantInput:
         return PlantInput(*self.loads_and_outputs(state, *_packed(path), s)[0].tolist())
+
+    def run(self, state: PlantState, h: float, u: PlantInput, steps: int) -> list[PlantState]:
+        """States at every communication step, the first as given."""
+        states = [state]
+        for _ in range(steps):
+            step = self.step(states[-1], h, u)
+            assert step.valid, step.message
+            states.append(step.state)
+        return states
 
     def rates(self, state: PlantState, u: PlantInput) -> np.ndarray:
         """dx/dt of head ropes that hold."""

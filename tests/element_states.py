@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from conftest import rotation
-from numpy.typing import NDArray
+import pytest
+from conftest import Array, rotation
 
 from rope_model.physics.element import BALANCE, PARAMETERS, element_functions
 
-Array = NDArray[np.float64]
-
 ELEMENT = element_functions()
 STRAIN = ("axial", "coupling", "torsion", "bending")
-SEEDS = range(6)
+seeds = pytest.mark.parametrize("seed", range(6))
 MATERIAL = {"rho": 1.3, "g": 9.8, "Qa": 5.0, "Qs": 0.8, "Qk": 0.3, "Qd": 2.0, "EI": 1.5, "rhoJ": 0.4}
 MATERIAL |= {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7, "Qe": 0.6, "rhoJ_x": 0.2}
 #: a central difference with this step errs by its square, and by rounding over it: both below 1e-9
@@ -35,11 +33,10 @@ class State:
         return np.asarray(ELEMENT.reference(self.reference, self.l)).ravel()
 
     def P(self, **material: float) -> Array:
-        """The element's parameters; what is not given is zero."""
         return np.array([material.get(name, 0.0) for name in PARAMETERS])
 
 
-def random_state(seed: int) -> State:
+def some_state(seed: int) -> State:
     """A bent, twisted, stretched element turned anywhere; strains are of order 0.1 to 1."""
     rng = np.random.default_rng(seed)
     l, turn = rng.uniform(0.5, 2.0), rotation(rng.normal(size=3))
@@ -65,7 +62,7 @@ def energy(q: Array, v: Array, l: float, F: Array, P: Array, names: tuple[str, .
     return sum(parts[name] for name in names)
 
 
-def turn_all(q: Array, turn: Array) -> Array:
+def turned(q: Array, turn: Array) -> Array:
     """All vectors of an element's degrees of freedom turned, theta kept."""
     y = q.copy()
     for k in (0, 3, 7, 10):

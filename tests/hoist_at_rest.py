@@ -24,7 +24,6 @@ def rest_at(plant: Plant, heights: tuple[float, float]) -> tuple[PlantState, Pla
 
 
 def state_with(plant: Plant, state: PlantState, **values: float) -> PlantState:
-    """The state with some of its numbers replaced."""
     x = state.x.copy()
     for name, value in values.items():
         x[plant.state_names.index(name)] = value
@@ -47,15 +46,10 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
         moved = plant.step(state, step, u)
         assert moved.valid, moved.message
         state, memory, shown = moved.state, command.state, plant.outputs(moved.state, u)
-        row = {
-            "time": (k + 1) * step,
-            "position": shown.y_left - heights[0],
-            "speed": hoist.sheave_radius * shown.rate,
-            "torque": shown.torque,
-            "power": shown.power,
-            "slip_safety": hoist.slip_safety(shown.tension_ratio),
+        rows.append({
+            "time": (k + 1) * step, "position": shown.y_left - heights[0], "speed": hoist.sheave_radius * shown.rate,
+            "torque": shown.torque, "power": shown.power, "slip_safety": hoist.slip_safety(shown.tension_ratio),
             "static_slip_safety": hoist.slip_safety(shown.static_tension_ratio),
             "energy_residual": energy_residual(at_rest, shown, state.works[:5]),
-        }
-        rows.append(row)
+        })  # fmt: skip
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 
 
 def verdict_on(norms: Iterator[float], tolerance: float, most: int) -> NewtonReport:
-    """The verdict on corrections of these norms."""
     progress, verdict = initial_progress(), judge()
     for norm in itertools.islice(norms, most):
         progress = verdict(progress, norm, tolerance, True)

@@ -30,7 +30,6 @@ def adding_steps(H: float, T: float) -> Steps:
 
 
 def counted_steps(H: float, T: float) -> Steps:
-    """``t = k H``."""
     for k in range(round(T / H)):
         yield k * H, (k + 1) * H - k * H
 

@@ -38,29 +38,26 @@ class Host:
         )
         if self.fmi == 2:
             self._callbacks = fmi2CallbackFunctions()
-            self._callbacks.logger = fmi2CallbackLoggerTYPE(self._heard2)
+            self._callbacks.logger = fmi2CallbackLoggerTYPE(self._heard)
             self._callbacks.allocateMemory = default2.allocateMemory
             self._callbacks.freeMemory = default2.freeMemory
             self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         else:
-            self.fmu.instantiate(loggingOn=True, logMessage=self._heard3)
+            self.fmu.instantiate(loggingOn=True, logMessage=self._heard)
         self.instance = self.fmu.component
 
-    def _heard2(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        self.log.append((status, message.decode()))
-
-    def _heard3(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
+    def _heard(self, *told: Any) -> None:
+        """In FMI 2.0 and 3.0 the last that is told are status, category and message."""
+        status, _, message = told[-3:]
         self.log.append((status, message.decode()))
 
     def call(self, name: str, *arguments: Any) -> int:
         """``fmi2Name`` or ``fmi3Name`` as it is in the library; the status."""
         function = getattr(self.fmu.dll, f"fmi{self.fmi}{name}")
         function.restype, function.argtypes = ctypes.c_int, None
-        status: int = function(ctypes.c_void_p(self.instance), *arguments)
-        return status
+        return int(function(ctypes.c_void_p(self.instance), *arguments))
 
     def error(self) -> str:
-        """The last error."""
         return next(message for status, message in reversed(self.log) if status == 3)
 
     def set(self, **values: Any) -> None:
@@ -120,13 +117,11 @@ class Host:
         self.fmu.freeFMUstate(state) if self.fmi == 2 else self.fmu.freeFMUState(state)
 
     def serialize(self, state: Any) -> bytes:
-        data = self.fmu.serializeFMUstate(state) if self.fmi == 2 else self.fmu.serializeFMUState(state)
-        return bytes(data)
+        return bytes(self.fmu.serializeFMUstate(state) if self.fmi == 2 else self.fmu.serializeFMUState(state))
 
     def deserialize(self, data: bytes) -> Any:
         return self.fmu.deSerializeFMUstate(data) if self.fmi == 2 else self.fmu.deserializeFMUState(data)
 
     def derivative(self, unknown: str, known: str, seed: float = 1.0) -> float:
         references = [self.variables[name].valueReference for name in (unknown, known)]
-        value: float = self.fmu.getDirectionalDerivative(references[:1], references[1:], [seed])[0]
-        return value
+        return float(self.fmu.getDirectionalDerivative(references[:1], references[1:], [seed])[0])

@@ -19,14 +19,7 @@ from numpy.typing import NDArray
 
 from rope_model.codegen.build import sources
 from rope_model.codegen.structures import GROUPS
-from rope_model.numerics.kernels import (
-    FLAGS,
-    LIBRARY_SUFFIX,
-    cache_folder,
-    compile_objects,
-    find_compiler,
-    object_files,
-)
+from rope_model.numerics import kernels
 from rope_model.parameters import Mesh
 from rope_model.simulation.outputs.diagnostics import LoopBottom
 
@@ -64,14 +57,17 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
 
 def compiled(folder: Path, texts: dict[str, str]) -> ct.CDLL:
     """The rope's library with further C texts; skips the test without a compiler."""
-    if (compiler := find_compiler()) is None:
+    if (compiler := kernels.find_compiler()) is None:
         pytest.skip("no C compiler")
     for name, text in (sources() | texts).items():
         (folder / name).write_text(text, encoding="utf-8")
-    command, objects = [*compiler, *FLAGS], object_files(sources(), compiler, FLAGS, cache_folder())
-    compile_objects(sources(), command, objects)
+    command, objects = (
+        [*compiler, *kernels.FLAGS],
+        kernels.object_files(sources(), compiler, kernels.FLAGS, kernels.cache_folder()),
+    )
+    kernels.compile_objects(sources(), command, objects)
     files = [str(path) for path in (*objects.values(), *(folder / name for name in texts))]
-    made = folder / f"compiled{LIBRARY_SUFFIX}"
+    made = folder / f"compiled{kernels.LIBRARY_SUFFIX}"
     command += [*WARNINGS, f"-I{folder}", *files, "-o", str(made), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -80,7 +76,6 @@ def compiled(folder: Path, texts: dict[str, str]) -> ct.CDLL:
 
 @pytest.fixture(scope="session")
 def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
-    """The C functions by their names."""
     library = compiled(tmp_path_factory.mktemp("native"), {"more.c": MORE})
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {

@@ -30,8 +30,6 @@ TURNS = 3.0  # of yaw of an end, and of installed twist
 
 @dataclass(frozen=True)
 class Pose:
-    """A rope and where its ends are."""
-
     kind: str
     scene: Scene
     left: EndMotion
@@ -52,7 +50,6 @@ KINDS = {
 
 
 def poses(seed: int = SEED, number: int = NUMBER) -> Iterator[Pose]:
-    """The first ``number`` of a seed, the kinds in turn."""
     rng = np.random.default_rng(seed)
     for k in range(number):
         kind = list(KINDS)[k % len(KINDS)]
@@ -75,17 +72,11 @@ def _pose(rng: np.random.Generator, kind: str, has: frozenset[str]) -> Pose:
     Qs = evenly(0.0, 1.0) * stiffer * math.sqrt(section) * PUBLISHED.Qs
     unequal = if_has("unsymmetric", evenly(*UNSYMMETRIC))
     rope = Rope(
-        length=length,
-        mass_per_length=mass,
-        Qa=Qa,
-        Qb=(1.0 + unequal) * Qs,
-        Qc=(1.0 - unequal) * Qs,
-        Qd=stiffer * section * PUBLISHED.Qd,
-        EI=in_logarithms(BENDING),
-        rhoJ=section**2 * PUBLISHED.rhoJ,
+        length=length, mass_per_length=mass, Qa=Qa, Qb=(1.0 + unequal) * Qs, Qc=(1.0 - unequal) * Qs,
+        Qd=stiffer * section * PUBLISHED.Qd, EI=in_logarithms(BENDING), rhoJ=section**2 * PUBLISHED.rhoJ,
         diameter=math.sqrt(section) * PUBLISHED.diameter,
         installed_twist=if_has("twisted", evenly(-1.0, 1.0) * 2.0 * math.pi * TURNS),
-    )
+    )  # fmt: skip
     rises = if_has("height", evenly(-1.0, 1.0) * (1.0 - 2.0 * NEAR[0]) * length)
     aside = min(ASIDE, 0.1 * length)
     ends = []
@@ -110,7 +101,6 @@ class Rest:
 
 
 def hang(pose: Pose) -> Rest:
-    """Initialise it."""
     rope, start = balance_rope(pose.scene), time.process_time()
     status = rope.initialize(0.0, pose.left, pose.right)
     cpu = time.process_time() - start

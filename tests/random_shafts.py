@@ -16,22 +16,8 @@ from scenes import ends_at
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import (
-    BalanceRope,
-    Conveyance,
-    Divider,
-    HeadRopes,
-    Layout,
-    Lining,
-    Rope,
-    Scene,
-    Shaft,
-    Status,
-    Sump,
-    at_level,
-    balance_rope,
-)
-from rope_model.parameters import Model
+from rope_model import BalanceRope, Layout, Model, Rope, Scene, Status, at_level, balance_rope
+from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.outputs.diagnostics import shape
 
 Array = NDArray[np.float64]
@@ -50,7 +36,6 @@ class Case:
 
 
 def draw(seed: int) -> Case:
-    """The scene of a seed."""
     rng = np.random.default_rng([SEED, seed])
     travel, spare, spacing = rng.uniform(6.0, 15.0), rng.uniform(8.0, 16.0), rng.uniform(1.4, 2.4)
     coupling = rng.choice([-1.0, 0.2, 1.0]) * 2.336e5
@@ -81,7 +66,6 @@ def draw(seed: int) -> Case:
 
 
 def centre_line(rope: BalanceRope) -> Array:
-    """Points along the rope, (POINTS, 3) [m]."""
     state, scene = rope.state, rope.scene
     q, lengths = state.motion.q, state.partition.lengths
     return shape(q, lengths, 0.5 * float(lengths.sum()), scene.layout.spacing, POINTS)
@@ -91,10 +75,8 @@ def depths(scene: Scene, points: Array) -> dict[str, float]:
     """How deep the centre line is in what it may not enter (m); negative: outside."""
     shaft, found = scene.shaft, dict[str, float]()
     if shaft.lining.width > 0.0:
-        across = np.abs(points[:, 0] - shaft.lining.x) - 0.5 * shaft.lining.width
-        found["lining"] = float(
-            max(across.max(), (np.abs(points[:, 2] - shaft.lining.z) - 0.5 * shaft.lining.depth).max())
-        )
+        across = np.abs(points[:, [0, 2]] - (shaft.lining.x, shaft.lining.z))
+        found["lining"] = float((across - (0.5 * shaft.lining.width, 0.5 * shaft.lining.depth)).max())
     if shaft.sump.level > -1e6:
         found["floor"] = float(shaft.sump.level - points[:, 1].min())
     for k, divider in dividers(scene).items():
@@ -103,7 +85,6 @@ def depths(scene: Scene, points: Array) -> dict[str, float]:
 
 
 def dividers(scene: Scene) -> dict[str, Divider]:
-    """Those that are there, by name."""
     found = {f"divider {k}": getattr(scene.shaft, f"divider_{k}") for k in range(1, 5)}
     return {name: divider for name, divider in found.items() if divider.size > 0.0}
 
@@ -112,8 +93,7 @@ def _distance_from(points: Array, divider: Divider) -> Array:
     """Of the rope's straight pieces from the divider's axis, seen along it (m)."""
     start, way = points[:-1] - (divider.offset, divider.y), np.diff(points, axis=0)
     along = np.clip(-(start * way).sum(-1) / (way * way).sum(-1), 0.0, 1.0)
-    distances: Array = np.linalg.norm(start + along[:, None] * way, axis=-1)
-    return distances
+    return np.asarray(np.linalg.norm(start + along[:, None] * way, axis=-1))
 
 
 def windings(points: Array, divider: Divider) -> int:
@@ -161,6 +141,6 @@ def run(case: Case) -> tuple[str, list[str], float]:
         if len({windings(line, divider) for line in lines}) > 1:
             through.append(f"through {name}")
     told = rope.warnings()
-    ending = "completed" if "passed_bodies" not in told else "completed, having struck something"
+    ending = "completed, having struck something" if "passed_bodies" in told else "completed"
     ending += ", its legs having passed through each other" if "passed_sides" in told else ""
     return ending if status.valid else f"stopped: {status.message}", through, deepest

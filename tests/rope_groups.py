@@ -20,9 +20,8 @@ KNOWN = 2.336e5
 def rope(coupling: float = KNOWN, **more: float) -> InProcessRope:
     """A draft rope with torsion."""
     given = {name.replace("_", ".", 1): value for name, value in more.items()}
-    return InProcessRope(
-        rope_data({**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}, "draft"), READ
-    )
+    values = {**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}
+    return InProcessRope(rope_data(values, "draft"), READ)
 
 
 @dataclass

@@ -8,8 +8,7 @@ from functools import cached_property
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swivel
-from rope_model.parameters import rope_120, rope_240
+from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swivel, rope_120, rope_240
 from rope_model.simulation.fidelity import Fidelity
 
 Ends = tuple[EndMotion, EndMotion]

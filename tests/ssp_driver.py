@@ -27,14 +27,8 @@ from masters import remainder_steps
 from native_host import Host
 
 H = 0.01
-SIGNALS: tuple[tuple[str, str], ...] = (
-    ("drive", "left.y"),
-    ("drive", "right.y"),
-    ("drive", "left.vy"),
-    ("drive", "drive.torque"),
-    ("rope", "left.fy"),
-    ("rope", "right.fy"),
-)
+SIGNALS = tuple(("drive", name) for name in ("left.y", "right.y", "left.vy", "drive.torque"))
+SIGNALS += ("rope", "left.fy"), ("rope", "right.fy")
 Rows = list[list[float]]
 #: values of a parameter set by their type
 READ: dict[str, Callable[[str], float | bool]] = {"Real": float, "Integer": int, "Boolean": "true".__eq__}
@@ -60,8 +54,6 @@ def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
     with zipfile.ZipFile(ssp) as archive:
         root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
     master, experiment = (root.find(f".//{{*}}{name}") for name in ("FixedStepMaster", "DefaultExperiment"))
-    assert master is not None
-    assert experiment is not None
     return remainder_steps(float(master.get("stepSize", "")), float(experiment.get("stopTime", "")))
 
 
@@ -103,7 +95,6 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
 
 
 def ecos_rows(ssp: str, steps: int) -> Rows:
-    """As SIGNALS."""
     from ecospy import EcosSimulation
 
     with EcosSimulation(ssp_path=ssp, step_size=H) as simulation:

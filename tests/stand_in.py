@@ -24,7 +24,6 @@ RUNNERS = {
 
 
 def stand_in() -> dict[str, str]:
-    """What stands behind rope.h in these tests."""
     files = (ROOT / "tests" / "native" / "stand_in.c", ROOT / "rope_model" / "csrc" / "rope.h")
     texts = {path.name: path.read_text(encoding="utf-8") for path in files}
     return texts | {"parameters.h": parameter_structures(), "signal_numbers.h": signal_numbers()}
@@ -44,9 +43,8 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
     source = str(ROOT / "tests" / "native" / "life_cycle.c")
     libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
-    subprocess.run(
-        [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries], check=True
-    )
+    command = [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries]
+    subprocess.run(command, check=True)
     binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
     command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}

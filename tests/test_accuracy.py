@@ -11,22 +11,10 @@ from scenes import ends_at
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import balance_rope
+from rope_model import Accuracy, Layout, Mesh, Rope, Scene, Solver, balance_rope
 from rope_model.numerics.generalized_alpha import Coefficients, local_error
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Accuracy, Layout, Mesh, Rope, Scene, Solver
-from rope_model.physics.accuracy import (
-    AND_RATE,
-    ErrorSums,
-    add_errors,
-    axial_frequency,
-    end_force_error,
-    flow_error,
-    length_for,
-    locking_error,
-    memory,
-    step_limits,
-)
+from rope_model.physics import accuracy
 
 ROPE = Rope(length=400.0, beta_K=0.0)
 CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
@@ -35,23 +23,23 @@ CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
 def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     """Each step turns a wave of amplitude 1 by C (omega h)^3: it is off by all turns so far, as far as they last."""
     leg, h, n = 300.0, 0.01, 400
-    omega = axial_frequency(ROPE, leg)
-    turn, sums = CONSTANT * (omega * h) ** 3, ErrorSums()
+    omega = accuracy.axial_frequency(ROPE, leg)
+    turn, sums = CONSTANT * (omega * h) ** 3, accuracy.ErrorSums()
     rates = omega * np.sin(omega * h * np.arange(n + 1))
     for pace in np.diff(rates) / h:
-        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
-    t, lasts = h * np.arange(n), memory(ROPE, omega)
+        sums = accuracy.add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
+    t, lasts = h * np.arange(n), accuracy.memory(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
     # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
-    assert_allclose(end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
+    assert_allclose(accuracy.end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
 
 
 def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     leg, h = 300.0, 0.01
-    sums, rng = ErrorSums(), np.random.default_rng(1)
+    sums, rng = accuracy.ErrorSums(), np.random.default_rng(1)
     for pace in 1e-9 / (CONSTANT * h * h) * rng.standard_normal(4000):
-        sums = add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
-    assert end_force_error(ROPE, sums) < AND_RATE * 1e-9 * math.sqrt(4000)
+        sums = accuracy.add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
+    assert accuracy.end_force_error(ROPE, sums) < accuracy.AND_RATE * 1e-9 * math.sqrt(4000)
 
 
 def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np.float64]:
@@ -76,38 +64,35 @@ def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np
 def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_takes_of_it(leg: float, h: float) -> None:
     """From .04 to 3.9 radians; were the wave not stiff the estimate would be 2.3 times too large."""
     rope, duration = Rope(length=leg / 0.7), 4.0
-    omega = float(axial_frequency(rope, leg))
+    omega = float(accuracy.axial_frequency(rope, leg))
     found, exact = swing(omega, rope.beta_K, h, duration), swing(omega, rope.beta_K, h / 40, duration)[39::40]
-    sums = ErrorSums()
+    sums = accuracy.ErrorSums()
     for _, pace in found:
-        sums = add_errors(Scene(rope), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa)
+        sums = accuracy.add_errors(Scene(rope), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa)
     off = np.sqrt(np.mean((found[:, 0] - exact[:, 0]) ** 2))
-    assert 0.5 < end_force_error(rope, sums) / off < 1.5
+    assert 0.5 < accuracy.end_force_error(rope, sums) / off < 1.5
 
 
-@pytest.mark.parametrize(("damping", "radians"), [(1e-3, 2.0 / (1e-3 * 100.0)), (0.0, 2.0 * 400.0 / 2.0)])
-def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians(damping: float, radians: float) -> None:
-    rope = Rope(beta_K=damping)
-    assert_allclose(100.0 * memory(rope, 100.0), radians, rtol=1e-12)
-    assert memory(Rope(beta_K=0.0), 1.0) == 60.0
+def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians() -> None:
+    waves = (1e-3, 100.0), (0.0, 100.0), (0.0, 1.0)
+    found = [accuracy.memory(Rope(beta_K=damping), omega) for damping, omega in waves]
+    assert_allclose(found, [2.0 / (1e-3 * 100.0**2), 2.0 * 400.0 / 2.0 / 100.0, 60.0], rtol=1e-12)
 
 
 @pytest.mark.parametrize("asked", [1e-2, 1e-3, 1e-4])
 def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: float) -> None:
     scenes = (Scene(ROPE, accuracy=Accuracy(a, 10 * a)) for a in (asked / 10, asked))
-    strict, loose = (step_limits(scene, ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes)
-    assert_allclose(10 * strict.strain_rate, loose.strain_rate, rtol=1e-12)
-    assert_allclose(10 * strict.place, loose.place, rtol=1e-12)
+    strict, loose = (accuracy.step_limits(scene, accuracy.ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes)
     # errors are of second order in the step
-    assert_allclose(math.sqrt(10) * strict.shortest, loose.shortest, rtol=1e-12)
-    assert_allclose(math.sqrt(10) * strict.longest, loose.longest, rtol=1e-12)
+    for name, factor in {"strain_rate": 10, "place": 10, "shortest": 10**0.5, "longest": 10**0.5}.items():
+        assert_allclose(factor * getattr(strict, name), getattr(loose, name), rtol=1e-12)
 
 
 @pytest.mark.parametrize("EI", [50.0, 300.0, 3000.0])
 @pytest.mark.parametrize("error", [0.05, 5e-3, 5e-4, 5e-5])
 def test_elements_for_an_error_have_half_of_it_to_all_of_it(EI: float, error: float) -> None:
     scene = Scene(Rope(EI=EI))
-    assert 0.5 * error <= locking_error(scene, length_for(scene, error)) <= error * (1 + 1e-12)
+    assert 0.5 * error <= accuracy.locking_error(scene, accuracy.length_for(scene, error)) <= error * (1 + 1e-12)
 
 
 #: drawn at random, as everything of evidence.promise is
@@ -152,10 +137,9 @@ def test_even_steps_put_the_loop_off_by_what_the_flow_through_it_lets_expect() -
     trip = Trip(travel=90.0, speed=12.0, acceleration=1.5, jerk=2.0, start_delay=0.0)
     scene = Scene(Rope(length=130.0, EI=800.0))
     long, short, fine = (wind(scene, trip, solver=Solver(step_max=h, tolerance=1e6))[0] for h in (0.02, 0.01, 0.004))
-    peak = s_curve(trip).peak_speed
     for h, run in ((0.02, long), (0.01, short)):
         off = np.linalg.norm(run[:, 6:] - fine[:, 6:], axis=1).max()
-        assert_allclose(off, flow_error(scene, 2 * peak, h), rtol=0.35)
+        assert_allclose(off, accuracy.flow_error(scene, 2 * s_curve(trip).peak_speed, h), rtol=0.35)
 
 
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")

@@ -8,14 +8,11 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip, wound
 
-from rope_model import BalanceRope, balance_rope
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
+from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, RopeSimulator, Scene, balance_rope
 from rope_model.physics.estimates import loop_width, natural_width
-from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.outputs.diagnostics import shape, shape_places
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
-from rope_model.simulation.simulator import RopeSimulator
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way
@@ -39,13 +36,12 @@ def seen(wound: BalanceRope) -> RopeSimulator:
     return rope
 
 
-def along(rope: RopeSimulator, name: str) -> np.ndarray:
-    """``shape.tension`` and its like from the left to the right end."""
-    return np.array([*rope.signals(f"shape.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
+def along(rope: RopeSimulator, name: str, points: str = "shape") -> np.ndarray:
+    """``shape.tension`` and its like, or those of stations, from the left to the right end."""
+    return np.array([*rope.signals(f"{points}.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
 
 
 def places(rope: RopeSimulator) -> np.ndarray:
-    """Arc lengths of the points, m."""
     return shape_places(rope.state.partition.lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
 
 
@@ -90,10 +86,11 @@ def test_tension_summed_up_from_the_left_end_arrives_as_the_reaction_at_the_righ
 
 def test_torsion_at_rest_is_that_of_the_torque_all_along() -> None:
     hung = move(SHORT, 0)
-    torque = abs(hung.signals()["right.swivel.torque"])
-    assert torque > 0.4
+    torque = hung.signals()["right.swivel.torque"]
+    assert abs(torque) > 0.4
     # the torque is what the elements' strains say; the swivel's is the reaction to theta
-    assert_allclose(along(hung, "torsion"), 16 * torque / SECTION, rtol=1e-3)
+    assert_allclose(along(hung, "torsion"), 16 * abs(torque) / SECTION, rtol=1e-3)
+    assert_allclose(along(hung, "torque", "station"), torque, rtol=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["bending", "torsion"])
@@ -130,24 +127,11 @@ def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
     assert_allclose(np.sum(corners), math.pi, atol=0.1)
 
 
-def station(rope: RopeSimulator, name: str) -> np.ndarray:
-    """``station.tension`` and its like from the first to the last."""
-    return np.array([*rope.signals(f"station.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
-
-
 def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
     before, after = move(SHORT, 0), move(SHORT, 400)
-    s = np.array([*after.signals(f"shape.s[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
+    s = along(after, "s")
     assert_allclose(s, places(after), rtol=1e-12)
     assert abs(s[BOTTOM] - places(before)[BOTTOM]) > 3.0
     # tension is smooth along the rope: stations .4 m apart show that of the points within its change on half of that
-    at_stations = np.interp(s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), station(after, "tension"))
+    at_stations = np.interp(s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), along(after, "tension", "station"))
     assert_allclose(at_stations, along(after, "tension"), atol=0.5 * 0.375 * 9.81 * SHORT.rope.mass_per_length)
-
-
-def test_stations_show_the_ends_forces_and_torque_at_rest() -> None:
-    hung = move(SHORT, 0)
-    ends = hung.signals()
-    assert_allclose(station(hung, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3)
-    # the torque is what the elements' strains say; the swivel's is the reaction to theta
-    assert_allclose(station(hung, "torque"), ends["right.swivel.torque"], rtol=1e-3)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rope_model.numerics import kernels
 from rope_model.physics.element import NODE_DOF, element_functions
-from rope_model.simulation.rope_kernels import RopeKernels, write_bundle
+from rope_model.simulation.rope_kernels import RopeKernels
 
 Array = NDArray[np.float64]
 
@@ -32,32 +32,23 @@ def random_chain(elements: int, seed: int) -> dict[str, Array]:
     q[:, 0] += np.concatenate(([0.0], np.cumsum(l)))
     q[:, 3] += 1.0
     free = (rng.uniform(size=nodes) < 0.67).astype(float)
+    normal = partial(rng.normal, size=nodes)
     return {
-        "q": q,
-        "v": rng.normal(size=nodes),
-        "a": rng.normal(size=nodes),
-        "R": rng.normal(size=nodes),
-        "l": l,
-        "F": RopeKernels(elements, "portable").reference(q + 0.1 * rng.normal(size=nodes), l)[0],
-        "load": rng.normal(size=nodes),
-        "friction_load": rng.normal(size=nodes),
-        "node_mass": rng.uniform(0.0, 0.5, nodes),
-        "free": free,
-        "P": P,
+        "q": q, "v": normal(), "a": normal(), "R": normal(), "l": l,
+        "F": RopeKernels(elements, "portable").reference(q + 0.1 * normal(), l)[0],
+        "load": normal(), "friction_load": normal(), "node_mass": rng.uniform(0.0, 0.5, nodes), "free": free, "P": P,
         "c": np.array([1.0, 3.0, 40.0]),
-    }
+    }  # fmt: skip
 
 
 def direct(x: dict[str, Array]) -> tuple[Array, Array]:
-    """Correction and residual from assembled dense matrices."""
     element, elements = element_functions(), x["l"].size
     size = NODE_DOF * (elements + 1)
     R, J = np.zeros(size), np.zeros((size, size))
     for i in range(elements):
         at = slice(NODE_DOF * i, NODE_DOF * (i + 2))
-        R_e, J_e = element.tangent(
-            *(x[k][i : i + 2].ravel() for k in ("q", "v", "a")), x["l"][i], x["F"][i], x["P"], *x["c"]
-        )
+        motion = (x[k][i : i + 2].ravel() for k in "qva")
+        R_e, J_e = element.tangent(*motion, x["l"][i], x["F"][i], x["P"], *x["c"])
         R[at] += np.asarray(R_e).ravel()
         J[at, at] += np.asarray(J_e)
     pressed = np.maximum(x["R"][:, 1:2], 0.0)
@@ -86,19 +77,13 @@ def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -
     x, k, element = random_chain(elements, 4), RopeKernels(elements, "portable"), element_functions()
     R, sums = k.evaluate(*(x[name] for name in STATE))
     np.testing.assert_allclose(R, k.newton_step(*x.values())[1], rtol=1e-13, atol=1e-13)  # rounding: two texts of code
-    each = [
-        np.asarray(
-            element.balance(x["q"][i : i + 2].ravel(), x["v"][i : i + 2].ravel(), x["l"][i], x["F"][i], P)
-        ).ravel()
-        for i in range(elements)
-    ]
-    np.testing.assert_allclose(sums, np.sum(each, axis=0), rtol=1e-12)
-    strains = k.strains(x["q"], x["l"], x["F"])[0]
-    np.testing.assert_allclose(
-        strains,
-        [np.asarray(element.strains(x["q"][i : i + 2].ravel(), x["l"][i], x["F"][i])).ravel() for i in range(elements)],
-        rtol=1e-12,
-    )
+    balances, strains = [], []
+    for i in range(elements):
+        q, v = (x[name][i : i + 2].ravel() for name in "qv")
+        balances.append(np.asarray(element.balance(q, v, x["l"][i], x["F"][i], P)).ravel())
+        strains.append(np.asarray(element.strains(q, x["l"][i], x["F"][i])).ravel())
+    np.testing.assert_allclose(sums, np.sum(balances, axis=0), rtol=1e-12)
+    np.testing.assert_allclose(k.strains(x["q"], x["l"], x["F"])[0], strains, rtol=1e-12)
 
 
 @needs_compiler
@@ -131,28 +116,22 @@ def test_the_kernels_leave_their_arguments_alone_and_give_their_results_away() -
         np.testing.assert_array_equal(x[name], value)
 
 
-# the cache
-
-
 def small_function(factor: float = 2.0) -> ca.Function:
     x = ca.SX.sym("x", 3)
     return ca.Function("small", [x], [factor * ca.sin(x)])
 
 
-SMALL = [small_function()]
-build_small = partial(kernels.build_library, SMALL, folder=kernels.cache_folder())
-
-
 @needs_compiler
-def test_a_second_build_finds_the_first_ones_library(tmp_path: Path) -> None:
-    compiler = kernels.find_compiler()
-    assert compiler is not None
-    first = kernels.build_library([small_function()], compiler, tmp_path)
+def test_a_second_build_finds_the_first_ones_library_and_others_make_another(tmp_path, monkeypatch) -> None:
+    build = partial(kernels.build_library, compiler=kernels.find_compiler(), folder=tmp_path)
+    first = build([small_function()])
     made = first.stat().st_mtime_ns
-    second = kernels.build_library([small_function()], compiler, tmp_path)
-    assert second == first
-    assert second.stat().st_mtime_ns == made
+    assert build([small_function()]) == first
+    assert first.stat().st_mtime_ns == made
     assert [file.name for file in tmp_path.iterdir()] == [first.name]  # no scratch left
+    other = build([small_function(3.0)])
+    monkeypatch.setattr(kernels, "FLAGS", (*kernels.FLAGS, "-DOTHER"))
+    assert len({first, other, build([small_function()])}) == 3
 
 
 def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
@@ -170,36 +149,14 @@ def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
     assert [*tmp_path.iterdir()] == [file]
 
 
-@needs_compiler
-def test_other_code_or_flags_make_another_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    compiler = kernels.find_compiler()
-    assert compiler is not None
-    libraries = {
-        kernels.build_library([small_function()], compiler, tmp_path),
-        kernels.build_library([small_function(3.0)], compiler, tmp_path),
-    }
-    monkeypatch.setattr(kernels, "FLAGS", (*kernels.FLAGS, "-DOTHER"))
-    libraries.add(kernels.build_library([small_function()], compiler, tmp_path))
-    assert len(libraries) == 3
-
-
-def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(monkeypatch, caplog):
+    small = [small_function()]
+    build = partial(kernels.build_library, small, folder=kernels.cache_folder())
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     with caplog.at_level(logging.INFO, logger=kernels.__name__):
-        functions, form = kernels.prepare(SMALL, build_small, "auto")
+        functions, form = kernels.prepare(small, build, "auto")
     assert form == "portable"
     assert "portable" in caplog.text
     np.testing.assert_allclose(np.asarray(functions[0]([0, 1, 2])).ravel(), 2 * np.sin([0, 1, 2]), rtol=1e-15)
     with pytest.raises(RuntimeError, match="install a C compiler"):
-        kernels.prepare(SMALL, build_small, "compiled")
-
-
-@needs_compiler
-def test_a_bundle_brings_its_library_along(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    assert len(write_bundle(2, tmp_path, [("torsional", ())])) == 2
-    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
-    assert RopeKernels(2, "compiled", tmp_path).form == "compiled"
+        kernels.prepare(small, build, "compiled")

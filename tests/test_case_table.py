@@ -14,8 +14,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling
-from rope_model import Scene, parameters
-from rope_model.parameters import rope_120
+from rope_model import Scene, parameters, rope_120
 from rope_model.scene_names import with_values
 
 every_scene = pytest.mark.parametrize("name", CASES)
@@ -49,22 +48,16 @@ def start(name: str) -> tuple[Host, Result]:
 
 
 @every_scene
-def test_the_ends_carry_the_weight_of_the_case_s_rope(name: str) -> None:
-    host, result = start(name)
-    left, right = (result.recording[f"{end}.fy"][0] for end in ("left", "right"))
-    weight = GRAVITY * host.hoist.tail_rope_mass
-    assert_allclose(left + right, -weight * host.hoist.tail_rope_length, rtol=1e-6)
-    # the legs differ by the height, but for the strain (1e-4) and the slant of legs that meet in a loop
-    assert_allclose(left - right, weight * host.hoist.shaft_travel, rtol=2e-3)
-
-
-@every_scene
-def test_every_case_starts_and_makes_fifty_steps(name: str) -> None:
+def test_every_case_starts_with_the_weight_of_its_rope_and_makes_fifty_steps(name: str) -> None:
     host, result = start(name)
     assert result.steps == 50
     assert result.cause.endswith("stopped by the user")
     assert result.warning == ""
     r, hoist = result.recording, host.hoist
+    left, right, weight = r["left.fy"][0], r["right.fy"][0], GRAVITY * hoist.tail_rope_mass
+    assert_allclose(left + right, -weight * hoist.tail_rope_length, rtol=1e-6)
+    # the legs differ by the height, but for the strain (1e-4) and the slant of legs that meet in a loop
+    assert_allclose(left - right, weight * hoist.shaft_travel, rtol=2e-3)
     # the rim follows the reference, jerk t^3 / 6, within what the swinging ropes turn it back and forth
     asked = host.winding.jerk * r.time[-1] ** 3 / 6.0
     assert_allclose(hoist.sheave_radius * (r["drive.angle"][-1] - r["drive.angle"][0]), asked, atol=5e-3)
@@ -86,6 +79,3 @@ def test_what_the_hoist_gives_is_what_all_its_balance_ropes_get() -> None:
     assert np.max(np.abs(work)) > 1e3
     # the exchange makes up 4e-5 of it; with the work on one rope only, two thirds would be missing
     assert_allclose(exchange_energy(result.recording, host.hoist), 0.0, atol=1e-3 * np.max(np.abs(work)))
-
-
-# what the user is told

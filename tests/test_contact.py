@@ -11,9 +11,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from scenes import wound
 
-from rope_model import EndMotion, balance_rope
-from rope_model.parameters import Mesh, Rope, Scene
+from rope_model import EndMotion, Mesh, Rope, Scene, balance_rope
 from rope_model.physics import hermite
 from rope_model.physics.contact import ONSET, SUMS, Touch, largest_motion, moved_by, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
@@ -53,7 +53,6 @@ def law(body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 
 
 
 def differences(f: Any, x: Any, size: float = 1e-6) -> Any:
-    """Derivatives of f to the components of x, columns."""
     x = np.array(x)
     return np.array([(np.array(f(x + e)) - np.array(f(x - e))) / (2 * size) for e in size * np.eye(x.size)]).T
 
@@ -146,32 +145,23 @@ def touching(fidelity: ElementFidelity) -> Any:
 
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
-def test_the_elements_contact_residual_is_its_energys_gradient(fidelity: ElementFidelity) -> None:
-    plain, near = element_case(fidelity, Contact(friction=0.0, damping=0.0))
-    element = touching(fidelity)
+def test_the_elements_contact_residual_is_its_energys_gradient_and_its_derivative_the_tangent(fidelity) -> None:
+    (element, without), lossless = (touching(fidelity), element_functions(fidelity)), Contact(friction=0.0, damping=0.0)
+    plain, near = element_case(fidelity, lossless)
 
     def energy(q: Any) -> list[float]:
         return [float(element.balance(q, near[1], *near[3:])[BALANCE.index("damping_power") + 2])]
 
-    added = np.array(element.residual(*near) - element_functions(fidelity).residual(*plain)).ravel()
+    def residual(q: Any) -> Any:
+        return np.array(element.residual(q, *near[1:]) - without.residual(q, *plain[1:])).ravel()
+
+    added = residual(near[0])
     assert np.abs(added).max() > 1e3
     assert_allclose(added, differences(energy, near[0])[0], atol=1e-5 * np.abs(added).max())
-
-
-@pytest.mark.parametrize("fidelity", ELEMENT_DOF)
-def test_the_elements_tangent_is_its_residuals_derivative_across_a_flat_floor(fidelity: ElementFidelity) -> None:
-    plain, near = element_case(fidelity, Contact(friction=0.0, damping=0.0))
-    near[4][-1] = 0.0
-    element = touching(fidelity)
-    c = (1.0, 0.0, 0.0)
-    added = np.array(element.tangent(*near, *c)[1] - element_functions(fidelity).tangent(*plain, *c)[1])
-
-    def residual(q: Any) -> Any:
-        added = element.residual(q, *near[1:]) - element_functions(fidelity).residual(q, *plain[1:])
-        return np.array(added).ravel()
-
-    assert np.abs(added).max() > 1e3
-    assert_allclose(added, differences(residual, near[0]), atol=1e-5 * np.abs(added).max())
+    near[4][-1] = 0.0  # a flat floor alone
+    tangent = np.array(element.tangent(*near, 1.0, 0.0, 0.0)[1] - without.tangent(*plain, 1.0, 0.0, 0.0)[1])
+    assert np.abs(tangent).max() > 1e3
+    assert_allclose(tangent, differences(residual, near[0]), atol=1e-5 * np.abs(tangent).max())
 
 
 #: m: elements, and the size and depth of a bar that is pressed in
@@ -220,9 +210,7 @@ def test_what_a_thin_bar_presses_changes_smoothly_with_its_place() -> None:
 @given(st.floats(0.0, math.inf), st.floats(1e-3, 0.1), st.floats(1e-4, 1.0), st.integers(1, 1000))
 @example(9e134, 0.044, 0.011, 90)
 @example(math.nan, 0.044, 0.011, 90)
-def test_no_more_places_are_skipped_than_there_are(
-    distance: float, diameter: float, weight: float, number: int
-) -> None:
+def test_no_more_places_are_skipped_than_there_are(distance, diameter, weight, number):
     assert 0.0 <= places_skipped(distance, diameter, weight, float(number)) <= number
 
 
@@ -279,25 +267,16 @@ def test_an_element_near_no_body_is_the_plain_one() -> None:
     assert not np.array(element.balance(near[0], near[1], *near[3:]))[-len(CONTACT_BALANCE) :].any()
 
 
-# whole ropes
-
-LENGTH, STEP = 10.0, 0.01
-
-
-def shaft(level: float, **contact: float) -> Shaft:
-    """A narrow shaft with bodies of every kind."""
-    return Shaft(
-        sump=Sump(level=level),
-        divider_1=Divider(size=0.2, y=level + 0.7, offset=0.3),
+def narrow() -> Scene:
+    """A short rope in a narrow shaft with bodies of every kind."""
+    shaft = Shaft(
+        sump=Sump(level=-4.2),
+        divider_1=Divider(size=0.2, y=-3.5, offset=0.3),
         lining=Lining(width=2.8, depth=2.0),
         conveyance=Conveyance(width=1.0, depth=1.0, height=3.0, above=0.3),
         head_ropes=HeadRopes(diameter=0.04, row=0.5),
-        contact=Contact(**contact),
     )
-
-
-def short(**parts: Any) -> Scene:
-    return Scene(rope=Rope(length=LENGTH), mesh=Mesh("eem", elements=10)).with_(**parts)
+    return Scene(rope=Rope(length=10.0), mesh=Mesh("eem", elements=10), shaft=shaft)
 
 
 def ends(t: float) -> tuple[EndMotion, EndMotion]:
@@ -306,22 +285,8 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
     return left, right
 
 
-def wind(rope: Any, start: int, steps: int) -> Any:
-    for k in range(start, start + steps):
-        status = rope.advance_to((k + 1) * STEP, *ends((k + 1) * STEP))
-        assert status.valid, status.message
-    return rope
-
-
-def begun(scene: Scene, form: Any) -> Any:
-    rope = balance_rope(scene, form)
-    status = rope.initialize(0.0, EndMotion(), EndMotion())
-    assert status.valid, status.message
-    return rope
-
-
 def test_both_forms_agree_in_contact() -> None:
-    python, native = (wind(begun(short(shaft=shaft(-4.2)), form), 0, 30) for form in ("python", "native"))
+    python, native = (wound(balance_rope(narrow(), form), ends, 30) for form in ("python", "native"))
     one, other = python.state, native.state
     assert other.energy_balance.dissipated_contact > 0.01
     # rounding, by some hundred steps of a stiff contact
@@ -342,12 +307,12 @@ def test_both_forms_agree_in_contact() -> None:
 
 @pytest.mark.parametrize("form", ["python", "native"])
 def test_a_rope_saved_in_contact_goes_on_bit_by_bit(form: Any) -> None:
-    rope = wind(begun(short(shaft=shaft(-4.2)), form), 0, 15)
+    rope = wound(balance_rope(narrow(), form), ends, 15)
     saved = rope.state.to_bytes()
-    straight = wind(rope, 15, 5).state
+    straight = wound(rope, ends, 5, first=15).state
     other = balance_rope(rope.scene, form)
     other.restore(saved)
-    after = wind(other, 15, 5).state
+    after = wound(other, ends, 5, first=15).state
     assert_array_equal(after.motion.q, straight.motion.q)
     assert_array_equal(after.motion.reaction, straight.motion.reaction)
     assert after.energy_balance == straight.energy_balance
@@ -360,17 +325,17 @@ def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> Non
         mesh=Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)),
         shaft=Shaft(sump=Sump(level=-13.6)),
     )
-    rope, speed, ramp = begun(scene, "native"), 3.0, 1.0
-    for k in range(1, 251):
-        t = k * STEP
+    speed, ramp = 3.0, 1.0
+
+    def motion(t: float) -> tuple[EndMotion, EndMotion]:
         s = min(t / ramp, 1.0)
         y = speed * ramp * s**4 * (2.5 - 3 * s + s * s) if s < 1 else speed * (0.5 * ramp + t - ramp)
         v, a = speed * s**3 * (10 - 15 * s + 6 * s * s), speed * 30 * (s * (1 - s)) ** 2 / ramp
-        status = rope.advance_to(t, EndMotion(y=y, vy=v, ay=a), EndMotion(y=-y, vy=-v, ay=-a))
-        assert status.valid, status.message
-    state = rope.state
-    energy = state.energy_balance
-    assert state.counts.transformations > 2
+        return EndMotion(y=y, vy=v, ay=a), EndMotion(y=-y, vy=-v, ay=-a)
+
+    rope = wound(balance_rope(scene, "native"), motion, 250)
+    energy = rope.state.energy_balance
+    assert rope.state.counts.transformations > 2
     assert rope.signals(["contact.floor"])["contact.floor"] > 10
     assert energy.dissipated_contact > 10
     assert abs(energy.residual) < 1e-3 * energy.work_ends

@@ -1,6 +1,7 @@
 """Shapers leave their mode at rest, a fit finds a given swing, the low-fidelity model is the plant, optima stay."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -51,7 +52,6 @@ def test_fitted_swing_is_the_given_one(frequency: float, damping: float) -> None
     t = np.arange(0.0, 5.0, 0.01)
     decay = damping * 2 * math.pi * frequency / math.sqrt(1 - damping**2)
     found = fit_swing(t, 0.3 + 1e-3 * t + 2e-3 * np.exp(-decay * t) * np.cos(2 * math.pi * frequency * t + 0.4))
-    assert found is not None
     assert (found.frequency, found.damping) == pytest.approx((frequency, damping), abs=1e-4)
     assert found.amplitude == pytest.approx(2e-3, rel=1e-3)
 
@@ -95,32 +95,20 @@ def test_optimised_trip_keeps_the_limits_and_arrives() -> None:
     assert rows[-1, :3] == pytest.approx([SHORT.travel, 0.0, 0.0], abs=1e-4)
 
 
-def test_search_finds_the_minimum_of_a_bowl_past_failing_points() -> None:
-    goal = np.array([0.3, 0.8])
+def bowl(x: np.ndarray) -> float:
+    return float(np.sum((x - [0.3, 0.8]) ** 2))
 
-    def bowl(points: np.ndarray) -> list[Judged]:
-        return [Judged(math.inf if x[0] > 0.9 else float(np.sum((x - goal) ** 2))) for x in points]
 
-    found = search(bowl, 2, PLAN)
+@pytest.mark.parametrize(
+    ("judge", "best", "kept"),
+    [
+        pytest.param(lambda x: Judged(math.inf if x[0] > 0.9 else bowl(x)), [0.3, 0.8], True, id="past failing points"),
+        pytest.param(lambda x: Judged(bowl(x), (2.0 * (float(x[1]) - 0.5),)), [0.3, 0.5], True, id="within a bound"),
+        pytest.param(lambda x: Judged(float(x[0]), (1.5 - float(x[0]),)), [1.0], False, id="nearest to its bounds"),
+    ],
+)
+def test_search_finds_the_minimum(judge: Callable[[np.ndarray], Judged], best: list[float], kept: bool) -> None:
+    found = search(lambda points: [judge(x) for x in points], len(best), PLAN)
     assert len(found.points) <= PLAN.sample + PLAN.searches * PLAN.steps
-    assert found.points[found.best] == pytest.approx(goal, abs=1e-2)
-
-
-def test_search_keeps_a_bound_that_the_unbounded_minimum_exceeds() -> None:
-    goal = np.array([0.3, 0.8])
-
-    def bowl(points: np.ndarray) -> list[Judged]:
-        return [Judged(float(np.sum((x - goal) ** 2)), (2.0 * (float(x[1]) - 0.5),)) for x in points]
-
-    found = search(bowl, 2, PLAN)
-    assert found.judged[found.best].kept
-    assert found.points[found.best] == pytest.approx([0.3, 0.5], abs=1e-2)
-
-
-def test_search_without_a_point_within_its_bounds_comes_nearest() -> None:
-    def slope(points: np.ndarray) -> list[Judged]:
-        return [Judged(float(x[0]), (1.5 - float(x[0]),)) for x in points]
-
-    found = search(slope, 1, PLAN)
-    assert not found.judged[found.best].kept
-    assert found.points[found.best] == pytest.approx([1.0], abs=1e-2)
+    assert found.judged[found.best].kept == kept
+    assert found.points[found.best] == pytest.approx(best, abs=1e-2)

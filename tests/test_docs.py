@@ -20,12 +20,6 @@ INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
 
 
-def anchor(heading: str) -> str:
-    """As GitHub makes it."""
-    text = re.sub(r"\[(.*?)\]\(.*?\)", r"\1", heading).strip().lower().replace(" ", "-")
-    return "".join(c for c in text if c.isalnum() or c in "-_")
-
-
 @cache
 def text_of(path: Path) -> str:
     """Without blocks of code."""
@@ -34,43 +28,33 @@ def text_of(path: Path) -> str:
 
 @cache
 def anchors(path: Path) -> frozenset[str]:
-    return frozenset(anchor(heading) for heading in re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE))
-
-
-def broken_links(path: Path) -> list[str]:
-    """Links of a page that lead nowhere."""
-    found = []
-    for link in LINK.findall(text_of(path)):
-        name, _, place = link.partition("#")
-        target = (path.parent / name) if name else path
-        if not target.exists() or (place and place not in anchors(target)):
-            found.append(link)
-    return found
+    """Of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE)
+    texts = [re.sub(r"\[(.*?)\]\(.*?\)", r"\1", text).strip().lower().replace(" ", "-") for text in headings]
+    return frozenset("".join(c for c in text if c.isalnum() or c in "-_") for text in texts)
 
 
 @pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
 def test_links_lead_somewhere(path: Path) -> None:
-    assert broken_links(path) == []
-
-
-def unknown_commands(text: str) -> list[str]:
-    """Commands in a page's blocks without a language that no shell finds, in a checkout, where they stand."""
-    found, active = [], False
-    for language, block in re.findall(r"^```([^\n]*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
-        for line in block.splitlines() if not language else ():
-            word = line.partition(" ")[0]
-            active |= line.startswith("source .venv/bin/activate")
-            installed = word.removeprefix(".venv/bin/") in INSTALLED
-            if installed and (active or word.startswith(".venv/bin/")):
-                continue
-            if installed or (word not in BUILTIN and shutil.which(word) is None):
-                found.append(line)
-    return found
+    for link in LINK.findall(text_of(path)):
+        name, _, place = link.partition("#")
+        target = (path.parent / name) if name else path
+        assert target.exists(), link
+        assert not place or place in anchors(target), link
 
 
 @pytest.mark.parametrize("path", COMMANDS, ids=[path.name for path in COMMANDS])
 def test_commands_are_found_where_they_stand(path: Path) -> None:
-    assert unknown_commands(path.read_text(encoding="utf-8")) == []
+    """Those in blocks without a language, by a shell in a checkout."""
+    active = False
+    for language, block in re.findall(r"^```([^\n]*)\n(.*?)^```$", path.read_text("utf-8"), re.MULTILINE | re.DOTALL):
+        for line in block.splitlines() if not language else ():
+            word = line.partition(" ")[0]
+            active |= line.startswith("source .venv/bin/activate")
+            if word.removeprefix(".venv/bin/") in INSTALLED:
+                assert active or word.startswith(".venv/bin/"), line
+            else:
+                assert word in BUILTIN or shutil.which(word), line
 
 
 @pytest.mark.parametrize("name", FIGURES)

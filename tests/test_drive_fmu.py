@@ -29,14 +29,10 @@ H = 0.01
 
 
 class Allocator(ctypes.Structure):
-    """Of model.h."""
-
     _fields_ = (("take", ctypes.c_void_p), ("give_back", ctypes.c_void_p))
 
 
 class Drive:
-    """One instance of the compiled model."""
-
     def __init__(self, library: ctypes.CDLL, model: DriveModel) -> None:
         self.library, self.table = library, model.variables
         self.places = {v.name: i for i, v in enumerate(self.table)}
@@ -50,20 +46,16 @@ class Drive:
     def start(self, **values: float) -> bool:
         self.set(**values)
         found = self.library.model_create(self.values, ctypes.byref(self._allocator), self.message)
-        self.instance = ctypes.c_void_p(found) if found else None
-        if self.instance is None:
-            return False
-        time = ctypes.c_double(0.0)
-        return bool(self.library.model_initialize(self.instance, time, self.values, self.message))
+        self.instance, time = ctypes.c_void_p(found) if found else None, ctypes.c_double(0.0)
+        return found and bool(self.library.model_initialize(self.instance, time, self.values, self.message))
 
     def set(self, **values: float) -> None:
         for name, value in values.items():
             self.values[self.places[name.replace("__", ".")]] = value
 
     def step(self, t: float, h: float = H) -> bool:
-        return bool(
-            self.library.model_step(self.instance, ctypes.c_double(t), ctypes.c_double(h), self.values, self.message)
-        )
+        times = ctypes.c_double(t), ctypes.c_double(h)
+        return bool(self.library.model_step(self.instance, *times, self.values, self.message))
 
     def get(self, name: str) -> float:
         value, place = ctypes.c_double(), ctypes.c_size_t(self.places[name])
@@ -93,9 +85,8 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> tuple[ctypes.CDLL, Dri
     flags = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
     # CasADi's text is not ours to warn of
     flags += ["-Wno-unused-parameter", "-Wno-unused-function", "-Wno-unused-variable"]
-    done = subprocess.run(
-        [*compiler, *flags, *files, "-o", "drive.so", "-lm"], cwd=folder, capture_output=True, text=True, check=False
-    )
+    command = [*compiler, *flags, *files, "-o", "drive.so", "-lm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return ctypes.CDLL(str(folder / "drive.so")), model
 
@@ -126,15 +117,10 @@ def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float
     return rows
 
 
-def sway(steps: int) -> list[tuple[float, float]]:
-    """Forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz."""
-    left, right = rest_forces(SETUP)
-    swing = 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(steps))
-    return [(left * (1 + s), right * (1 - s)) for s in swing]
-
-
 def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Drive) -> None:
-    forces = sway(2600)
+    # forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz
+    (left, right), swing = rest_forces(SETUP), 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600))
+    forces = [(left * (1 + s), right * (1 - s)) for s in swing]
     expected = in_process(SETUP, forces)
     assert drive.start()
     found = []

@@ -5,34 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import rotation
-from element_states import (
-    ELEMENT,
-    MATERIAL,
-    SEEDS,
-    STEP,
-    STRAIN,
-    Array,
-    State,
-    balance,
-    energy,
-    random_state,
-    residual,
-    turn_all,
-)
+from conftest import Array, rotation
+from element_states import ELEMENT, MATERIAL, STEP, STRAIN, State, balance, energy, residual, seeds, some_state, turned
 from numpy.polynomial.polynomial import polyder, polyval
 
 from rope_model.physics import costello
-from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, ElementFidelity, element_functions
+from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, element_functions
 
 
 def difference(f: Callable[[Array], Array | float], x: Array, step: float = STEP) -> Array:
     """Columns df/dx_i by central differences."""
     columns = [(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * step) for d in step * np.eye(x.size)]
     return np.stack(columns, axis=-1)
-
-
-# energies against their definition
 
 
 def interpolate(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:
@@ -51,9 +35,9 @@ def direction(d: Array, change: Array) -> tuple[Array, Array]:
     return t, (change - t * np.sum(t * change, axis=0)) / size
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
-    s, m = random_state(seed), MATERIAL
+    s, m = some_state(seed), MATERIAL
     parts = balance(s.q, s.v, s.l, s.F, s.P(**m))
     # polynomials of degree six: exact with four points; strains by the element's three
     for points, names in ((4, ("kinetic", "gravity")), (3, (*STRAIN, "spin"))):
@@ -86,25 +70,18 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
         np.testing.assert_allclose([parts[name] for name in names], expected, rtol=1e-11)  # rounding
 
 
-# forces against energies
-
-
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_elastic_force_and_weight_are_gradients_of_their_energies(seed: int) -> None:
-    s, rest = random_state(seed), np.zeros(14)
-    for names, numbers in (
-        (STRAIN, {"Qa": 5.0, "Qs": 0.8, "Qd": 2.0, "EI": 1.5}),
-        (("gravity",), {"rho": 1.3, "g": 9.8}),
-    ):
-        P = s.P(**numbers)
+    s, rest = some_state(seed), np.zeros(14)
+    for names, P in ((STRAIN, s.P(Qa=5.0, Qs=0.8, Qd=2.0, EI=1.5)), (("gravity",), s.P(rho=1.3, g=9.8))):
         gradient = difference(lambda q, P=P, names=names: energy(q, rest, s.l, s.F, P, names), s.q)
         # truncation STEP^2 times third derivatives of order 10 to 100
         np.testing.assert_allclose(residual(s.q, rest, rest, s.l, s.F, P), gradient, rtol=0, atol=1e-7)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_the_inertia_force_is_lagranges_derivative_of_the_kinetic_energy(seed: int) -> None:
-    s = random_state(seed)
+    s = some_state(seed)
     P = s.P(rho=1.3, rhoJ=0.4, rhoJ_x=0.2)
 
     def kinetic(q: Array, v: Array) -> float:
@@ -121,9 +98,9 @@ def test_the_inertia_force_is_lagranges_derivative_of_the_kinetic_energy(seed: i
     np.testing.assert_allclose(residual(s.q, s.v, s.a, s.l, s.F, P), change - gradient, rtol=0, atol=1e-5)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_the_momentum_is_the_derivative_of_the_kinetic_energy_along_rigid_motions(seed: int) -> None:
-    given = random_state(seed)
+    given = some_state(seed)
     s = replace(given, reference=given.q)  # there theta_t is the spin
     P = s.P(**MATERIAL)
     nodes = s.q.reshape(2, NODE_DOF)
@@ -144,9 +121,9 @@ def test_the_momentum_is_the_derivative_of_the_kinetic_energy_along_rigid_motion
     assert found[7] * P[1] == pytest.approx(float(ELEMENT.balance(s.q, s.v, s.l, s.F, P)[BALANCE.index("gravity")]))
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_the_damping_force_takes_the_damping_power_out_of_the_motion(seed: int) -> None:
-    s = random_state(seed)
+    s = some_state(seed)
     rest = np.zeros(14)
     P = s.P(Qa=5.0, Qs=0.8, Qd=2.0, EI=1.5, beta_K=0.3, root_a=1.3, root_b=0.7)
     force = residual(s.q, s.v, rest, s.l, s.F, P) - residual(s.q, rest, rest, s.l, s.F, P)
@@ -177,20 +154,17 @@ def test_each_damping_acts_on_its_own_strain(name: str) -> None:
 
 def test_the_damping_power_is_never_negative() -> None:
     rng = np.random.default_rng(7)
-    powers = []
-    for seed in range(40):
-        s = random_state(seed)
+    for s in map(some_state, range(40)):
         # coupling up to its limit sqrt(Qa Qd), where one combination of the rates costs nothing
         Qs = np.sqrt(5.0 * 2.0) * rng.uniform(-1, 1)
         P = s.P(Qa=5.0, Qs=Qs, Qd=2.0, EI=1.5, beta_K=0.3, root_a=1.3, root_b=0.7)
-        powers.append(balance(s.q, rng.normal(size=14), s.l, s.F, P)["damping_power"])
-    assert min(powers) >= 0
+        assert balance(s.q, rng.normal(size=14), s.l, s.F, P)["damping_power"] >= 0
 
 
 def test_a_closed_cycle_of_strain_does_the_work_of_qb_minus_qc() -> None:
     # straight, so that e and tau are those of the degrees of freedom: an ellipse in the strain plane
     l, Qk, e_0, tau_0 = 1.7, 0.3, 0.1, 0.4
-    s = random_state(0)
+    s = some_state(0)
     straight_x = np.array([0.0, 0, 0, 1, 0, 0, 0, l, 0, 0, 1, 0, 0, 0])
     F, P = State(s.q, s.v, s.a, l, straight_x).F, s.P(Qa=5.0, Qs=0.8, Qk=Qk, Qd=2.0)
     work, energy_balance, phases = 0.0, 0.0, np.arange(64) * 2 * np.pi / 64
@@ -228,16 +202,11 @@ def test_a_stretched_and_twisted_element_has_the_law_s_tension_and_torque() -> N
     assert R[13] == pytest.approx(costello.torque(Qs, Qk, Qd, Qe, e, tau), rel=1e-12)
 
 
-# tangents against forces
-
-
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 @pytest.mark.parametrize("c", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.7, 1.9, 0.4)])
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
-def test_at_rest_the_tangent_is_the_derivative_of_the_residual(
-    fidelity: ElementFidelity, seed: int, c: tuple[float, float, float]
-) -> None:
-    s, element = random_state(seed), element_functions(fidelity)
+def test_at_rest_the_tangent_is_the_derivative_of_the_residual(fidelity, seed, c):
+    s, element = some_state(seed), element_functions(fidelity)
     kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
     q, rest, P = s.q[kept], np.zeros(len(kept)), s.P(**(MATERIAL | {"Qk": 0.0}))
     F = np.asarray(element.reference(s.reference[kept], s.l)).ravel()
@@ -251,14 +220,13 @@ def test_at_rest_the_tangent_is_the_derivative_of_the_residual(
     np.testing.assert_allclose(J, along, rtol=0, atol=1e-9 * np.abs(J).max() + 1e-6)
     np.testing.assert_allclose(R.ravel(), force(q, rest, rest), rtol=1e-12, atol=1e-12)
     v, a = s.v[kept], s.a[kept]
-    np.testing.assert_allclose(
-        element.tangent(q, v, a, s.l, F, P, *c)[0], force(q, v, a)[:, None], rtol=1e-12, atol=1e-12
-    )
+    R = np.asarray(element.tangent(q, v, a, s.l, F, P, *c)[0]).ravel()
+    np.testing.assert_allclose(R, force(q, v, a), rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_speed(seed: int) -> None:
-    s, c = random_state(seed), (1.0, 3.0, 0.0)
+    s, c = some_state(seed), (1.0, 3.0, 0.0)
     P, rest = s.P(**(MATERIAL | {"Qk": 0.0})), np.zeros(14)
     left_out = []
     for speed in (1e-2, 5e-3):
@@ -269,13 +237,13 @@ def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_spee
     np.testing.assert_allclose(left_out[0] / left_out[1], 2.0, rtol=0.05)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_the_strain_energy_does_not_see_a_rotation_or_translation(seed: int) -> None:
-    s = random_state(seed)
+    s = some_state(seed)
     turn = rotation(np.random.default_rng(100 + seed).normal(size=3) * 2)
-    there = turn_all(s.q, turn)
+    there = turned(s.q, turn)
     there[[0, 7]] += 12.0
-    moved = State(there, s.v, s.a, s.l, turn_all(s.reference, turn))
+    moved = State(there, s.v, s.a, s.l, turned(s.reference, turn))
     before, after = (balance(x.q, x.v, x.l, x.F, x.P(**MATERIAL)) for x in (s, moved))
     # rounding, and coordinates of 12 in differences of 1
     np.testing.assert_allclose([after[x] for x in STRAIN], [before[x] for x in STRAIN], rtol=1e-12)

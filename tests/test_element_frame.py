@@ -1,14 +1,11 @@
 """The element's frames against frames built from numbers."""
 
 import numpy as np
-import pytest
 from conftest import rotation
-from element_states import ELEMENT, MATERIAL, SEEDS, STEP, STRAIN, Array, State, balance, energy, random_state, turn_all
+from element_states import ELEMENT, MATERIAL, STEP, STRAIN, Array, State, balance, energy, seeds, some_state, turned
 from scipy.integrate import solve_ivp
 
 from rope_model.physics.frame import smallest_rotation_rate
-
-# the frame's reference
 
 
 def curve(x: Array) -> tuple[Array, Array, Array]:
@@ -24,9 +21,9 @@ def on_curve(l: float) -> Array:
     return np.column_stack((r, d, theta)).ravel()
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_what_becomes_the_reference_keeps_its_energies_and_its_spin(seed: int) -> None:
-    s, P = random_state(seed), random_state(seed).P(**MATERIAL)
+    s, P = some_state(seed), some_state(seed).P(**MATERIAL)
     q, v = s.q.copy(), s.v.copy()
     gained = np.asarray(ELEMENT.transport(q, v, s.a, s.l, s.F)).ravel()
     q[13] += gained[0]
@@ -49,7 +46,7 @@ def test_the_way_to_a_shape_does_not_matter_but_for_the_quadrature() -> None:
     rng, error, rest = np.random.default_rng(2), [], np.zeros(14)
     maps = np.eye(3) + 0.4 * rng.normal(size=(3, 3, 3))
     for l in (0.2, 0.1, 0.05):
-        shapes = [turn_all(on_curve(l), A) for A in maps]
+        shapes = [turned(on_curve(l), A) for A in maps]
         frames = [ELEMENT.reference(x, l) for x in shapes]
         turn = sum(float(ELEMENT.transport(shapes[k], rest, rest, l, frames[k - 1])[0]) for k in range(3))
         # the frame at a node has turned by the area that the node's tangents enclose on the sphere
@@ -81,9 +78,6 @@ def test_a_rigid_rotation_dissipates_nothing_but_for_the_interpolation() -> None
     np.testing.assert_allclose(np.log2(np.array(power[:-1]) / power[1:]), 4.0, atol=0.3)
 
 
-# reference frames
-
-
 def smallest_rotation(pole: Array, t: Array) -> Array:
     """(3, 3): the smallest rotation from ``pole`` to ``t``."""
     axis = np.cross(pole, t)
@@ -91,9 +85,9 @@ def smallest_rotation(pole: Array, t: Array) -> Array:
     return rotation(axis / sine * np.arctan2(sine, cosine))
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@seeds
 def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int) -> None:
-    s, rng = random_state(seed), np.random.default_rng(seed)
+    s, rng = some_state(seed), np.random.default_rng(seed)
     (d, pole), (change, pole_change) = (s.q[3:6], s.reference[3:6]), rng.normal(size=(2, 3))
 
     def unit(x: Array) -> Array:
@@ -101,7 +95,9 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int)
 
     def frame_at(x: float) -> Array:
         p = unit(pole + x * pole_change)
-        return smallest_rotation(p, unit(d + x * change)) @ transport(unit(pole), p)
+        # carried along to the neighbour of the pole without turning about it
+        carried = smallest_rotation(unit(pole), p) if x else np.eye(3)
+        return smallest_rotation(p, unit(d + x * change)) @ carried
 
     here = frame_at(0.0)
     np.testing.assert_allclose(here @ unit(pole), unit(d), atol=1e-15)
@@ -109,14 +105,8 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int)
     spin = (frame_at(STEP) - frame_at(-STEP)) / (2 * STEP) @ here.T
     turning = 0.5 * np.array([spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]])
     turn = np.cross(pole, pole_change) / (pole @ pole)
-    np.testing.assert_allclose(
-        smallest_rotation_rate(unit(pole), turn, d, change), turning @ unit(d), rtol=1e-6, atol=1e-7
-    )
-
-
-def transport(old: Array, new: Array) -> Array:
-    """(3, 3): what takes ``old`` to its neighbour ``new`` without turning about it."""
-    return np.eye(3) if np.array_equal(old, new) else smallest_rotation(old, new)
+    found = smallest_rotation_rate(unit(pole), turn, d, change)
+    np.testing.assert_allclose(found, turning @ unit(d), rtol=1e-6, atol=1e-7)
 
 
 def test_a_section_turned_with_the_rope_has_the_twist_of_the_element() -> None:
@@ -132,9 +122,8 @@ def test_a_section_turned_with_the_rope_has_the_twist_of_the_element() -> None:
         return np.cross(np.cross(t, t_x) + rate * t, m)
 
     e = np.array([0.0, 1.0, 0.0])  # across the pole
-    section = solve_ivp(rotation, (0.0, 1.0), smallest_rotation(pole, tangent(0.0)) @ e, rtol=1e-10, atol=1e-12).y[
-        :, -1
-    ]
+    start = smallest_rotation(pole, tangent(0.0)) @ e
+    section = solve_ivp(rotation, (0.0, 1.0), start, rtol=1e-10, atol=1e-12).y[:, -1]
     # the same from a straight reference along the pole, to the curve's own
     zero, t = smallest_rotation(pole, tangent(1.0)) @ e, tangent(1.0)
     theta = np.arctan2(np.cross(zero, section) @ t, zero @ section)

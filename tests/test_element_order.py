@@ -49,10 +49,9 @@ def cantilever_tip(elements: int, load: Array, torque: float, coupling: float = 
 def test_displacements_converge_with_the_fourth_power_of_the_element_length() -> None:
     exact = elastica_tip()
     assert abs(exact[1]) > 0.5  # truly large: more than half the length
-    errors = [np.linalg.norm(cantilever_tip(n, LOAD, 0.0)[:2] - exact) for n in (4, 8, 16)]
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    errors = [np.linalg.norm(cantilever_tip(n, LOAD, 0.0)[:2] - exact) for n in (8, 16)]
     # cubic displacements: l^4; the last pair is in the asymptotic range
-    np.testing.assert_allclose(orders[-1], 4.0, atol=0.2)
+    np.testing.assert_allclose(np.log2(errors[-2] / errors[-1]), 4.0, atol=0.2)
 
 
 @pytest.mark.parametrize(("coupling", "order"), [(0.0, 4.0), (2.0, 2.0)])
@@ -61,8 +60,7 @@ def test_with_torsion_in_space_they_do_so_but_for_the_coupling(coupling: float, 
     # coupling the strain follows the tension
     tips = [cantilever_tip(n, np.array([0.2, -2.0, 1.0]), 0.4, coupling) for n in (8, 16, 32, 64)]
     steps = np.linalg.norm(np.diff(tips, axis=0), axis=1)
-    orders = np.log2(steps[:-1] / steps[1:])
-    np.testing.assert_allclose(orders[-1], order, atol=0.2)
+    np.testing.assert_allclose(np.log2(steps[-2] / steps[-1]), order, atol=0.2)
 
 
 def waves(P: Array, l: float, k: float) -> Array:

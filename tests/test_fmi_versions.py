@@ -4,6 +4,7 @@ import logging
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from exports import FLAVOURS
@@ -27,19 +28,13 @@ AT_REST = EndMotion(y=0.0), EndMotion(y=90.0)
 FmuOf = Callable[[str], Path]
 
 
-def wound(
-    fmu: Path,
-    scheme: str = "iterative-jacobian",
-    stop_at: float = 1.0,
-    save_to: Path | None = None,
-    resume: Checkpoint | None = None,
-) -> Result:
+def wound(fmu: Path, stop_at: float = 1.0, **options: Any) -> Result:
     """A trip of 20 cm that reads every output, the added masses too; each exchange goes back to a saved state."""
     scene, trip = CASES["rope-120"], Winding(travel=0.2, settle=0.0, start_delay=0.0)
     rope = FmuRope(fmu, scene.rope, read_outputs(fmu))
+    host = Host(rope, scene.hoist, trip, Coupling(scheme="iterative-jacobian"), scene.gains)
     try:
-        host = Host(rope, scene.hoist, trip, Coupling(scheme=scheme), scene.gains)
-        return host.run(lambda fraction, t: t < stop_at, save_to, resume)
+        return host.run(lambda fraction, t: t < stop_at, **options)
     finally:
         rope.close()
 
@@ -50,14 +45,12 @@ def bits(result: Result) -> dict[str, bytes]:
 
 def rope_at_rest(fmu: Path, parameters: Mapping[str, Value] | None = None) -> FmuRope:
     rope = FmuRope(fmu, parameters)
-    status = rope.initialize(0.0, *AT_REST)
-    assert status.valid, status
+    assert rope.initialize(0.0, *AT_REST).valid
     return rope
 
 
 @pytest.fixture(scope="module")
 def whole(fmu_of: FmuOf) -> Result:
-    """The trip with FMI 2.0."""
     return wound(fmu_of("native-2"))
 
 
@@ -72,9 +65,7 @@ def test_a_winding_that_takes_steps_back_has_the_bits_of_fmi_2(kind: str, fmu_of
 
 
 @pytest.mark.parametrize("kind", FMI_3)
-def test_a_run_that_was_stopped_goes_on_with_the_same_bits(
-    kind: str, fmu_of: FmuOf, whole: Result, tmp_path: Path
-) -> None:
+def test_a_run_that_was_stopped_goes_on_with_the_same_bits(kind, fmu_of, whole, tmp_path):
     stopped = wound(fmu_of(kind), stop_at=0.2, save_to=tmp_path / "last_good.npz")
     assert stopped.saved is not None
     kept = Checkpoint.read(stopped.saved)
@@ -114,9 +105,7 @@ def test_a_choice_is_made_by_code_or_by_the_word_of_fmi_3(fmu_of: FmuOf) -> None
     with pytest.raises(ValueError, match=r"model\.fidelity = 'plane' must be one of auto, torsional"):
         FmuRope(fmu_of("native-3"), {"model.fidelity": "plane"})
     for kind in KINDS:
-        with pytest.raises(
-            ValueError, match=r"the FMU must take model\.fidelity, but: .* model\.fidelity = 9 is none of the"
-        ):
+        with pytest.raises(ValueError, match=r"must take model\.fidelity, but: .* model\.fidelity = 9 is none of the"):
             FmuRope(fmu_of(kind), {"model.fidelity": 9})
 
 

@@ -37,9 +37,6 @@ LAYOUT = re.compile(
     r"terminalsAndIcons/(terminalsAndIcons\.xml|[^/]+\.(png|svg))"
 )
 STRAY = re.compile(r"__pycache__|\.pyc$|\.DS_Store|Thumbs\.db|~$|/\.")
-#: structured names: FMI 2.0.4, section 2.2.9
-PART = r"(?:[A-Za-z_]\w*|'[^']+')"
-NAME = re.compile(rf"{PART}(?:\[\d+(?:,\d+)*\])?(?:\.{PART}(?:\[\d+(?:,\d+)*\])?)*")
 
 
 class Archive:
@@ -56,16 +53,9 @@ class Archive:
         self.native = any(name.startswith("sources/") for name in self.files)
 
     @property
-    def interface(self) -> Element:
-        found = self.root.find("CoSimulation")
-        assert found is not None
-        return found
-
-    @property
     def variables(self) -> list[dict[str, Any]]:
         """Attributes of each variable, those of its type included, and the ``kind``."""
         listed = self.root.find("ModelVariables")
-        assert listed is not None
         if self.fmi == 2:
             return [{**v.attrib, **v[0].attrib, "kind": v[0].tag} for v in listed]
         out = []
@@ -76,7 +66,6 @@ class Archive:
 
     def structure(self, section: str) -> list[Element]:
         structure = self.root.find("ModelStructure")
-        assert structure is not None
         return list(structure.find(section) or []) if self.fmi == 2 else structure.findall(section)
 
 
@@ -96,8 +85,6 @@ def test_archive_is_deflated_with_relative_forward_names_and_nothing_stray(fmu: 
     for entry in fmu.entries:
         name = entry.filename
         assert entry.compress_type == zipfile.ZIP_DEFLATED, name
-        assert "\\" not in name, name
-        assert not name.startswith("/"), name
         assert name == posixpath.normpath(name), name
         assert name.isascii(), name
         assert LAYOUT.fullmatch(name), name
@@ -120,19 +107,12 @@ def parser_of_names(grammar: str, start: str) -> SimpleNamespace:
     return SimpleNamespace(parse=cache(Lark(grammar, start=start).parse))
 
 
-def test_description_is_valid_for_fmpy_and_its_schema(fmu: Archive, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_description_and_its_structured_names_are_valid_for_fmpy_and_its_schema(
+    fmu: Archive, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("lark.Lark", parser_of_names)
-    assert validate_fmu(str(fmu.path)) == []
-
-
-def test_names_are_structured_and_value_references_unique(fmu: Archive) -> None:
     assert fmu.root.get("variableNamingConvention") == "structured"
-    names = [v["name"] for v in fmu.variables]
-    assert len(set(names)) == len(names)
-    assert [name for name in names if not NAME.fullmatch(name)] == []
-    # FMI 2.0: per base type, where Integer and Enumeration are one
-    references = [v["valueReference"] for v in fmu.variables]
-    assert len(set(references)) == len(references)
+    assert validate_fmu(str(fmu.path)) == []
 
 
 def test_every_variable_is_described_and_every_number_has_a_declared_unit(fmu: Archive) -> None:
@@ -166,34 +146,24 @@ def test_start_values_are_there_exactly_where_the_standard_wants_them_and_within
                 assert float(v.get("min", start)) <= float(start) <= float(v.get("max", start)), v["name"]
 
 
-def test_initial_unknowns_are_the_calculated_outputs_in_order(fmu: Archive) -> None:
-    """FMI 2.0.4, section 2.2.8: outputs with initial approx or calculated, ordered; FMI 3.0, section 2.4.8."""
-    outputs = [
-        str(i) if fmu.fmi == 2 else v["valueReference"]
-        for i, v in enumerate(fmu.variables, start=1)
-        if v["causality"] == "output"
-    ]
-    key = "index" if fmu.fmi == 2 else "valueReference"
-    for section in ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown"):
-        assert [unknown.get(key) for unknown in fmu.structure(section)] == outputs, section
-
-
-def test_outputs_depend_on_nothing_at_their_instant_and_the_ropes_on_everything_while_initialising(
-    fmu: Archive,
-) -> None:
-    """That it is so, and the drive's while initialising, is shown in test_dependencies."""
+def test_outputs_are_listed_in_order_and_depend_on_nothing_at_their_instant(fmu: Archive) -> None:
+    """FMI 2.0.4, section 2.2.8; FMI 3.0, section 2.4.8.  test_dependencies shows that it is so, and what starts act."""
+    at = "index" if fmu.fmi == 2 else "valueReference"
+    places = [str(i) if fmu.fmi == 2 else v["valueReference"] for i, v in enumerate(fmu.variables, start=1)]
+    outputs = [place for place, v in zip(places, fmu.variables, strict=True) if v["causality"] == "output"]
     sections = ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown")
     for section, dependencies in zip(sections, ("", None), strict=True):
-        for unknown in fmu.structure(section):
-            if dependencies == "" or not fmu.kind.startswith("drive"):
-                assert unknown.get("dependencies") == dependencies, unknown.attrib
-            assert unknown.get("dependenciesKind") is None, unknown.attrib
+        unknowns = fmu.structure(section)
+        assert [unknown.get(at) for unknown in unknowns] == outputs, section
+        # the rope's outputs depend on everything while initialising
+        if dependencies == "" or not fmu.kind.startswith("drive"):
+            assert {unknown.get("dependencies") for unknown in unknowns} == {dependencies}, section
+        assert {unknown.get("dependenciesKind") for unknown in unknowns} == {None}, section
 
 
 def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
-        table = drive_model(CASES["rope-120"]).variables
-        whole = [v.name for v in table]
+        whole = [v.name for v in drive_model(CASES["rope-120"]).variables]
     else:
         whole = [v.name for v in variables(rope_120())]
     for v in fmu.variables:
@@ -239,7 +209,6 @@ def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
 
 def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
     experiment = fmu.root.find("DefaultExperiment")
-    assert experiment is not None
     assert float(experiment.get("stopTime", "0")) > float(experiment.get("startTime", "0"))
     assert float(experiment.get("stepSize", "0")) > 0
     tolerance = next((float(v["start"]) for v in fmu.variables if v["name"] == "accuracy.end_force"), None)
@@ -250,7 +219,7 @@ def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
 
 
 def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) -> None:
-    identifier = fmu.interface.get("modelIdentifier")
+    identifier = fmu.root.find("CoSimulation").get("modelIdentifier")
     binaries = {name: data for name, data in fmu.files.items() if name.startswith("binaries/")}
     assert {name.rpartition("/")[2].partition(".")[0] for name in binaries} == {identifier}
     built = available_platforms() if fmu.everywhere else (host_platform(),)
@@ -310,7 +279,7 @@ def test_sources_are_complete(fmu: Archive) -> None:
     files = {str(node.get("name")) for node in listed.iter("SourceFile")}
     assert files == {name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)}
     if fmu.fmi == 2:
-        assert {node.get("name") for node in fmu.interface.iter("File")} == files
+        assert {node.get("name") for node in fmu.root.find("CoSimulation").iter("File")} == files
     definitions = {node.get("name") for node in listed.iter("PreprocessorDefinition")}
     assert definitions == ({"FMI3_OVERRIDE_FUNCTION_PREFIX"} if fmu.fmi == 3 else set())
     for name, data in fmu.files.items():
@@ -331,12 +300,7 @@ def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path
     headers = Path(importlib.import_module("ziglang").__file__ or "").parent / "lib"
     folders = [headers / "include", headers / "libc" / "include" / f"any-{platform.partition('-')[2]}-any"]
     clang = [sys.executable, "-m", "ziglang", "clang", f"--target={PLATFORMS[platform].target}", "-std=c99"]
-    done = subprocess.run(
-        [*clang, "-fsyntax-only", "-nostdlibinc", *(f"-isystem{folder}" for folder in folders)]
-        + [name for name in sources if name.endswith(".c")],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [*clang, "-fsyntax-only", "-nostdlibinc", *(f"-isystem{folder}" for folder in folders)]
+    command += [name for name in sources if name.endswith(".c")]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -35,7 +35,6 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def c_structure(kind: type[Any]) -> type[ct.Structure]:
-    """The C structure of ``kind``."""
     if kind is Scene:
         return SceneStructure
     if kind in GROUPS:
@@ -61,7 +60,6 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
 
 
 def in_c(value: Any, kind: str) -> Any:
-    """What C takes for ``value``."""
     if kind != "double":
         return ct.byref(fill(c_structure(STRUCTURES[kind])(), value))
     return ct.c_double(value) if isinstance(value, float) else np.array(value).ctypes.data_as(ct.c_void_p)

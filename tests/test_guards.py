@@ -7,8 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import stations
 
-from rope_model import BalanceRope, EndMotion, Guard, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Sump, balance_rope
-from rope_model.parameters import FidelityChoice
+from rope_model import EndMotion, Guard, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Sump, balance_rope
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16))
@@ -18,10 +17,6 @@ NOTHING = dict.fromkeys(CAUSES, 0.0) | {"clearance": 1e6}
 
 def guarded(guard: Guard, scene: Scene = SHORT) -> Scene:
     return scene.with_(shaft=replace(scene.shaft, guard=guard))
-
-
-def wound(scene: Scene) -> BalanceRope:
-    return [*stations(balance_rope(scene, "native"), 30)][-1]
 
 
 def test_distances_from_midway_and_from_plumb_are_exact() -> None:
@@ -74,13 +69,9 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
 
 
 def test_both_forms_trip_alike() -> None:
-    cases = {
-        "window": Guard(window=0.01, window_delay=0.05),
-        "clearance": Guard(clearance=1.0, rise=5.0),
-        "rise": Guard(rise=0.5, rise_y=-14.0),
-        "turns": Guard(turns=1e-4, turns_delay=0.1),
-        "torque": Guard(torque=0.5),
-    }
+    cases = {"window": Guard(window=0.01, window_delay=0.05), "clearance": Guard(clearance=1.0, rise=5.0)}
+    cases |= {"rise": Guard(rise=0.5, rise_y=-14.0), "torque": Guard(torque=0.5)}
+    cases |= {"turns": Guard(turns=1e-4, turns_delay=0.1)}
     for cause, guard in cases.items():
         scene = guarded(guard, SHORT.with_(shaft=Shaft(sump=Sump(-11.9))))
         python, native = ([*stations(make, 30)][-1].state.guard for make in (RopeSimulator(scene), balance_rope(scene)))
@@ -109,9 +100,7 @@ EACH = {
         ("rigid", ("rise", "window", "turns", "torque")),
     ],
 )
-def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(
-    form: str, fidelity: FidelityChoice, blind: tuple[str, ...]
-) -> None:
+def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(form, fidelity, blind):
     told = {}
     for name, guard in EACH.items():
         rope = balance_rope(guarded(guard).with_(model=Model(fidelity)), form)  # type: ignore[arg-type]
@@ -126,7 +115,8 @@ def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(
 
 
 def test_guards_change_nothing_in_the_motion() -> None:
-    watched, alone = wound(guarded(Guard(torque=1e-3, rise=1e-6))), wound(SHORT)
+    scenes = guarded(Guard(torque=1e-3, rise=1e-6)), SHORT
+    watched, alone = ([*stations(balance_rope(scene, "native"), 30)][-1] for scene in scenes)
     assert watched.signals(["guard.tripped"]) == {"guard.tripped": 1.0}
     assert alone.signals(["guard.tripped"]) == {"guard.tripped": 0.0}
     assert_array_equal(watched.state.motion.q, alone.state.motion.q)

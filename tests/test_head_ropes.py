@@ -31,11 +31,7 @@ def thrown(hoist: Hoist, speed: float, seconds: float) -> tuple[list[PlantOutput
     u = PlantInput(float(state.x[0]), 0.0, 0.0)
     x = state.x.copy()
     x[plant.state_names.index("v_left")] = speed
-    states = [state._replace(x=x)]
-    for _ in range(round(seconds / H)):
-        step = plant.step(states[-1], H, u)
-        assert step.valid, step.message
-        states.append(step.state)
+    states = plant.run(state._replace(x=x), H, u, round(seconds / H))
     return [plant.outputs(s, u) for s in states], states
 
 
@@ -83,11 +79,8 @@ def test_a_jam_holds_a_conveyance_against_the_motor(sign: float) -> None:
     for jam in (None, Jam()):
         plant = Plant(Hoist(jam_left=jam))
         state = plant.equilibrium(45.0, 45.0, -4e3, -4e3)
-        for _ in range(100):
-            step = plant.step(state, 0.01, PlantInput(sign * plant.hoist.torque_limit, -4e3, -4e3))
-            assert step.valid, step.message
-            state = step.state
-        moved[jam is None] = sign * (state.x[2] - 45.0)
+        u = PlantInput(sign * plant.hoist.torque_limit, -4e3, -4e3)
+        moved[jam is None] = sign * (plant.run(state, 0.01, u, 100)[-1].x[2] - 45.0)
     assert moved[True] > 1.0
     # less than the deflection at the full force
     assert abs(moved[False]) < Jam().travel

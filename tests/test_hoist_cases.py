@@ -1,7 +1,6 @@
 """Cases: what is published is in the data, ropes fit their hoists, and every one winds within its limits."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -9,21 +8,9 @@ import pytest
 from hoist_at_rest import wind
 
 from hoist_demo.cases.installed import INSTALLED, TAIL_SPARE, Case, round_rope
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.parameters import require_trip_fits
-from rope_model import EndMotion
-from rope_model.parameters import Layout, Rope
-
-
-def _rope_and_layout(parameters: Mapping[str, float]) -> tuple[Rope, Layout]:
-    """Parameters by FMI name in rope_model's own types, which check them; those of the swivels left out."""
-    parts: dict[str, dict[str, float]] = {"rope": {}, "layout": {}}
-    for name, value in parameters.items():
-        part, _, field = name.partition(".")
-        if part in parts:
-            parts[part][field] = value
-    return Rope(**parts["rope"]), Layout(**parts["layout"])
-
+from rope_model import EndMotion, Layout, Rope
 
 cases = pytest.mark.parametrize("case", INSTALLED.values(), ids=INSTALLED.keys())
 
@@ -40,14 +27,9 @@ def test_the_balance_rope_is_that_of_the_hoist(case: Case) -> None:
     require_trip_fits(hoist, case.winding)
 
 
-@cases
-def test_the_balance_rope_s_parameters_are_those_of_a_rope(case: Case) -> None:
-    rope, layout = _rope_and_layout(case.rope)
-    assert (rope.length, layout.spacing) == (case.rope["rope.length"], case.rope["layout.spacing"])
-
-
 def test_the_known_rope_is_similar_to_itself() -> None:
-    assert _rope_and_layout(round_rope(120.0, 8.0, 2.0, coupling=1.0)) == (Rope(), Layout())
+    known = rope_data(round_rope(120.0, 8.0, 2.0, coupling=1.0))
+    assert (known.rope, known.layout) == (Rope(), Layout())
 
 
 @pytest.mark.parametrize(("name", "rpm"), [("kiruna-355", 64.7), ("kiruna-710", 100.0)])

@@ -27,8 +27,6 @@ TRIP = Winding(travel=0.5, settle=0.0, start_delay=0.0)
 
 
 class Filter(NamedTuple):
-    """A first-order lag of the speed."""
-
     speed: float  # m/s
 
 
@@ -65,16 +63,12 @@ class Filtered:
 def wind(
     controller: Callable[[Hoist, float], Controller],
     stop_at: float = math.inf,
-    save_to: Path | None = None,
-    resume: Checkpoint | None = None,
-    hoist: Hoist | None = None,
-    winding: Winding = TRIP,
     coupling: Coupling | None = None,
+    **options: Any,
 ) -> Result:
     """A short trip with the draft rope, until `stop_at` [s]."""
-    rope = rope_in_process("rope-120", level="draft")
-    host = Host(rope, hoist or Hoist(), winding, coupling, controller=controller)
-    return host.run(lambda fraction, t: t < stop_at, save_to, resume)
+    host = Host(rope_in_process("rope-120", level="draft"), Hoist(), TRIP, coupling, controller=controller)
+    return host.run(lambda fraction, t: t < stop_at, **options)
 
 
 def assert_the_same(resumed: Result, whole: Result) -> None:
@@ -86,7 +80,7 @@ def assert_the_same(resumed: Result, whole: Result) -> None:
 @pytest.mark.parametrize("stop_at", [0.3, 1.1])
 def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at: float, tmp_path: Path) -> None:
     whole = wind(Filtered)
-    stopped = wind(Filtered, stop_at, tmp_path / "kept.npz")
+    stopped = wind(Filtered, stop_at, save_to=tmp_path / "kept.npz")
     assert stopped.saved is not None
     kept = Checkpoint.read(stopped.saved)
     assert kept.controller.errors != [0.0, 0.0, 0.0]
@@ -98,7 +92,7 @@ def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at:
 def test_a_controller_that_samples_within_the_step_resumes_to_the_same_bits(tmp_path: Path) -> None:
     coupling = Coupling(step=0.02, sample=0.01)
     whole = wind(Filtered, coupling=coupling)
-    stopped = wind(Filtered, 0.5, tmp_path / "kept.npz", coupling=coupling)
+    stopped = wind(Filtered, 0.5, save_to=tmp_path / "kept.npz", coupling=coupling)
     assert stopped.saved is not None
     kept = Checkpoint.read(stopped.saved)
     assert_the_same(wind(Filtered, resume=kept, coupling=coupling), whole)

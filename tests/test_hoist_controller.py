@@ -1,6 +1,7 @@
 """The controller respects its limits and does not wind up."""
 
 import numpy as np
+import pytest
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import TrajectoryPoint
@@ -10,24 +11,19 @@ HOIST = Hoist()
 REST = TrajectoryPoint(0.0, 0.0, 0.0, 0.0)
 
 
-def test_at_rest_on_the_reference_the_command_is_the_holding_torque() -> None:
-    command = SpeedController(HOIST, 5e4).command(REST, Measurement(0.0, 0.0), ControllerState(), 0.01)
-    assert command.torque == 5e4
+@pytest.mark.parametrize(
+    ("acceleration", "speed", "torque", "integral"),
+    [
+        pytest.param(0.0, 0.0, 5e4, 0.0, id="at rest: the holding torque"),
+        pytest.param(0.75, 0.0, 5e4 + HOIST.sheave_radius * HOIST.moving_mass * 0.75, 0.0, id="fed forward"),
+        pytest.param(0.0, -0.1, 5e4 + HOIST.sheave_radius * 1e3, 5.0, id="k_v e; h k_v e / T_i from then on"),
+    ],
+)
+def test_the_command_is_that_of_the_law(acceleration: float, speed: float, torque: float, integral: float) -> None:
+    asked, controller = TrajectoryPoint(0.0, 0.0, acceleration, 0.0), SpeedController(HOIST, 5e4, Gains(1e4, 2.0))
+    command = controller.command(asked, Measurement(0.0, speed), ControllerState(), 0.01)
+    np.testing.assert_allclose([command.torque, command.state.integral], [torque, integral], rtol=1e-14)
     assert not command.limited
-    assert command.state == ControllerState(0.0)
-
-
-def test_acceleration_is_fed_forward_with_all_moving_masses() -> None:
-    asked = TrajectoryPoint(0.0, 0.0, 0.75, 0.0)
-    command = SpeedController(HOIST, 0.0).command(asked, Measurement(0.0, 0.0), ControllerState(), 0.01)
-    np.testing.assert_allclose(command.torque, HOIST.sheave_radius * HOIST.moving_mass * 0.75, rtol=1e-14)
-
-
-def test_integral_grows_by_the_gain_times_the_error_over_the_integral_time() -> None:
-    gains = Gains(speed=1e4, integral_time=2.0)
-    controller = SpeedController(HOIST, 0.0, gains)
-    command = controller.command(REST, Measurement(0.0, -0.1), ControllerState(), 0.01)
-    np.testing.assert_allclose(command.state.integral, 0.01 * 1e4 * 0.1 / 2.0, rtol=1e-14)
 
 
 def test_torque_never_exceeds_the_limit_and_the_integral_stands_still_there() -> None:

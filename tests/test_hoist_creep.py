@@ -1,5 +1,6 @@
 """A trip with creep keeps its limits, creeps where and as fast as asked, and lands exactly."""
 
+import itertools
 import math
 from dataclasses import replace
 from typing import Any
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from hoist_demo.control.trajectory import Trajectory, s_curve
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 
 LANDING = Winding(creep_distance=3.0, creep_speed=0.5)
@@ -43,14 +44,9 @@ def windings(draw: st.DrawFn) -> Winding:
     assume(least > 1e-3)
     return Winding(
         travel=draw(st.sampled_from([1.0, -1.0])) * (least + draw(st.floats(0.0, 200.0)) + 1e-9),
-        speed=number["speed"],
-        acceleration=number["acceleration"],
-        jerk=number["jerk"],
-        creep_speed=c,
-        creep_distance=creeps[0],
-        departure_creep_distance=creeps[1],
-        emergency_deceleration=5.0,
-    )
+        creep_distance=creeps[0], departure_creep_distance=creeps[1], emergency_deceleration=5.0,
+        **(number | {"creep_speed": c}),
+    )  # fmt: skip
 
 
 _RANGES = {"speed": (0.5, 18.0), "acceleration": (0.1, 2.0), "jerk": (0.1, 5.0), "creep_speed": (0.05, 1.0)}
@@ -65,19 +61,14 @@ def trips(test: Any) -> Any:
     return few(given(windings())(test))
 
 
-def _ends(trajectory: Trajectory) -> list[tuple[float, float]]:
-    return list(zip(trajectory.starts[:-1], trajectory.starts[1:], strict=True))
-
-
 @trips
 def test_limits_are_kept_and_the_trip_never_reverses(winding: Winding) -> None:
     trajectory = s_curve(winding)
     times = np.unique(np.concatenate([np.linspace(0.0, trajectory.duration + 1.0, 1001), trajectory.starts]))
     _, v, a, j = trajectory.sample(times).T
     # relative: rounding of some 20 segments; absolute: of the sums that cancel at the end
-    assert np.max(np.abs(v)) <= winding.speed * (1 + 1e-11)
-    assert np.max(np.abs(a)) <= winding.acceleration * (1 + 1e-11)
-    assert np.max(np.abs(j)) <= winding.jerk * (1 + 1e-11)
+    for values, most in ((v, winding.speed), (a, winding.acceleration), (j, winding.jerk)):
+        assert np.max(np.abs(values)) <= most * (1 + 1e-11)
     assert np.min(math.copysign(1.0, winding.travel) * v) >= -1e-11 * winding.speed
 
 
@@ -86,11 +77,10 @@ def test_segments_join_without_a_jump_and_land_exactly(winding: Winding) -> None
     trajectory = s_curve(winding)
     # rounding of the speed grows with the time over which it is held
     scale = 1e-13 * (1.0 + abs(winding.travel)) * (1.0 + trajectory.duration)
-    for k, (start, end) in enumerate(_ends(trajectory)):
-        before, after = trajectory.points[k].after(end - start), trajectory.points[k + 1]
-        np.testing.assert_allclose(before.position, after.position, rtol=0, atol=scale)
-        np.testing.assert_allclose(before.speed, after.speed, rtol=0, atol=scale)
-        np.testing.assert_allclose(before.acceleration, after.acceleration, rtol=0, atol=scale)
+    for k, (start, end) in enumerate(itertools.pairwise(trajectory.starts)):
+        joined = trajectory.points[k].after(end - start), trajectory.points[k + 1]
+        before, after = ((p.position, p.speed, p.acceleration) for p in joined)
+        np.testing.assert_allclose(before, after, rtol=0, atol=scale)
     end = trajectory.at(trajectory.duration)
     assert (end.position, end.speed, end.acceleration, end.jerk) == (winding.travel, 0.0, 0.0, 0.0)
 
@@ -99,10 +89,8 @@ def test_segments_join_without_a_jump_and_land_exactly(winding: Winding) -> None
 def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) -> None:
     trajectory, travel, c = s_curve(winding), abs(winding.travel), winding.creep_speed
     ramp = _ramp_length(0.0, c, winding.acceleration, winding.jerk)
-    for at_start, at_end in (
-        (ramp, winding.departure_creep_distance),
-        (travel - winding.creep_distance, travel - ramp),
-    ):
+    creeps = (ramp, winding.departure_creep_distance), (travel - winding.creep_distance, travel - ramp)
+    for at_start, at_end in creeps:
         if at_end - at_start < 1e-6:  # no creep here, or no more than its ramps
             continue
         for place in np.linspace(at_start, at_end, 5):
@@ -126,29 +114,9 @@ def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding:
     assert peak >= winding.speed * (1 - 1e-12) or needed(peak * (1 + 1e-6)) > between
 
 
-def test_creep_from_full_speed_takes_the_textbook_time() -> None:
-    winding = Winding(travel=90.0, speed=4.0, start_delay=0.0, creep_distance=3.0, creep_speed=0.5)
-    # up to 4 m/s and down to 0.5 m/s with a / j = 1.5 s, stop from 0.5 m/s in two ramps of 1 s
-    up, down = 4.0 / 0.75 + 1.5, 3.5 / 0.75 + 1.5
-    cruise = (90.0 - 3.0 - 4.0 / 2 * up - 4.5 / 2 * down) / 4.0
-    expected = up + cruise + down + (3.0 - 0.5) / 0.5 + 2.0
-    np.testing.assert_allclose(s_curve(winding).duration, expected, rtol=1e-13)
-
-
 def test_raising_and_lowering_are_mirrored() -> None:
     t = np.linspace(0.0, 40.0, 401)
     np.testing.assert_array_equal(s_curve(LANDING).sample(t), -s_curve(replace(LANDING, travel=-90.0)).sample(t))
-
-
-@pytest.mark.parametrize("field", ["creep_distance", "departure_creep_distance"])
-def test_departure_is_the_landing_run_backwards(field: str) -> None:
-    other = {"creep_distance": "departure_creep_distance", "departure_creep_distance": "creep_distance"}[field]
-    one, two = (s_curve(Winding(start_delay=0.0, **{name: 4.0})) for name in (field, other))
-    t = np.linspace(0.0, one.duration, 301)
-    forth, back = one.sample(t), two.sample(one.duration - t)
-    # rounding of some 20 segments
-    np.testing.assert_allclose(forth[:, 0], 90.0 - back[:, 0], rtol=0, atol=1e-11)
-    np.testing.assert_allclose(forth[:, 1], back[:, 1], rtol=0, atol=1e-11)
 
 
 @few
@@ -184,16 +152,24 @@ def test_each_derivative_is_the_difference_quotient_of_the_one_before(winding: W
     np.testing.assert_allclose((high[:, :3] - low[:, :3]) / (2 * d), mid[:, 1:], rtol=0, atol=atol)
 
 
-def test_the_90_m_winding_peaks_where_the_quadratic_says() -> None:
-    # v (v/a + a/j) = 90 m
-    v, trajectory = 0.375 * (math.sqrt(1.5**2 + 4 * 90 / 0.75) - 1.5), s_curve(Winding())
-    np.testing.assert_allclose(trajectory.peak_speed, v, rtol=1e-13)
-    np.testing.assert_allclose(trajectory.duration, 1.0 + 2 * (v / 0.75 + 1.5), rtol=1e-13)
+#: v (v/a + a/j) = 90 m
+PEAK = 0.375 * (math.sqrt(1.5**2 + 4 * 90 / 0.75) - 1.5)
+# up to 4 m/s and down to 0.5 m/s with a / j = 1.5 s, stop from 0.5 m/s in two ramps of 1 s
+UP, DOWN = 4.0 / 0.75 + 1.5, 3.5 / 0.75 + 1.5
+CREPT = UP + (90.0 - 3.0 - 4.0 / 2 * UP - 4.5 / 2 * DOWN) / 4.0 + DOWN + (3.0 - 0.5) / 0.5 + 2.0
 
 
-def test_stops_and_the_shortest_trip_take_the_textbook_time() -> None:
-    stop = s_curve(Winding(travel=90.0, speed=4.0, emergency_at=12.0))
-    # v / d + d / j: constant deceleration with one ramp on either side; four jerk ramps
-    np.testing.assert_allclose(stop.duration - 12.0, 4.0 / 5.0 + 5.0 / 50.0, rtol=1e-12)
-    shortest = s_curve(Winding(travel=1.0, start_delay=0.0))
-    np.testing.assert_allclose(shortest.duration, 4 * (1.0 / (2 * 0.5)) ** (1 / 3), rtol=1e-13)
+@pytest.mark.parametrize(
+    ("winding", "peak", "duration"),
+    [
+        pytest.param(Winding(), PEAK, 1.0 + 2 * (PEAK / 0.75 + 1.5), id="90 m"),
+        pytest.param(Winding(speed=4.0, start_delay=0.0, creep_distance=3.0, creep_speed=0.5), 4.0, CREPT, id="creep"),
+        # v / d + d / j: constant deceleration with one ramp on either side
+        pytest.param(Winding(speed=4.0, emergency_at=12.0), 4.0, 12.0 + 4.0 / 5.0 + 5.0 / 50.0, id="stop"),
+        # four jerk ramps of 1 s
+        pytest.param(Winding(travel=1.0, start_delay=0.0), 0.5, 4.0, id="shortest"),
+    ],
+)
+def test_a_trip_peaks_and_ends_as_in_the_textbook(winding: Winding, peak: float, duration: float) -> None:
+    trajectory = s_curve(winding)
+    np.testing.assert_allclose([trajectory.peak_speed, trajectory.duration], [peak, duration], rtol=1e-12)

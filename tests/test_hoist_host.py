@@ -1,17 +1,17 @@
 """The loop winds to the millimetre, keeps time exactly, stops cleanly and writes the same bytes twice."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rope_groups import Weight
 
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.cosimulation.schemes.interface import Reader, RopePlant
+from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import read_csv, shape_rows, write_csv, write_shapes
@@ -24,15 +24,14 @@ RHO, G, LENGTH = 8.0, 9.81, 120.0
 
 
 @dataclass
-class FakeRope:
+class FakeRope(Weight):
     """Two legs that weigh what they are long; fails or turns NaN at a given time."""
 
+    forces: dict[str, float] = field(default_factory=dict)
     fails_at: float = math.inf
     nan_at: float = math.inf
     shows_shape: bool = False
     times: list[tuple[float, float]] = field(default_factory=list)
-    closed: bool = False
-    forces: dict[str, float] = field(default_factory=dict)
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self._hang(left, right)
@@ -45,30 +44,16 @@ class FakeRope:
             self.forces["left.fy_mean"] = math.nan
         return Status(t < self.fails_at, "the loop has turned over")
 
-    def reader(self, names: Sequence[str]) -> Reader:
-        return lambda: np.array([self.forces.get(name, math.nan) for name in names])
-
-    def save(self) -> None:
-        return None
-
-    def restore(self, snapshot: object) -> None:
-        raise AssertionError("a rope that cannot save is not restored")
-
     def units(self) -> dict[str, str]:
         return {name: "m" if name.startswith(("loop.", "shape.")) else "N" for name in self.forces}
-
-    def close(self) -> None:
-        self.closed = True
 
     def _hang(self, left: EndMotion, right: EndMotion) -> None:
         bottom = (left.y + right.y - LENGTH) / 2.0
         for name, end in (("left", left), ("right", right)):
             self.forces[f"{name}.fy"] = self.forces[f"{name}.fy_mean"] = -RHO * G * (end.y - bottom)
         self.forces["loop.y"] = bottom
-        if self.shows_shape:
-            for k, (x, y) in enumerate(((-1.0, left.y), (0.0, bottom), (1.0, right.y))):
-                point = {f"shape.x[{k + 1}]": x, f"shape.y[{k + 1}]": y, f"shape.z[{k + 1}]": 0.0}
-                self.forces.update(point)
+        for k, (x, y) in enumerate(((-1.0, left.y), (0.0, bottom), (1.0, right.y)) if self.shows_shape else ()):
+            self.forces |= {f"shape.x[{k + 1}]": x, f"shape.y[{k + 1}]": y, f"shape.z[{k + 1}]": 0.0}
 
 
 def _run(rope: RopePlant, winding: Winding, coupling: Coupling | None = None) -> Result:
@@ -114,9 +99,8 @@ def test_work_on_both_partners_differs_by_the_order_of_the_step() -> None:
             steps += float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(y)))
         return float(recording["drive.work_from_balance_rope"][-1]) - steps
 
-    ratio = defect(0.02) / defect(0.01)
     # first order, to within the share of the start and the end of the trip
-    np.testing.assert_allclose(ratio, 2.0, rtol=0.05)
+    np.testing.assert_allclose(defect(0.02) / defect(0.01), 2.0, rtol=0.05)
 
 
 def test_time_is_start_plus_k_steps_and_never_summed_up() -> None:
@@ -142,18 +126,9 @@ def test_a_failing_rope_stops_the_loop_and_keeps_the_record(settings: dict[str, 
 
 def test_a_rope_that_cannot_hang_stops_before_the_first_row() -> None:
     result = _run(FakeRope(fails_at=-1.0), Winding(travel=2.0))
-    assert not result.completed
+    assert (result.completed, result.steps) == (False, 0)
     assert "no hanging shape" in result.cause
-    assert result.steps == 0
     assert "no hanging shape" in render(summarize(result, Hoist(), Winding(), Coupling()))
-
-
-def test_an_emergency_stop_comes_to_rest_before_the_landing() -> None:
-    winding = Winding(emergency_at=9.0)
-    recording = _run(FakeRope(), winding).recording
-    stopped = recording.time > 9.0 + 6.0 / 5.0 + 5.0
-    np.testing.assert_allclose(recording["conveyance.left.vy"][stopped], 0.0, atol=0.01)
-    assert recording["conveyance.left.y"][-1] < 30.0
 
 
 def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Path) -> None:
@@ -161,8 +136,8 @@ def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Pa
     back = read_csv(tmp_path / "signals.csv")
     names = [name for name in short.recording.signals if not name.startswith("shape.")]
     assert list(back.signals) == names
-    assert {name: back.units[name] for name in names} == {name: short.recording.units[name] for name in names}
-    assert back.units["left.fy"] == "N"
+    assert back.units.items() <= short.recording.units.items()
+    assert (set(back.units), back.units["left.fy"]) == (set(names), "N")
     for name in names:
         # %.10g rounds to half a unit of the tenth digit
         np.testing.assert_allclose(back[name], short.recording[name], rtol=5e-10, atol=0)
@@ -176,10 +151,9 @@ def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> No
         write_csv(result.recording, folder / "signals.csv")
         write_shapes(result.recording, shape_rows(result.recording), folder / "shapes.csv")
         write_figures(result.recording, Hoist(), folder)
-    files = sorted(path.name for path in (tmp_path / "0").iterdir())
-    assert {"signals.csv", "shapes.csv", "tracking.png", "forces.png", "shapes.png", "energies.png"} <= set(files)
-    for name in files:
-        assert (tmp_path / "0" / name).read_bytes() == (tmp_path / "1" / name).read_bytes(), name
+    first, second = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in "01")
+    assert {"signals.csv", "shapes.csv", "tracking.png", "forces.png", "shapes.png", "energies.png"} <= first.keys()
+    assert first == second
 
 
 def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> None:

@@ -22,21 +22,13 @@ from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lin
 from rope_model import EndMotion
 
 FULL = Hoist(
-    head_rope_modes=2,
-    tail_rope_number=2,
-    tail_rope_mass=4.0,
-    conveyance_mass_right=9.0e3,
-    power_limit=8.0e5,
-    drive_shaft=DriveShaft(),
-    brake=Brake(torque=1.5e5),
-    guides=Guides(),
-    play=Play(),
-)
+    head_rope_modes=2, tail_rope_number=2, tail_rope_mass=4.0, conveyance_mass_right=9.0e3, power_limit=8.0e5,
+    drive_shaft=DriveShaft(), brake=Brake(torque=1.5e5), guides=Guides(), play=Play(),
+)  # fmt: skip
 """A hoist with everything."""
 
-SMOOTH = Hoist(
-    loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0, torque_limit=1e9, sheave_mass=1e12, tail_rope_mass=0.0
-)
+LOSSLESS = Hoist(loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0)
+SMOOTH = replace(LOSSLESS, torque_limit=1e9, sheave_mass=1e12, tail_rope_mass=0.0)
 """No losses, and a sheave too heavy to move: each leg is a system of its own."""
 
 
@@ -106,15 +98,7 @@ def test_a_conveyance_that_leans_on_its_guides_is_braked_by_its_shoes() -> None:
 
 
 def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
-    plant = Plant(
-        Hoist(
-            drive_shaft=DriveShaft(damping=0.03),
-            loss_coulomb=0.0,
-            loss_viscous=0.0,
-            head_rope_damping=0.0,
-            head_rope_mass=1e-9,
-        )
-    )
+    plant = Plant(replace(LOSSLESS, drive_shaft=DriveShaft(damping=0.03), head_rope_mass=1e-9))
     state, u = rest_at(plant, (45.0, 45.0))
     twisted = state_with(plant, state, twist=state.x[7] + 1e-3)
     at_place = plant.rates(twisted, u)[8]
@@ -124,10 +108,7 @@ def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
 
 
 def test_motor_and_sheave_swing_on_their_shaft() -> None:
-    hoist = Hoist(
-        drive_shaft=DriveShaft(damping=0.0), loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0,
-        head_rope_mass=1e-9, head_rope_stiffness=1e6,
-    )  # fmt: skip
+    hoist = replace(LOSSLESS, drive_shaft=DriveShaft(damping=0.0), head_rope_mass=1e-9, head_rope_stiffness=1e6)
     motor, sheave = 3.0e3 * 1.25**2, 5.0e3 * 1.25**2
     exact = math.sqrt(2.0e8 * (1.0 / motor + 1.0 / sheave))
     # soft ropes add less than half the square of the ratio of the frequencies, 3 / 330
@@ -142,8 +123,8 @@ def test_a_hoist_at_constant_speed_hangs_as_one_at_rest(modes: int) -> None:
     moving = state_with(plant, state, phi_rate=18.0 / 1.25, v_left=18.0, v_right=-18.0)
     rest, wound = plant.outputs(state, u), plant.outputs(moving, u)
     # of mu w^2 = 13 kN only the part of the strain, 3e-3, may remain
-    for name in ("tension_left", "tension_right"):
-        np.testing.assert_allclose(getattr(wound, name), getattr(rest, name), rtol=0, atol=40.0)
+    tensions = [(shown.tension_left, shown.tension_right) for shown in (wound, rest)]
+    np.testing.assert_allclose(*tensions, rtol=0, atol=40.0)
     np.testing.assert_allclose([wound.a_left, wound.a_right], 0.0, atol=40.0 / 10e3)
 
 
@@ -186,12 +167,11 @@ def test_a_hoist_with_its_sides_exchanged_does_the_same_mirrored() -> None:
     for hoist, sign in ((left, 1.0), (right, -1.0)):
         plant = Plant(hoist)
         state, u = rest_at(plant, (20.0, 70.0) if sign > 0 else (70.0, 20.0))
-        for _ in range(20):
-            state = plant.step(state, 0.01, replace(u, torque_command=u.torque_command + sign * 2e4)).state
-        shown.append(plant.outputs(state, u))
-    np.testing.assert_allclose(shown[1].tension_right, shown[0].tension_left, rtol=1e-7)
-    np.testing.assert_allclose(shown[1].v_right, shown[0].v_left, rtol=1e-6)
-    np.testing.assert_allclose(shown[1].rate, -shown[0].rate, rtol=1e-6)
+        pushed = replace(u, torque_command=u.torque_command + sign * 2e4)
+        shown.append(plant.outputs(plant.run(state, 0.01, pushed, 20)[-1], u))
+    one, other = shown
+    np.testing.assert_allclose(other.tension_right, one.tension_left, rtol=1e-7)
+    np.testing.assert_allclose([other.v_right, other.rate], [one.v_left, -one.rate], rtol=1e-6)
 
 
 def test_two_balance_ropes_pull_as_one_of_twice_the_force() -> None:
@@ -224,16 +204,11 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
 def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
     plant = Plant(replace(FULL, power_limit=3.0e5))
     state, u = rest_at(plant, (0.0, 90.0))
-    greedy, torques, powers = replace(u, torque_command=1e7), [], []
-    for _ in range(150):
-        state = plant.step(state, 0.01, greedy).state
-        shown = plant.outputs(state, greedy)
-        torques.append(shown.torque)
-        powers.append(shown.power)
-    assert max(torques) <= 2.2e5 * (1 + 1e-12)
-    assert max(torques) > 0.99 * 2.2e5
-    assert max(powers) <= 3.0e5 * (1 + 1e-12)
-    assert powers[-1] > 0.999 * 3.0e5
+    greedy = replace(u, torque_command=1e7)
+    shown = [plant.outputs(s, greedy) for s in plant.run(state, 0.01, greedy, 150)]
+    assert 0.99 * 2.2e5 < max(s.torque for s in shown) <= 2.2e5 * (1 + 1e-12)
+    assert max(s.power for s in shown) <= 3.0e5 * (1 + 1e-12)
+    assert shown[-1].power > 0.999 * 3.0e5
 
 
 def ends(plant: Plant, state: PlantState, u: PlantInput) -> tuple[EndMotion, EndMotion]:

@@ -65,18 +65,9 @@ def _swinging(name: str) -> tuple[Plant, PlantState]:
     plant = Plant(HOISTS[name])
     state = plant.equilibrium(80.0, 10.0, -TAIL * 95.0, -TAIL * 25.0)
     x = state.x.copy()
-    for of, change in {
-        "phi_rate": 1.6,
-        "v_left": 2.05,
-        "v_right": -1.95,
-        "y_left": 0.01,
-        "eta1_left": 1e-3,
-        "twist": 1e-3,
-        "x_left": 6e-3,
-        "z_right_rate": 0.1,
-        "brake_pressure": 0.3,
-        "brake_deflection": 1e-3,
-    }.items():
+    changes = {"phi_rate": 1.6, "v_left": 2.05, "v_right": -1.95, "y_left": 0.01, "eta1_left": 1e-3, "twist": 1e-3}
+    changes |= {"x_left": 6e-3, "z_right_rate": 0.1, "brake_pressure": 0.3, "brake_deflection": 1e-3}
+    for of, change in changes.items():
         if of in plant.state_names:
             x[plant.state_names.index(of)] += change
     return plant, state._replace(x=x)
@@ -89,9 +80,7 @@ PATH = PlantInputPath(
 
 @pytest.mark.parametrize("added_mass", [(0.0, 0.0), (900.0, 300.0)])
 @pytest.mark.parametrize("name", HOISTS)
-def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(
-    name: str, added_mass: tuple[float, float]
-) -> None:
+def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added_mass):
     plant, state = _swinging(name)
     path = replace(PATH, added_mass=added_mass)
     for h in (1e-3, 0.01, 0.04):
@@ -120,9 +109,8 @@ def test_state_and_work_of_a_step_agree_with_cvodes(name: str) -> None:
     exact = ca.integrator("drive", "cvodes", dae, 0.0, 0.02, options)(x0=state.x)
     step = plant.step(state, 0.02, PATH.start)
     np.testing.assert_allclose(step.state.x, np.asarray(exact["xf"]).ravel(), rtol=1e-7, atol=1e-7)
-    works = np.concatenate([step.state.works[:5], step.state.works[5:]])
     # of some kJ in this step
-    np.testing.assert_allclose(works, np.asarray(exact["qf"]).ravel(), rtol=1e-7, atol=1e-4)
+    np.testing.assert_allclose(step.state.works, np.asarray(exact["qf"]).ravel(), rtol=1e-7, atol=1e-4)
 
 
 def test_without_a_compiler_the_drive_takes_the_same_steps() -> None:
@@ -140,37 +128,9 @@ def test_modes_of_the_head_ropes_cost_a_bounded_number_of_steps() -> None:
     plant = Plant(Hoist(head_rope_modes=2))
     state = plant.equilibrium(*(90.0, 0.0), *RELAXED[::-1])
     u, begin = PlantInput(float(state.x[0]) + 2e4, *RELAXED[::-1]), plant.evaluations
-    for _ in range(100):
-        state = plant.step(state, 0.01, u).state
+    plant.run(state, 0.01, u, 100)
     steps = 100 * 0.01 * 6006 / 3.3
     assert plant.evaluations - begin < 2.0 * steps / CHUNK
-
-
-def test_the_hoist_without_losses_and_motor_keeps_its_energy() -> None:
-    plant = Plant(Hoist(head_rope_damping=0.0, loss_coulomb=0.0, loss_viscous=0.0))
-    state = _move(plant)._replace(x=_move(plant).x * np.array([0, 1, 1, 1, 1, 1, 1]))
-    u = PlantInput(0.0, 0.0, 0.0)
-    start = plant.outputs(state, u)
-    for _ in range(100):
-        state = plant.step(state, 0.01, u).state
-    end = plant.outputs(state, u)
-    gained = end.energy_kinetic + end.energy_potential - start.energy_kinetic - start.energy_potential
-    # 1e-9 of 1e7 J, 100 steps
-    np.testing.assert_allclose(gained, 0.0, atol=0.05)
-
-
-def test_a_conveyance_swings_at_its_rope_s_frequency() -> None:
-    # heavy sheave, massless ropes: m y'' = -EA/l (y - y0), off by the strain (1 + e)^3, e = 1.5e-3
-    hoist = Hoist(sheave_mass=1e9, head_rope_mass=1e-9, head_rope_damping=0.0, loss_coulomb=0.0, loss_viscous=0.0)
-    plant = Plant(hoist)
-    rest = plant.equilibrium(0.0, 90.0, 0.0, 0.0)
-    u = PlantInput(float(rest.x[0]), 0.0, 0.0)
-    pushed = rest._replace(x=rest.x + np.array([0, 0, 1e-3, 0, 0, 0, 0]))
-    omega = math.sqrt(hoist.rope_stiffness / rest.free_lengths[0] / hoist.mass_left)
-    quarter = plant.step(pushed, math.pi / 2 / omega, u).state
-    # a quarter period later the conveyance passes its rest position at full speed
-    np.testing.assert_allclose(quarter.x[2], 0.0, atol=1e-3 * 1e-3)
-    np.testing.assert_allclose(quarter.x[5], -1e-3 * omega, rtol=1e-3)
 
 
 def test_torque_follows_its_command_with_the_lag(plant: Plant) -> None:

@@ -20,25 +20,20 @@ CATALOGUE = Catalogue(rope_parameters())
 DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"]
 
 
-def test_values_have_their_parameters_type_and_choices_their_words() -> None:
-    given = [
-        "rope.EI = 450",
-        "left.swivel.mode=coulomb",
-        "right.swivel.mode=Coulomb",
-        "model.fidelity=1",
-        "winding.emergency_law=Two-Stage",
-        "hoist.head_rope_number=6",
-        "rope.Qb=-1e4",
-    ]
-    assert settings(given, CATALOGUE) == {
-        "rope.EI": 450.0,
-        "left.swivel.mode": 2,
-        "right.swivel.mode": 2,
-        "model.fidelity": 1,
-        "winding.emergency_law": "two-stage",
-        "hoist.head_rope_number": 6,
-        "rope.Qb": -1e4,
-    }
+@pytest.mark.parametrize(
+    ("given", "name", "value"),
+    [
+        ("rope.EI = 450", "rope.EI", 450.0),
+        ("left.swivel.mode=coulomb", "left.swivel.mode", 2),
+        ("right.swivel.mode=Coulomb", "right.swivel.mode", 2),
+        ("model.fidelity=1", "model.fidelity", 1),
+        ("winding.emergency_law=Two-Stage", "winding.emergency_law", "two-stage"),
+        ("hoist.head_rope_number=6", "hoist.head_rope_number", 6),
+        ("rope.Qb=-1e4", "rope.Qb", -1e4),
+    ],
+)
+def test_a_value_has_its_parameters_type_and_a_choice_its_word(given: str, name: str, value: object) -> None:
+    assert settings([given], CATALOGUE) == {name: value}
 
 
 @pytest.mark.parametrize(
@@ -46,10 +41,7 @@ def test_values_have_their_parameters_type_and_choices_their_words() -> None:
     [
         ("rope.EI", r"--set rope\.EI must be NAME=VALUE"),
         ("rope.EI=stiff", r"rope\.EI = 'stiff' must be a finite number: give it in N\.m2"),
-        ("rope.EI=nan", r"rope\.EI = nan must be a finite number"),
         ("rope.IE=1", r"rope\.IE is not a parameter: did you mean rope\.EI"),
-        ("model.rung=1", r"model\.rung is not a parameter: did you mean model\.fidelity"),
-        ("rope.ei=450", r"rope\.ei is not a parameter: did you mean rope\.EI\?"),
         ("model.fidelity=7", r"model\.fidelity = 7\.0 must be one of 0 \(auto\), 1 \(torsional\), .*: give code"),
         ("right.swivel.mode=sticky", r"mode = 'sticky' must be one of 0 \(locked\), 1 \(free\), 2 \(coulomb\)"),
         ("winding.emergency_law=brake", r"must be one of drive, deceleration, torque, two-stage: choose one"),
@@ -98,6 +90,3 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
     assert stopped.saved is not None
     with pytest.raises(ValueError, match=r"rope\.EI is 300\.0 there, 450\.0 here"):
         Host(ropes[1], Hoist(), trip).run(resume=Checkpoint.read(stopped.saved))
-
-
-# each message once

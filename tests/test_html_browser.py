@@ -10,10 +10,9 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from browser import BROWSER, END, POINTS, STEPS, Seen, bottom, curve, look, run
+from browser import BROWSER, END, STEPS, bottom, curve, look, result, run, shaped
 
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.packing import ROPE_ROWS
 from hoist_demo.report.html.run import run_report
 from hoist_demo.report.html.study import study_report
@@ -101,12 +100,12 @@ seen.kept = column(1);
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
-def seen_run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Seen:
+def seen_run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     return look(run(tmp_path_factory.mktemp("run")), _RUN, request.param, "t=4.5")
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
-def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Seen:
+def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     table = pd.DataFrame(
         {
             "jerk": [0.5, 1.0, 1.5, 2.0],
@@ -121,7 +120,7 @@ def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
     return look(study_report(table, {"swing": "mm"}, meta, folder / "study.html"), _STUDY, request.param)
 
 
-def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: Seen) -> None:
+def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: SimpleNamespace) -> None:
     said = seen_run.said
     assert seen_run.console == [] == said["requests"]
     assert said["width"] <= said["room"]
@@ -143,17 +142,15 @@ def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: Seen)
     assert all(t - 0.51 <= tick <= max(1.0, t + 0.51) for tick in ticks)
 
 
-def test_a_run_shows_what_was_recorded(seen_run: Seen) -> None:
+def test_a_run_shows_what_was_recorded(seen_run: SimpleNamespace) -> None:
     said = seen_run.said
     expected = {"Height in the shaft", "Tension ratio on the sheave", "Pull on the conveyances"}
     expected |= {"Largest nominal stress of the rope", "Bending stress along the rope", "Tension along the rope"}
     assert expected <= set(said["titles"])
     assert said["curves"] >= 8
     # what never moves, and what is zero all along, is a number and no plot
-    for title, number in (
-        ("Clearance between the legs", "clearance 2.000 m"),
-        ("Torsional stress along the rope", "0 MPa"),
-    ):
+    numbers = {"Clearance between the legs": "clearance 2.000 m", "Torsional stress along the rope": "0 MPa"}
+    for title, number in numbers.items():
         assert f"{title} ({number})" in said["quiet"]
         assert title not in said["titles"]
     # at the start the left leg is 14 m long, the right one 104 m, and the half circle between them 3.1 m
@@ -174,7 +171,7 @@ def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
     assert any("Content Security Policy" in line for line in seen.console)
 
 
-def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Seen) -> None:
+def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: SimpleNamespace) -> None:
     said = seen_study.said
     assert seen_study.console == [] == said["requests"]
     assert said["width"] <= said["room"]
@@ -192,19 +189,13 @@ def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Seen) 
 
 def test_a_run_that_stopped_after_one_row_or_never_began_is_shown(tmp_path: Path) -> None:
     only = {name: np.array([value]) for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))}
-    only |= {f"shape.{c}[{i + 1}]": curve(0.0)[i : i + 1, k] for k, c in enumerate("xyz") for i in range(POINTS)}
-    for k, (signals, probe, expected) in enumerate(
-        (
-            (only, 'document.getElementById("loop").dataset.bottom', "0.0000 -15.0000 0.0000"),
-            ({}, 'document.querySelector(".stopped").textContent', "no <shape>"),
-        )
+    for signals, probe, expected in (
+        (only | shaped(curve(0.0)[None]), 'getElementById("loop").dataset.bottom', "0.0000 -15.0000 0.0000"),
+        ({}, 'querySelector(".stopped").textContent', "no <shape>"),
     ):
-        trajectory = SimpleNamespace(duration=9.0) if signals else None
-        result = SimpleNamespace(
-            recording=Recording(signals, {}), completed=False, cause="no <shape>", trajectory=trajectory
-        )
-        page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / f"run{k}.html")
-        seen = look(page, f"seen.found = {probe};", 800)
+        path = tmp_path / f"run{len(signals)}.html"
+        page = run_report(result(signals, "no <shape>"), Hoist(), Winding(), [], "T", path)
+        seen = look(page, f"seen.found = document.{probe};", 800)
         assert seen.console == []
         assert expected in seen.said["found"]
 
@@ -228,24 +219,18 @@ seen.stretch = document.getElementById("stretch").value;
 
 def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_path: Path) -> None:
     t = np.linspace(0.0, END, STEPS)
-    shapes = np.array([curve(float(s)) for s in t])
     late = (t > 4.0).astype(float)
     signals = {"time": t, "contact.floor": 50.0 * late, "contact.lining": 0.0 * t, "loop.rise": 0.01 * t}
     signals |= {"guard.tripped": late, "guard.cause": late, "guard.time": 4.0 * late}
-    signals |= {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    signals |= shaped(np.array([curve(float(s)) for s in t]))
     parameters = {"lining.width": 5.0, "lining.depth": 3.0, "lining.rounding": 0.5, "sump.level": -15.5}
     parameters |= {"divider_2.size": 0.2, "divider_2.y": -13.0, "divider_2.rounding": 1.0, "guard.rise": 0.5}
-    result = SimpleNamespace(
-        recording=Recording(signals, {}), completed=True, cause="", trajectory=SimpleNamespace(duration=9.0)
-    )
-    page = run_report(result, Hoist(), Winding(), [], "T", tmp_path / "run.html", parameters=parameters)
+    page = run_report(result(signals), Hoist(), Winding(), [], "T", tmp_path / "run.html", parameters=parameters)
     seen = look(page, _SHAFT, 1000)
     assert seen.console == []
     assert seen.said["free"] == {"contacts": "", "tripped": "", "label": "", "apart": None}
-    assert seen.said["pressed"]["contacts"] == "floor"
-    assert seen.said["pressed"]["tripped"] == "rise"
+    assert (seen.said["pressed"]["contacts"], seen.said["pressed"]["tripped"]) == ("floor", "rise")
     assert seen.said["pressed"]["label"].startswith("floor 50.0")
     assert seen.said["pressed"]["apart"] < 0.1  # the lowest point is the nearest to the floor
     assert all(seen.said["parts"])
-    assert seen.said["distance"] == pytest.approx(0.4)
-    assert seen.said["stretch"] == "1"
+    assert (seen.said["distance"], seen.said["stretch"]) == (pytest.approx(0.4), "1")

@@ -96,20 +96,15 @@ def recording(**signals: list[float]) -> Recording:
     return Recording(named, {})
 
 
-def test_slips_last_until_the_row_in_which_the_swivel_sticks_again() -> None:
-    run = recording(time=[0, 1, 2, 3, 4, 5], left__swivel__slipping=[0, 1, 1, 0, 0, 1])
-    assert panels.slips(run, "left") == [(1.0, 3.0), (5.0, 5.0)]
-    assert panels.slips(run, "right") == []
-
-
-def test_transformations_are_where_their_count_grows() -> None:
-    run = recording(time=[0, 1, 2, 3, 4], count__transformations=[0, 0, 1, 1, 3])
+def test_slips_last_until_the_swivel_sticks_again_and_transformations_are_where_their_count_grows() -> None:
+    slipping, counts = [0, 1, 1, 0, 0, 1], [0, 0, 1, 1, 3, 3]
+    run = recording(time=[0, 1, 2, 3, 4, 5], left__swivel__slipping=slipping, count__transformations=counts)
+    assert (panels.slips(run, "left"), panels.slips(run, "right")) == ([(1.0, 3.0), (5.0, 5.0)], [])
     assert panels.transformations(run) == [2.0, 4.0]
 
 
 def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
-    run = SimpleNamespace(
-        recording=recording(time=[0, 5, 9]), completed=False, cause="?", trajectory=SimpleNamespace(duration=12.0)
-    )
+    rows, trip = recording(time=[0, 5, 9]), SimpleNamespace(duration=12.0)
+    run = SimpleNamespace(recording=rows, completed=False, cause="?", trajectory=trip)
     found = panels.marks(run, Winding(emergency_at=4.0))
     assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]

@@ -19,19 +19,16 @@ OUTPUTS = ("left.fy", "right.mx", "loop.y", "energy.kinetic")
 
 
 def why_not() -> str:
-    """Why it cannot be run here; '' where it can."""
     if sys.platform != "linux" or shutil.which("cc") is None:
         return "needs Linux and a C compiler"
     return "" if _python() else "needs this Python's shared library"
 
 
 def _python() -> str | None:
-    """The name of this Python's shared library."""
     return ctypes.util.find_library(f"python{sys.version_info.major}.{sys.version_info.minor}")
 
 
 def build(folder: Path, flags: Sequence[str] = ()) -> Path:
-    """The host."""
     program, here = folder / "threads", ROOT / "tests" / "native"
     include = ROOT / "fmu_src" / "native" / "include"
     command = ["cc", "-std=gnu99", "-O1", *flags, f"-I{include}", here / "threads.c", "-o", program]
@@ -43,18 +40,15 @@ def run(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS) -> sub
     """One run, in a process of its own; a Python FMU finds the packages that this one has."""
     description = fmpy.read_model_description(str(fmu))
     variables = {v.name: v for v in description.modelVariables}
-    entries = [
-        f"{variables[name].type[0].lower()}:{variables[name].valueReference}:{value}" for name, value in SMALL.items()
-    ]
-    motion, outputs = (
-        [str(variables[name].valueReference) for name in names] for names in (("left.y", "left.vy", "left.ay"), OUTPUTS)
-    )
+    given = [(variables[name], value) for name, value in SMALL.items()]
+    entries = [f"{v.type[0].lower()}:{v.valueReference}:{value}" for v, value in given]
+    motion = [variables[f"left.{name}"].valueReference for name in ("y", "vy", "ay")]
+    outputs = [variables[name].valueReference for name in OUTPUTS]
     binary = next((unzipped / "binaries").rglob("BalanceRope.so"))
     resources = (unzipped / "resources").resolve().as_uri()
     command = [program, binary, description.guid, resources, threads, STEPS, *motion, *entries, "--", *outputs]
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONHOME"}
     environment |= {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "LD_PRELOAD": _python() or ""}
     environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    return subprocess.run(
-        list(map(str, command)), capture_output=True, text=True, timeout=600, check=False, env=environment
-    )
+    command = list(map(str, command))
+    return subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)

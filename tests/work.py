@@ -18,13 +18,13 @@ from functools import cache
 import numpy as np
 from random_poses import poses
 from random_shafts import draw
+from scenes import ends_at
 
 from hoist_demo.control.trajectory import emergency_stop, s_curve
-from rope_model import EndMotion, Layout, Lining, Mesh, Model, Rope, Scene, Shaft, at_level
+from rope_model import EndMotion, Layout, Lining, Mesh, Model, Rope, Scene, Shaft, Swivel, at_level
 from rope_model.codegen.build import sources
 from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler
-from rope_model.parameters import Swivel
 from rope_model.simulation.stepping.hang import MOST_CORRECTIONS
 from rope_model.simulation.stepping.stepping import most_work
 
@@ -41,7 +41,6 @@ int64_t rope_corrections(const Simulator *rope) { return rope->corrections; }
 
 @cache
 def telling_library() -> ctypes.CDLL:
-    """The native rope's library, which also tells the corrections of a start."""
     compiler = find_compiler()
     assert compiler
     library = declare(ctypes.CDLL(str(compile_library(sources() | {"tell.c": TELL}, compiler, cache_folder(), "work"))))
@@ -50,8 +49,6 @@ def telling_library() -> ctypes.CDLL:
 
 
 class TellingRope(NativeRope):
-    """The native rope, which tells the corrections of its start."""
-
     _library = staticmethod(telling_library)
 
     @property
@@ -69,15 +66,11 @@ def rests(number: int) -> Iterator[tuple[Scene, EndMotion, EndMotion]]:
             yield pose.scene, pose.left, pose.right
             continue
         length, EI = np.exp(rng.uniform(np.log((10.0, 0.5)), np.log((1200.0, 500.0)))).tolist()
-        spacing, twist, rises = (
-            rng.uniform(0.8, 3.0),
-            rng.uniform(-1.0, 1.0) * 2.0 * math.pi * TURNS,
-            rng.uniform(-0.9, 0.9),
-        )
+        spacing, turns, rises = rng.uniform(0.8, 3.0), rng.uniform(-1.0, 1.0) * TURNS, rng.uniform(-0.9, 0.9)
         Qb, Qc = (2.336e5 * rng.uniform(-1.0, 1.0, 2)).tolist()
         lining = Lining(width=spacing * rng.uniform(0.9, 1.3), depth=rng.uniform(0.1, 1.0))
         scene = Scene(
-            Rope(length=length, EI=EI, installed_twist=twist, Qb=Qb, Qc=Qc),
+            Rope(length=length, EI=EI, installed_twist=turns * 2.0 * math.pi, Qb=Qb, Qc=Qc),
             Layout(spacing),
             mesh=Mesh("auto"),
             model=Model("torsional"),
@@ -93,27 +86,19 @@ def step_works(seed: int) -> Iterator[tuple[float, int, float]]:
     touch = replace(case.scene.shaft.contact, rope_stiffness=float(rng.choice([0.0, 1e5])))
     rope = replace(case.scene.rope, EI=math.exp(rng.uniform(math.log(20.0), math.log(600.0))))
     swivel = Swivel(rng.choice(["locked", "free", "coulomb"]))
-    scene = at_level(
-        Scene(rope, case.scene.layout, swivel, swivel, shaft=replace(case.scene.shaft, contact=touch)), "standard"
-    )
+    shaft = replace(case.scene.shaft, contact=touch)
+    scene = at_level(Scene(rope, case.scene.layout, swivel, swivel, shaft=shaft), "standard")
     error = share * scene.accuracy.end_force
     scene = replace(scene, model=Model("torsional"), accuracy=replace(scene.accuracy, end_force=error))
     full = s_curve(case.trip)
     trip = emergency_stop(full, 0.4 * full.duration, rng.uniform(2.0, 8.0), rng.uniform(20.0, 200.0))
 
-    def ends(t: float) -> tuple[EndMotion, EndMotion]:
-        p = (trip if seed % 2 else full).at(t)
-        other = case.trip.travel - p.position
-        return EndMotion(y=p.position, vy=p.speed, ay=p.acceleration), EndMotion(
-            y=other, vy=-p.speed, ay=-p.acceleration
-        )
-
-    native = NativeRope(scene)
-    if not native.initialize(0.0, *ends(0.0)).valid:
+    reference, native = trip if seed % 2 else full, NativeRope(scene)
+    if not native.initialize(0.0, *ends_at(reference, case.trip.travel, 0.0)).valid:
         return
     for k in range(1, round(min(full.duration, LONGEST) / H)):
         before = native.state.counts.newton
-        if not native.advance_to(k * H, *ends(k * H)).valid:
+        if not native.advance_to(k * H, *ends_at(reference, case.trip.travel, k * H)).valid:
             return
         yield H, native.state.counts.newton - before, float(most_work(H, scene.solver.step_max))
 
