@@ -1,8 +1,4 @@
-"""End loads where the description of the rope's state changes: frame, mesh, fidelity of the model.
-
-None of these changes is a thing that happens to the rope, so none may throw its forces.  The frame changes with every
-step: a rope that is turned again and again must show it nowhere.
-"""
+"""End loads where the description of the rope's state changes: frame, mesh, fidelity of the model."""
 
 import math
 from dataclasses import dataclass, replace
@@ -10,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scenes import smooth_step, smooth_trip
 
+from rope_model import EndMotion, Model, Rope, Scene, at_level, rope_120, rope_240
 from rope_model.engine import NativeRope
-from rope_model.parameters import Model, Rope, Scene, at_level, rope_120, rope_240
-from rope_model.simulation.ends.paths import EndMotion
 
 pytest.importorskip("rope_model.codegen.build")
 
@@ -33,32 +29,21 @@ class Turn:
     duration: float
 
     def __call__(self, t: float, height: float) -> tuple[EndMotion, EndMotion]:
-        y, v, a = (self.travel * x for x in smooth(t / self.duration))
-        v, a = v / self.duration, a / self.duration**2
-        turn, rate, _ = (self.yaw * x for x in smooth((t - self.begin) / (self.end - self.begin)))
-        right = EndMotion(y=height - y, vy=-v, ay=-a, yaw=turn, yaw_rate=rate / (self.end - self.begin))
-        return EndMotion(y=y, vy=v, ay=a), right
-
-
-def smooth(x: float) -> tuple[float, float, float]:
-    x = min(max(x, 0.0), 1.0)
-    return 10 * x**3 - 15 * x**4 + 6 * x**5, 30 * x**2 * (1 - x) ** 2, 60 * x - 180 * x**2 + 120 * x**3
+        left, right = smooth_trip(t, self.travel, self.duration, height)
+        turn, rate, _ = (self.yaw * x for x in smooth_step(t, self.begin, self.end - self.begin))
+        return left, replace(right, yaw=turn, yaw_rate=rate)
 
 
 FOUR_TURNS = Turn(0.0, 8 * math.pi, 0.0, 40.0, 40.0)
+DEEP = replace(rope_240().scene, left=Scene().left, right=Scene().right)
+RIGID = replace(at_level(UNCOUPLED, "draft"), model=Model(force_tolerance=0.05))
 SCENES = {
     "four turns at rest": (rope_120().scene, FOUR_TURNS),
     "two turns in a winding": (rope_120().scene, Turn(90.0, 4 * math.pi, 2.0, 22.0, 25.0)),
-    "a turn backwards on a deep rope": (
-        replace(rope_240().scene, left=Scene().left, right=Scene().right),
-        Turn(200.0, -2 * math.pi, 2.0, 28.0, 30.0),
-    ),
+    "a turn backwards on a deep rope": (DEEP, Turn(200.0, -2 * math.pi, 2.0, 28.0, 30.0)),
     "planar rope that is turned": (UNCOUPLED, Turn(90.0, 0.5, 10.0, 15.0, 25.0)),
     "draft that is turned": (rope_120("draft").scene, Turn(90.0, 0.5, 10.0, 15.0, 25.0)),
-    "rigid rope that is turned": (
-        replace(at_level(UNCOUPLED, "draft"), model=Model(force_tolerance=0.05)),
-        Turn(90.0, 0.5, 10.3, 15.3, 25.0),
-    ),
+    "rigid rope that is turned": (RIGID, Turn(90.0, 0.5, 10.3, 15.3, 25.0)),
 }
 
 
@@ -75,8 +60,7 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
     changes: dict[str, list[int]] = {"transformation": [], "model": []}
     before = 0.0, rope.fidelity
     for k in range(1, round(motion.duration / H) + 1):
-        status = rope.advance_to(k * H, *motion(k * H, height))
-        assert status.valid, status
+        assert rope.advance_to(k * H, *motion(k * H, height)).valid
         record.append([*rope.signals(LOADS).values()])
         # events are read where there are any: a whole state each step takes longer than the step
         now = *rope.signals(["count.transformations"]).values(), rope.fidelity
@@ -84,10 +68,7 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
             changes["model" if event.what.startswith("model") else event.what].append(k - 1)
         before = now
     jumps = jumps_of(np.array(record))
-    of = {
-        what: [k - 1 + d for k in samples for d in (-1, 0, 1) if 0 <= k - 1 + d < len(jumps)]
-        for what, samples in changes.items()
-    }
+    of = {x: [j for k in at for j in (k - 2, k - 1, k) if 0 <= j < len(jumps)] for x, at in changes.items()}
     # horizontal forces, which a rigid rope leaves out, come back at once: some 17 N
     assert jumps[of["model"], :6].max(initial=0.0) <= 20.0
     smooth_ones = jumps if "turns" in name or "backwards" in name else jumps[of["transformation"]]

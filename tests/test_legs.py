@@ -10,23 +10,20 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, Model, RopeSimulator, Scene, balance_rope
+from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, Swivel, balance_rope
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Mesh, Swivel
 from rope_model.simulation.mesh.partition import fit_mesh
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")]
 
 
 def uncoupled(name: str) -> Scene:
-    """A case's rope without coupling, between locked ends, in steps of 10 ms."""
     scene = rope_data(find_case(name).rope)
     locked, rope = Swivel(mode="locked"), replace(scene.rope, Qb=0.0, Qc=0.0)
     return scene.with_(rope=rope, left=locked, right=locked, solver=fixed_steps(0.01), model=Model("planar"))
 
 
 def followed(rope: BalanceRope, trip: Winding, steps: int, every: int) -> np.ndarray:
-    """Vertical end forces and the loop's place after every so many steps."""
     reference, found = s_curve(trip), []
     assert rope.initialize(0.0, *ends_at(reference, trip.travel, 0.0)).valid
     for k in range(1, steps + 1):
@@ -46,9 +43,7 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
     assert np.linalg.norm(one - other, axis=1).max() < 0.5 * asked
 
 
-def test_steps_cut_at_transformations_err_several_times_more_than_meshes_that_wait(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, trip = uncoupled("rope-120"), Winding(travel=26.0, speed=6.0, start_delay=0.0)
 
     def forces(mesh: Mesh) -> np.ndarray:

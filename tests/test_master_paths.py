@@ -9,10 +9,7 @@ from rope_model.simulation.ends.paths import EndMotion
 
 
 def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:
-    """Largest error of the path in y, vy, ay behind a motion of constant jerk that is extrapolated from each start.
-
-    It begins at 0; the step before was a ``rest`` of so many seconds.
-    """
+    """Largest error in y, vy, ay behind constant jerk that is extrapolated from each start, after a ``rest`` (s)."""
     end, t, largest = Follower(), 0.0, np.zeros(3)
     if rest:
         end.step(rest, EndMotion())

@@ -21,6 +21,7 @@ from exports import FLAVOURS
 from masters import DURATION, JERK, LOOPS, MISSED_ACCELERATION, TRAVEL, Steps
 from native_host import Host
 from numpy.testing import assert_allclose
+from scenes import smooth_trip
 
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends.paths import SIDES, EndMotion
@@ -30,22 +31,13 @@ FORCES = ("left.fy", "right.fy")
 
 
 def trip(t: float) -> tuple[EndMotion, EndMotion]:
-    """The left end rises and the right one falls by 90 m in 25 s."""
-    s = min(max(t / DURATION, 0.0), 1.0)
-    y = TRAVEL * (10 * s**3 - 15 * s**4 + 6 * s**5)
-    v = TRAVEL / DURATION * 30 * s**2 * (1 - s) ** 2
-    a = TRAVEL / DURATION**2 * (60 * s - 180 * s**2 + 120 * s**3)
-    return EndMotion(y=y, vy=v, ay=a), EndMotion(y=TRAVEL - y, vy=-v, ay=-a)
+    return smooth_trip(t, TRAVEL, DURATION, TRAVEL)
 
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> dict[str, tuple[Path, str]]:
-    """FMU and its unpacked folder, by flavour."""
-    made = {}
-    for name in (*FLAVOURS, "drive"):
-        path = fmu_of("drive-2" if name == "drive" else name)
-        made[name] = (path, str(fmpy.extract(str(path), str(tmp_path_factory.mktemp(name)))))
-    return made
+    paths = {name: fmu_of(name) for name in FLAVOURS} | {"drive": fmu_of("drive-2")}
+    return {n: (path, str(fmpy.extract(str(path), str(tmp_path_factory.mktemp(n))))) for n, path in paths.items()}
 
 
 @pytest.fixture(params=[*FLAVOURS, "drive"])
@@ -79,21 +71,9 @@ def run(host: Host, steps: Steps, T: float) -> None:
     assert abs(t + h - T) < 1e-9
 
 
-def forces(host: Host, steps: Steps, at_end: bool) -> np.ndarray:
-    """(steps, 3): time and forces after each; AssertionError with the FMU's words when one is refused."""
-    rows = []
-    for t, h in steps:
-        give(host, t + h if at_end else t)
-        message = host.step(t, h)
-        assert message == "", f"t = {t!r}, h = {h!r}: {message}"
-        rows.append([t + h, *host.get(*FORCES)])
-    return np.array(rows)
-
-
 @pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize(("H", "T"), [(0.02, 5.0), (0.005, 5.0), (0.02, 9.0)])
 def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, T: float) -> None:
-    """Some of these end with a step of 1e-15 to 1e-13 s."""
     host.start(**({"model.fidelity": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
     run(host, LOOPS[loop](H, T), T)
 
@@ -163,7 +143,6 @@ def test_restored_outputs_are_those_before_a_tunable_was_changed(host: Host) -> 
 
 @rope_only
 def test_trials_of_a_position_alone_are_taken_back_without_a_trace(host: Host) -> None:
-    """A Newton master moves y by 9 mm for its derivative, another one bisects it, before the step that counts."""
     H, trials = 0.01, [9e-3, -9e-3, *(9e-3 * 0.5**k for k in range(1, 6))]
     shown = (*FORCES, "inputs.repeated", "inputs.misfit.position")
 
@@ -190,10 +169,7 @@ def test_trials_of_a_position_alone_are_taken_back_without_a_trace(host: Host) -
 @native_only
 @pytest.mark.parametrize(("every", "between"), [(0.05, True), (0.02, False), (0.05, False)])
 def test_forces_keep_with_samples_that_importers_interpolate_or_repeat(host: Host, every: float, between: bool) -> None:
-    """As FMPy and fmusim read tables, and PyFMI, MasterSim and libcosim a slower part.
-
-    Within .3 % root mean square and 2 % at an instant of the largest, the targets of `make signals`.
-    """
+    """As FMPy and fmusim read tables, and PyFMI, MasterSim and libcosim a slower part."""
     found = []
     for table in (False, True):
         host.start()
@@ -211,20 +187,10 @@ def test_forces_keep_with_samples_that_importers_interpolate_or_repeat(host: Hos
         told = host.get("status.warning")[0]
         host.call("Reset")
     off = (found[1] - found[0]) / np.abs(found[0]).max()
+    # the targets of `make signals`
     assert np.sqrt((off**2).mean()) < 3e-3
     assert np.abs(off).max() < 2e-2
     assert ("interpolated linearly" if between else "came again") in told
-
-
-def error(found: np.ndarray, exact: np.ndarray) -> float:
-    """Largest difference of an end force, N."""
-    return max(np.abs(found[:, k] - np.interp(found[:, 0], exact[:, 0], exact[:, k])).max() for k in (1, 2))
-
-
-def extrapolation_error() -> float:
-    """N, of the end force while the longest leg follows the trip extrapolated in steps up to LONGEST."""
-    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
-    return float(2 * MISSED_ACCELERATION * JERK * LONGEST * MASS_PER_LENGTH * leg)
 
 
 @native_only
@@ -232,7 +198,12 @@ def test_host_with_an_error_controlled_step(host: Host) -> None:
     """It compares one step with two halves of it, and takes what came of the halves; at rest its steps grow to 1 s."""
     rest, T = 10.0, 1.0
     host.start()
-    even = np.vstack([[0.0, *host.get(*FORCES)], forces(host, LOOPS["counting"](LONGEST, T), at_end=False)])
+    rows = [[0.0, *host.get(*FORCES)]]
+    for t, h in LOOPS["counting"](LONGEST, T):
+        give(host, t)
+        assert host.step(t, h) == ""
+        rows.append([t + h, *host.get(*FORCES)])
+    even = np.array(rows)
     host.call("Reset")
     host.start()
     t, h, rows, tolerance = -rest, 1e-4, [], 5.0
@@ -264,6 +235,8 @@ def test_host_with_an_error_controlled_step(host: Host) -> None:
     assert max(steps) > 0.5
     assert len(steps) < 400
     in_trip = np.array([row for row in rows if row[0] > 0])
-    worst = error(in_trip, even)
+    worst = max(np.abs(in_trip[:, k] - np.interp(in_trip[:, 0], even[:, 0], even[:, k])).max() for k in (1, 2))
     print(len(steps), worst)
-    assert worst <= extrapolation_error()
+    # of the end force, N, while the longest leg follows the trip extrapolated in steps up to LONGEST
+    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
+    assert worst <= 2 * MISSED_ACCELERATION * JERK * LONGEST * MASS_PER_LENGTH * leg

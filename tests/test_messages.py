@@ -9,9 +9,7 @@ from native_parts import compiled
 
 from rope_model.codegen.messages import SPOKEN
 
-TEXTS: dict[str, Callable[..., str]] = {
-    name: text for module in SPOKEN for name, text in inspect.getmembers(module, inspect.isfunction)
-}
+TEXTS: dict[str, Callable[..., str]] = dict(x for m in SPOKEN for x in inspect.getmembers(m, inspect.isfunction))
 TYPES = {"float": ("double", ct.c_double), "int": ("int", ct.c_int), "str": ("const char *", ct.c_char_p)}
 #: numbers that are written in full, rounded, with an exponent, and not at all
 SAMPLES = {

@@ -1,4 +1,4 @@
-"""What calls of the native FMU are refused, and how it goes on, on a stand-in for the rope."""
+"""What calls of the native FMU take and refuse, and how it goes on, on a stand-in for the rope."""
 
 import ctypes
 import math
@@ -10,7 +10,7 @@ from fmpy.fmi1 import FMICallException
 from native_host import H, Host
 
 
-def test_a_read_that_fails_is_said_once(host: Host) -> None:
+def test_a_read_that_fails_is_said_once_also_at_the_end(host: Host) -> None:
     host.enter()
     host.set(**{"rope.length": -1.0})
     outputs = [v.valueReference for v in host.variables.values() if v.name.startswith(("left.f", "loop."))]
@@ -18,6 +18,9 @@ def test_a_read_that_fails_is_said_once(host: Host) -> None:
     with pytest.raises(FMICallException):
         getattr(host.fmu, "getReal" if host.fmi == 2 else "getFloat64")(outputs)
     assert len([message for status, message in host.log if status == 3]) == 1
+    said = [*host.log]
+    host.fmu.terminate()
+    assert host.log == said
 
 
 @pytest.mark.parametrize(
@@ -90,16 +93,6 @@ def test_an_end_after_a_failure_leaves_its_message_the_last(host: Host, when: st
     assert host.get("status.message") == status
 
 
-def test_an_end_after_a_refused_question_is_quiet_too(host: Host) -> None:
-    host.enter()
-    host.set(**{"rope.length": -1.0})
-    with pytest.raises(FMICallException):
-        host.get("left.fy")
-    said = [*host.log]
-    host.fmu.terminate()
-    assert host.log == said
-
-
 def test_a_state_that_is_none_is_refused_and_not_followed(host: Host) -> None:
     host.start()
     state = "state" if host.fmi == 2 else "State"
@@ -125,3 +118,44 @@ def test_a_state_that_is_none_is_refused_and_not_followed(host: Host) -> None:
 def test_instance_with_a_wrong_token_is_refused(fmi: int, fmus: dict[int, Path], folders: dict[int, str]) -> None:
     with pytest.raises(Exception, match="instantiate"):
         Host(fmus[fmi], folders[fmi], token="{0}")
+
+
+@pytest.mark.parametrize("at_step_end", [True, False])
+def test_inputs_are_read_at_the_end_or_extrapolated(host: Host, at_step_end: bool) -> None:
+    host.start(inputs_at_step_end=at_step_end)
+    host.set(**{"right.vy": -2.0, "right.ay": -1.0})
+    assert host.step(0.0, 0.1) == ""
+    height = 90.0 if at_step_end else 90.0 - 0.2 - 0.005
+    assert host.get("left.fy")[0] == pytest.approx(-0.5 * (120.0 - height) * 8.0 * 9.81)
+
+
+def test_input_derivatives_of_fmi_2_stand_for_speed_and_acceleration_that_are_not_set(host: Host) -> None:
+    if host.fmi == 3:
+        pytest.skip("FMI 3.0 has none")
+    host.start()
+    y, vy = (host.variables[f"right.{name}"].valueReference for name in ("y", "vy"))
+    host.fmu.setRealInputDerivatives([y, y, vy], [1, 2, 3], [-2.0, -1.0, 7.0])
+    assert host.get("right.vy", "right.ay") == [-2.0, -1.0]
+    host.set(**{"right.vy": -3.0})
+    host.fmu.setRealInputDerivatives([y, y], [1, 2], [-2.0, -1.5])
+    assert host.get("right.vy", "right.ay") == [-3.0, -1.5]
+    assert host.step(0.0, 0.1) == ""
+    assert host.get("left.fy")[0] == pytest.approx(-0.5 * (120.0 - 90.0 + 0.3 + 0.0075) * 8.0 * 9.81)
+    for order, value in ((0, 1.0), (1, math.nan)):
+        with pytest.raises(FMICallException):
+            host.fmu.setRealInputDerivatives([y], [order], [value])
+        assert "must be of order 1 or higher, and finite" in host.error()
+
+
+def test_state_keeps_the_mode(host: Host) -> None:
+    before = host.state()
+    host.start()
+    running = host.state()
+    host.fmu.terminate()
+    host.restore(running)
+    assert host.step(0.0) == ""
+    host.restore(before)
+    host.start()
+    assert host.step(0.0) == ""
+    for state in (before, running):
+        host.free(state)

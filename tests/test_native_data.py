@@ -1,8 +1,4 @@
-"""The native rope's ends, fidelities, rigid rope and parameter checks give what the Python functions give.
-
-Both do the same operations in the same order.  Numbers may differ by what libm and numpy round differently, 1e-12 of
-the quantities' size where nothing else is said; texts may not differ at all.
-"""
+"""The native rope's ends, fidelities, rigid rope and parameter checks give what the Python functions give."""
 
 import ctypes as ct
 import dataclasses
@@ -17,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from native_parts import compiled
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 from scenes import CHOICES as WINDINGS
 from scenes import Choice
 
@@ -35,7 +30,7 @@ from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import StaticsError
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 Ends = tuple[EndMotion, EndMotion]
 
 MESSAGE, ROUNDING = 512, 1e-12
@@ -46,7 +41,6 @@ FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
 
 @pytest.fixture(scope="module")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """The library with the parts under test."""
     library = compiled(tmp_path_factory.mktemp("native"), {})
     for function in (library.text_number, library.text_exact, library.fidelity_name):
         function.restype = ct.c_char_p
@@ -54,7 +48,6 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def text_of(function: Any, *arguments: Any) -> str:
-    """The message that a function writes into its last argument."""
     message = ct.create_string_buffer(b"?" * (MESSAGE - 1))
     function(*arguments, message)
     return message.value.decode()
@@ -68,18 +61,12 @@ def pointer(x: Array) -> Any:
     return x.ctypes.data_as(ct.POINTER(ct.c_double))
 
 
-def numbers(structure: ct.Structure) -> Array:
-    return np.frombuffer(structure).copy()
-
-
 def same(ours: Array, theirs: Array, size: float = 1.0) -> None:
     assert_allclose(ours, theirs, rtol=ROUNDING, atol=ROUNDING * size)
 
 
 reals = st.floats(allow_nan=True, allow_infinity=True)
 coordinates = st.floats(-50.0, 50.0)
-motions = st.builds(EndMotion, *[coordinates] * 11)
-intervals = st.floats(1e-3, 2.0)
 
 
 @given(reals, st.integers(1, 8))
@@ -131,13 +118,11 @@ def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
 
 
 def values_of(scene: Scene) -> dict[str, Any]:
-    """The FMU's parameters for the scene."""
     table = variables(RopeCase(scene, 0.0, 1.0))
     return {x.name: x.start for x in table if x.causality == "parameter" and not x.name.startswith("inputs")}
 
 
 def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
-    """The scene in C with some of the FMU's parameters, which may be out of range."""
     structure = scene_structure(scene)
     for name, value in values.items():
         *groups, field = name.split(".")
@@ -180,7 +165,6 @@ def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, na
 
 
 def scenes() -> Iterator[Any]:
-    """Scenes and motions that every branch of the choice is for."""
     short = Rope(length=30.0, Qb=0.0, Qc=0.0)
     ropes = {
         "uncoupled": short,
@@ -241,12 +225,6 @@ def test_fidelities_along_the_windings_of_the_choice_are_the_same(native: Any, c
         assert_same_fidelities(native, case.scene, case.ends(float(t)))
 
 
-def uneven_lengths(nodes: int, length: float, seed: int) -> Array:
-    """Lengths of the elements."""
-    lengths = np.random.default_rng(seed).uniform(0.5, 2.0, nodes - 1)
-    return lengths * (length / lengths.sum())
-
-
 gentle = st.floats(-1.0, 1.0)
 ends_here = st.tuples(*[st.builds(EndMotion, gentle, coordinates, gentle, *[gentle] * 6)] * 2)
 
@@ -258,27 +236,19 @@ def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, 
     moved = [dataclasses.replace(b, y=a.y + b.vx, vy=b.vy + a.x) for a, b in zip(first, then, strict=True)]
     paths = tuple(led(EndPath.at_rest(0.0, a), 1.0, b) for a, b in zip(first, moved, strict=True))
     ends = ends_at((paths[0], paths[1]), t)
-    s = arc_lengths(uneven_lengths(nodes, length, nodes))
+    lengths = np.random.default_rng(nodes).uniform(0.5, 2.0, nodes - 1)
+    s = arc_lengths(lengths * (length / lengths.sum()))
     q, v, a, reaction = (np.full((nodes, 7), np.nan) for _ in range(4))
     kinetic, gravity = ct.c_double(), ct.c_double()
-    message = text_of(
-        native.rigid_rope,
-        ct.byref(scene_structure(scene)),
-        ends_of(ends),
-        ct.c_double(t),
-        nodes,
-        *map(pointer, (s, q, v, a, reaction)),
-        ct.byref(kinetic),
-        ct.byref(gravity),
-    )
+    given = ct.byref(scene_structure(scene)), ends_of(ends), ct.c_double(t), nodes
+    arrays, energies = map(pointer, (s, q, v, a, reaction)), (ct.byref(kinetic), ct.byref(gravity))
+    message = text_of(native.rigid_rope, *given, *arrays, *energies)
     try:
-        theirs = rigid_rope(scene, ends, t, s)
+        theirs, refused = rigid_rope(scene, ends, t, s), ""
     except (ValueError, StaticsError) as error:
-        refused = str(error)
-    else:
-        refused = ""
+        theirs, refused = None, str(error)
     assert message == refused
-    if refused:
+    if theirs is None:
         return
     weight = scene.rope.mass_per_length * scene.layout.gravity * length
     same(np.array([kinetic.value]), np.array([theirs.kinetic]))

@@ -24,25 +24,16 @@ SOURCES = {
     '__attribute__((visibility("default")))\n#endif\ndouble seen(int i) { return model_start(i); }\n',
 }
 #: the first library for another system takes longer than all others: that for Windows brings the start-up code of MinGW
-EVERYWHERE = [
-    pytest.param(
-        name,
-        marks=[
-            pytest.mark.skipif(name not in available_platforms(), reason="needs ziglang"),
-            *([] if name == host_platform() else [pytest.mark.slow]),
-        ],
-    )
-    for name in PLATFORMS
-]
+NEEDS = {x: pytest.mark.skipif(x not in available_platforms(), reason="needs ziglang") for x in PLATFORMS}
+SLOW = [pytest.mark.slow]
+EVERYWHERE = [pytest.param(x, marks=[NEEDS[x], *SLOW * (x != host_platform())]) for x in PLATFORMS]
 
 
 def small(start: Start, name: str = host_platform()) -> bytes:
-    """A library that reads start values."""
     return library(SOURCES | {"start.c": c_start(start)}, "start", name).read_bytes()
 
 
 def fill(start: Start, name: str = host_platform()) -> bytes:
-    """The library of zeros, then ``start`` written into it."""
     shared = without_start(SOURCES, len(start.values))
     return with_start(library(shared, "start", name).read_bytes(), start)
 
@@ -72,7 +63,6 @@ def signature(library: bytes) -> tuple[int, int, int, int, int]:
 
 
 def page_hashes(library: bytes) -> tuple[bytes, bytes]:
-    """All page hashes as they should be, and as they are."""
     _, first, slots, limit, page = signature(library)
     code = library[:limit]
     right = b"".join(hashlib.sha256(code[k : k + page]).digest() for k in range(0, limit, page))
@@ -113,16 +103,13 @@ def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_ref
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_exports_with_other_start_values_compile_once(
-    fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BALANCE_ROPE_CACHE", str(tmp_path / "cache"))
     tokens = set()
     for length in (120.0, 130.0):
         path = tmp_path / f"{length}.fmu"
-        export_native(
-            path, level="draft", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start={"rope.length": length}
-        )
+        start = {"rope.length": length}
+        export_native(path, level="draft", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start=start)
         host = Host(path, fmpy.extract(str(path), str(tmp_path / str(length))))
         assert host.get("rope.length") == [length]
         host.call("FreeInstance")
@@ -133,12 +120,8 @@ def test_exports_with_other_start_values_compile_once(
     assert len(list((tmp_path / "cache").glob("fmu-*"))) == 1
 
 
-# what a package brings
-
-
 @pytest.fixture
 def no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A package folder without anything prebuilt, on a machine without a compiler."""
     monkeypatch.setattr(build, "_PACKAGE", tmp_path)
     monkeypatch.setattr(build, "_compilable", lambda: set[str]())
     monkeypatch.setattr(build, "find_compiler", lambda: None)

@@ -4,14 +4,12 @@ import math
 from collections.abc import Iterator
 
 import casadi as ca
-import numpy as np
 import pytest
 from integrated_systems import soft_rope, verdict_on
+from numpy.testing import assert_allclose
 
 from rope_model.numerics.generalized_alpha import Coefficients, step
 from rope_model.numerics.newton import NewtonStatus, newton, report
-
-# Newton
 
 
 @pytest.mark.parametrize(
@@ -42,7 +40,7 @@ def test_newtons_estimate_bounds_what_is_left_of_a_linear_contraction() -> None:
             yield x[-2] - x[-1]
 
     verdict = verdict_on(corrections(), 1e-6, 50)
-    np.testing.assert_allclose(verdict.error, x[-1], rtol=1e-6)
+    assert_allclose(verdict.error, x[-1], rtol=1e-6)
     assert x[-1] <= 1e-6 < x[-2]
 
 
@@ -58,7 +56,7 @@ def test_the_error_left_by_a_wrong_derivative_is_estimated(tolerance: float, rea
     found, progress = iteration(ca.DM([[2.0, 1.0]]), tolerance)
     verdict = report(progress.full().ravel().tolist())
     assert (verdict.status, verdict.iterations) == (NewtonStatus.CONVERGED, corrections)
-    np.testing.assert_allclose(found.full().ravel(), [reached, reached - 1], rtol=1e-12)
+    assert_allclose(found.full().ravel(), [reached, reached - 1], rtol=1e-12)
     assert verdict.error == pytest.approx(reached - 1, rel=1e-12)
 
 

@@ -7,28 +7,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from rope_model import BalanceRope, EndMotion, balance_rope
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
-from rope_model.simulation.contact.point_forces import PointForces
+from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, PointForces, Rope, Scene, Solver, balance_rope
 
 LENGTH, STEP, FORMS = 6.0, 0.01, ("python", "native")
 
 
 def hung(form: Any, **parts: Any) -> BalanceRope:
-    """A short rope at rest."""
-    scene = Scene(
-        rope=Rope(length=LENGTH, EI=100.0),
-        layout=Layout(0.6),
-        mesh=Mesh("eem", elements=10),
-        solver=Solver(step_max=STEP, tolerance=1e3),
-    )
+    solver = Solver(step_max=STEP, tolerance=1e3)
+    scene = Scene(Rope(length=LENGTH, EI=100.0), Layout(0.6), mesh=Mesh("eem", elements=10), solver=solver)
     rope = balance_rope(scene.with_(**parts), form)
     assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
     return rope
 
 
 def pushing(t: float, h: float) -> PointForces:
-    """Forces that come and go, on both legs and the loop."""
     s = np.array([1.0, 1.3, 3.0, 4.7])
     way = np.array([[0.0, 0.0, 9.0], [3.0, 1.0, 2.0], [0.0, 20.0, 5.0], [-4.0, 0.0, 6.0]])
     return PointForces(s, way * math.sin(3.0 * t), way * math.sin(3.0 * (t + h)), t, t + h)
@@ -37,8 +29,7 @@ def pushing(t: float, h: float) -> PointForces:
 def push(rope: BalanceRope, steps: int, start: int = 0) -> BalanceRope:
     for k in range(start, start + steps):
         rope.apply(pushing(k * STEP, STEP))
-        status = rope.advance_to((k + 1) * STEP, EndMotion(), EndMotion())
-        assert status.valid, status.message
+        assert rope.advance_to((k + 1) * STEP, EndMotion(), EndMotion()).valid
     return rope
 
 
@@ -48,8 +39,7 @@ def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
     ramp, held = PointForces(np.array([2.0]), 0 * force, force, 0.0, 2.0), None
     rope.apply(ramp)
     for k in range(1500):
-        status = rope.advance_to((k + 1) * STEP, EndMotion(), EndMotion())
-        assert status.valid, status.message
+        assert rope.advance_to((k + 1) * STEP, EndMotion(), EndMotion()).valid
         mean = rope.signals([*before]) if k > 500 else None
         held = mean if held is None or mean is None else {n: x + 0.01 * (mean[n] - x) for n, x in held.items()}
     assert held is not None

@@ -36,7 +36,6 @@ def test_every_public_name_is_imported_from_the_package() -> None:
 
 
 def readme_example(folder: Path) -> Path:
-    """The example of README's section on Python as a script."""
     section = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Use the rope in Python")[2]
     block = re.search(r"```python\n(.*?)```", section, re.DOTALL)
     assert block is not None
@@ -46,7 +45,6 @@ def readme_example(folder: Path) -> Path:
 
 
 def lines_of(script: Path, cache: Path) -> list[str]:
-    """What a script prints that finds the libraries of the folder ``cache`` only."""
     environment = os.environ | {"BALANCE_ROPE_CACHE": str(cache), "PYTHONPATH": str(ROOT)}
     command = [sys.executable, str(script)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=cache, env=environment)
@@ -56,7 +54,6 @@ def lines_of(script: Path, cache: Path) -> list[str]:
 
 @pytest.fixture
 def cache(tmp_path: Path) -> Path:
-    """A folder with the native library and no other that is compiled."""
     folder = tmp_path / "cache"
     folder.mkdir()
     shutil.copy(library(), folder)
@@ -64,9 +61,7 @@ def cache(tmp_path: Path) -> Path:
 
 
 @needs_compiler
-def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_nothing_but_the_native_rope(
-    cache: Path, tmp_path: Path
-) -> None:
+def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_no_more(cache: Path, tmp_path: Path) -> None:
     force, unit = lines_of(readme_example(tmp_path), cache)[-1].split()
     # the loop hangs at (120 - 90) / 2 m of the rope; its bend is even
     assert_allclose(float(force), -15.0 * WEIGHT, rtol=1e-3)

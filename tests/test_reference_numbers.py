@@ -1,12 +1,13 @@
-"""The reference numbers of the theory (section 7), each from the element's own force, stiffness and mass."""
+"""The theory's reference numbers (section 7), each from the element's own force, stiffness and mass; how ropes hang."""
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 from conftest import Chain, portable_system, straight
-from numpy.typing import NDArray
+from numpy.testing import assert_allclose
 from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
 
@@ -17,34 +18,18 @@ from rope_model.simulation.outputs.diagnostics import loop_bottom, observation_p
 from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector
-from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium, hanging_guess
+from rope_model.simulation.stepping.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 
 G = 9.81
 ROPE = Rope()
+KERNELS = cache(RopeKernels)
 UNCOUPLED = replace(ROPE, Qb=0.0, Qc=0.0)
 
 
 def material(**values: float) -> Array:
-    """Parameters of a rod; what is not given is zero."""
     return np.array([values.get(name, 0.0) for name in PARAMETERS])
-
-
-# a straight hanging rope
-
-
-def hanging_straight(rope: Rope, elements: int) -> tuple[RopeSystem, Equilibrium]:
-    """Held against turning at both ends, lower end free to sink."""
-    s = np.linspace(0.0, rope.length, elements + 1)
-    q = np.zeros((s.size, 7))
-    q[:, 1], q[:, 4] = -s, -1.0
-    chain = Chain.unloaded(q)
-    chain.held[[0, -1]] = True
-    chain.held[0, 4] = False
-    chain.held[-1, [1, 4]] = False
-    system = portable_system(np.diff(s), parameter_vector(rope, G), chain)
-    return system, find_equilibrium(system, q)
 
 
 @pytest.mark.parametrize(("Qb", "Qc"), [(2.336e5, 2.336e5), (2.371e5, 2.301e5)])
@@ -53,17 +38,24 @@ def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight
     length: float, torque: float, twist: float, Qb: float, Qc: float
 ) -> None:
     rope = replace(ROPE, length=length, Qb=Qb, Qc=Qc)
-    system, e = hanging_straight(rope, 60)
+    s = np.linspace(0.0, length, 61)
+    q = np.zeros((s.size, 7))
+    q[:, 1], q[:, 4] = -s, -1.0
+    # held against turning at both ends, lower end free to sink
+    chain = Chain.unloaded(q)
+    chain.held[[0, -1]] = True
+    chain.held[0, 4] = chain.held[-1, 1] = chain.held[-1, 4] = False
+    system = portable_system(np.diff(s), parameter_vector(rope, G), chain)
+    e = find_equilibrium(system, q)
     weight = rope.mass_per_length * G * length
     M0 = rope.Qc / rope.Qa * weight / 2
     D = rope.Qd - rope.Qb * rope.Qc / rope.Qa
-    s = arc_lengths(system.lengths)
     phi = -rope.Qc / rope.Qa * rope.mass_per_length * G / (2 * D) * s * (length - s)
     # linear theta: (1/60)^2 at worst
-    np.testing.assert_allclose([e.reaction[-1, ANGLE], -e.reaction[0, ANGLE]], M0, rtol=1e-3)
-    np.testing.assert_allclose(e.q[:, ANGLE], phi, rtol=0, atol=1e-3 * np.abs(phi).max())
+    assert_allclose([e.reaction[-1, ANGLE], -e.reaction[0, ANGLE]], M0, rtol=1e-3)
+    assert_allclose(e.q[:, ANGLE], phi, rtol=0, atol=1e-3 * np.abs(phi).max())
     if Qb == Qc:  # the numbers as printed, to their digits
-        np.testing.assert_allclose([M0, np.abs(phi).max()], [torque, twist], rtol=2e-3)
+        assert_allclose([M0, np.abs(phi).max()], [torque, twist], rtol=2e-3)
 
 
 def test_the_loop_yaws_and_so_relieves_the_torque_of_its_legs() -> None:
@@ -71,12 +63,9 @@ def test_the_loop_yaws_and_so_relieves_the_torque_of_its_legs() -> None:
     M, D = e.reaction[-1, ANGLE], ROPE.Qd - ROPE.Qb * ROPE.Qc / ROPE.Qa
     twist = float(system.lengths @ system.with_reference(e.q).strains(e.q)[:, 1])
     # torque of the mean tension of two legs of 60 m, less what the twist takes back; the bend is 1e-3 of the weight
-    np.testing.assert_allclose(M - D * twist / 120.0, 4.583, rtol=2e-3)
+    assert_allclose(M - D * twist / 120.0, 4.583, rtol=2e-3)
     # each leg is twisted by the yaw of the loop between them, which is not quite rigid
-    np.testing.assert_allclose(abs(twist), 2 * abs(loop_bottom(e.q, system.lengths).yaw), rtol=0.06)
-
-
-# waves
+    assert_allclose(abs(twist), 2 * abs(loop_bottom(e.q, system.lengths).yaw), rtol=0.06)
 
 
 def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
@@ -91,7 +80,7 @@ def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
     # modes 1 to 3 of the slow wave, then the first of the fast one
     speeds = 2 * length * natural_modes(system, q, 4).frequencies / [1, 2, 3, 1]
     # linear theta errs by (pi k/n)^2/24 < 3e-4
-    np.testing.assert_allclose(speeds, [1201.93, 1201.93, 1201.93, 3906.39], rtol=3e-4)
+    assert_allclose(speeds, [1201.93, 1201.93, 1201.93, 3906.39], rtol=3e-4)
 
 
 # the hanging loop
@@ -109,19 +98,13 @@ def half(length: float) -> Array:
 
 
 def hanging_lengths(height: float) -> Array:
-    """Partition of the 120 m rope, the left end ``height`` above the right; 2 x 59 elements."""
     return np.concatenate((half(60 + height / 2), half(60 - height / 2)[::-1]))
 
 
-@cache
-def kernels(elements: int) -> RopeKernels:
-    return RopeKernels(elements)
-
-
-def loop_system(rope: Rope, height: float, theta: str, torque: float) -> RopeSystem:
+def loop_system(rope: Rope, height: float, theta: str, torque: float, lengths: Any = None, spacing: float = 2.0) -> Any:
     """``theta``: both ends ``held``, or only the left one (``swivel``) and ``torque`` (N m) on the right."""
-    lengths = hanging_lengths(height)
-    ends = np.array([[-1.0, height / 2, 0.0], [1.0, -height / 2, 0.0]])
+    lengths = hanging_lengths(height) if lengths is None else lengths
+    ends = 0.5 * np.array([[-spacing, height, 0.0], [spacing, -height, 0.0]])
     chain = Chain.unloaded(np.zeros((lengths.size + 1, 7)))
     chain.held[[0, -1]] = True
     chain.held[[0, -1], 4] = False
@@ -129,14 +112,17 @@ def loop_system(rope: Rope, height: float, theta: str, torque: float) -> RopeSys
     chain.values[[0, -1], POSITION] = ends
     chain.loads[-1, ANGLE] = torque
     guess = hanging_guess(arc_lengths(lengths), *ends)
-    return RopeSystem(kernels(lengths.size), lengths, parameter_vector(rope, G), chain, guess)
+    return RopeSystem(KERNELS(lengths.size), lengths, parameter_vector(rope, G), chain, guess)
+
+
+def hung(system: RopeSystem) -> Equilibrium:
+    ends = system.prescribed_motion(0.0)[0][[0, -1], POSITION]
+    return find_equilibrium(system, hanging_guess(arc_lengths(system.lengths), *ends))
 
 
 @cache
 def hanging_loop(rope: Rope, height: float, theta: str, torque: float = 0.0) -> Equilibrium:
-    system = loop_system(rope, height, theta, torque)
-    ends = system.prescribed_motion(0.0)[0][[0, -1], POSITION]
-    return find_equilibrium(system, hanging_guess(arc_lengths(system.lengths), *ends))
+    return hung(loop_system(rope, height, theta, torque))
 
 
 def test_a_free_loop_has_its_natural_width_and_curvature() -> None:
@@ -155,8 +141,8 @@ def test_a_free_loop_has_its_natural_width_and_curvature() -> None:
     slope = 1.5 * (b[POSITION] - a[POSITION]) / l - 0.25 * (a[SLOPE] + b[SLOPE])
     curvature = np.linalg.norm(np.cross(slope, (b[SLOPE] - a[SLOPE]) / l)) / (slope @ slope)
     # l = 0.13 of the width scale; the theory asks for 0.5 %
-    np.testing.assert_allclose((q[-1, 0] - q[0, 0]) / scale, 2.54307, rtol=5e-3)
-    np.testing.assert_allclose(curvature * scale, 1.09661, rtol=5e-3)
+    assert_allclose((q[-1, 0] - q[0, 0]) / scale, 2.54307, rtol=5e-3)
+    assert_allclose(curvature * scale, 1.09661, rtol=5e-3)
 
 
 OUT = {0.0: (0.06518, 0.07751, 0.17880, 0.18815), 80.0: (0.05267, 0.13533, 0.13791, 0.22317)}
@@ -165,7 +151,6 @@ IN = {0.0: (0.07759, 0.11735, 0.18137, 0.24060), 80.0: (0.07244, 0.13822, 0.1954
 
 @cache
 def frequencies(height: float, theta: str) -> tuple[Array, Array]:
-    """Out of plane, in plane, Hz."""
     modes = natural_modes(loop_system(UNCOUPLED, height, theta, 0.0), hanging_loop(UNCOUPLED, height, theta).q, 10)
     out = modes.out_of_plane > 0.5
     return modes.frequencies[out][:4], modes.frequencies[~out][:4]
@@ -175,8 +160,8 @@ def frequencies(height: float, theta: str) -> tuple[Array, Array]:
 def test_the_natural_frequencies_are_those_of_the_independent_models(height: float) -> None:
     out, within = frequencies(height, "swivel")
     # the reference's two meshes agree to 0.2 %
-    np.testing.assert_allclose(out, OUT[height], rtol=5e-3)
-    np.testing.assert_allclose(within, IN[height], rtol=5e-3)
+    assert_allclose(out, OUT[height], rtol=5e-3)
+    assert_allclose(within, IN[height], rtol=5e-3)
 
 
 def test_locked_swivels_raise_the_yaw_modes_by_up_to_a_third() -> None:
@@ -187,7 +172,7 @@ def test_locked_swivels_raise_the_yaw_modes_by_up_to_a_third() -> None:
     yawing = [x[[np.min(np.abs(f - free[swings])) > 1e-4 * f for f in x]] for x in (held, free)]
     ratio = yawing[0] / yawing[1]
     assert ratio.min() > 1.05
-    np.testing.assert_allclose(ratio.max(), 4 / 3, rtol=0.02)  # as printed: a third
+    assert_allclose(ratio.max(), 4 / 3, rtol=0.02)  # as printed: a third
 
 
 @pytest.mark.parametrize(("torque", "aside", "degrees"), [(1.0, 0.0336, 1.23), (4.58, 0.1537, 5.64)])
@@ -197,16 +182,11 @@ def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely(torque: float, asi
     bottom = loop_bottom(q, system.lengths)
     left, right = observation_points(q, bottom.position)[:, 2]
     # tension falls to zero in the loop, and its shape decides: the theory asks for 2 %
-    np.testing.assert_allclose(np.abs([left, right]), aside, rtol=0.02)
+    assert_allclose(np.abs([left, right]), aside, rtol=0.02)
     assert left * right < 0
-    np.testing.assert_allclose(abs(np.degrees(bottom.yaw)), degrees, rtol=0.02)
+    assert_allclose(abs(np.degrees(bottom.yaw)), degrees, rtol=0.02)
     # the end that is held gives the torque back
-    np.testing.assert_allclose(
-        system.with_reference(q).evaluate(q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE], -torque, rtol=1e-3
-    )
-
-
-# rods without weight
+    assert_allclose(system.with_reference(q).evaluate(q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE], -torque, rtol=1e-3)
 
 
 def test_turning_the_end_of_a_cantilever_once_round_rolls_it_up_to_a_circle() -> None:
@@ -227,9 +207,9 @@ def test_turning_the_end_of_a_cantilever_once_round_rolls_it_up_to_a_circle() ->
     e = find_equilibrium(system, q)
     moment = e.q[-1, 3] * e.reaction[-1, 4]  # r' x its force
     # cubic elements of 11 degrees, and Qa 1e4: locking of 1e-4
-    np.testing.assert_allclose(moment, 2 * np.pi * EI / L, rtol=1e-3)
-    np.testing.assert_allclose(e.q[-1, :2], 0.0, atol=1e-3 * L)  # closed
-    np.testing.assert_allclose(e.reaction[0, :2], 0.0, atol=1e-8)  # and no force
+    assert_allclose(moment, 2 * np.pi * EI / L, rtol=1e-3)
+    assert_allclose(e.q[-1, :2], 0.0, atol=1e-3 * L)  # closed
+    assert_allclose(e.reaction[0, :2], 0.0, atol=1e-8)  # and no force
 
 
 def test_a_twisted_helix_is_held_by_loves_force_and_couple() -> None:
@@ -249,24 +229,13 @@ def test_a_twisted_helix_is_held_by_loves_force_and_couple() -> None:
     system = portable_system(np.diff(s), material(rho=1.0, Qa=EA, Qd=GJ, EI=1.0, rhoJ=0.1), chain)
     e = find_equilibrium(system, q)
     # the shape is an equilibrium: it stays
-    np.testing.assert_allclose(e.q[:, :3], q[:, :3], atol=1e-3)
+    assert_allclose(e.q[:, :3], q[:, :3], atol=1e-3)
     # the couple about the axis of all that holds an end; theta's moment is about the tangent
     for node, sense in ((-1, 1.0), (0, -1.0)):
         r, slope, f = e.q[node, POSITION], e.q[node, SLOPE], e.reaction[node]
         couple = np.cross(r, f[POSITION]) + end_moment(slope, f[SLOPE], f[ANGLE])
-        np.testing.assert_allclose(sense * f[POSITION], [0, 0, F], atol=5e-3 * F)
-        np.testing.assert_allclose(sense * couple, [0, 0, K], atol=5e-3 * K)
-
-
-def clamped_straight(length: float, elements: int, tension: float, P: Array) -> tuple[RopeSystem, Array]:
-    """Clamped at both ends; the stretch of ``tension`` in it, no twist yet."""
-    s = np.linspace(0.0, length, elements + 1)
-    q = straight(s)
-    q[:, [0, 3]] *= 1 + tension / P[PARAMETERS.index("Qa")]
-    chain = Chain.unloaded(q)
-    chain.held[[0, -1]] = True
-    chain.held[[0, -1], 3] = False
-    return portable_system(np.diff(s), P, chain), q
+        assert_allclose(sense * f[POSITION], [0, 0, F], atol=5e-3 * F)
+        assert_allclose(sense * couple, [0, 0, K], atol=5e-3 * K)
 
 
 def softest(system: RopeSystem, q: Array, twist: float) -> float:
@@ -284,10 +253,15 @@ def softest(system: RopeSystem, q: Array, twist: float) -> float:
 
 def test_a_clamped_rod_buckles_at_the_known_twist() -> None:
     EI, GJ, L = 1.0, 0.7, 1.0
-    system, q = clamped_straight(L, 24, 0.0, material(Qa=1e4, Qd=GJ, EI=EI))
+    s = np.linspace(0.0, L, 25)
+    q = straight(s)
+    chain = Chain.unloaded(q)
+    chain.held[[0, -1]] = True
+    chain.held[[0, -1], 3] = False
+    system = portable_system(np.diff(s), material(Qa=1e4, Qd=GJ, EI=EI), chain)
     twist = brentq(lambda x: softest(system, q, x), 6.0, 20.0, xtol=1e-8)
     # fourth order in l: 3e-5 with 24 elements
-    np.testing.assert_allclose(GJ * twist / EI, 8.986819, rtol=1e-4)
+    assert_allclose(GJ * twist / EI, 8.986819, rtol=1e-4)
 
 
 def ring_is_stable(elements: int, EI: float, GJ: float, twist: float) -> bool:
@@ -322,4 +296,62 @@ def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
             low, high = (middle, high) if ring_is_stable(elements, EI, GJ, middle) else (low, middle)
         critical.append(low)
     # a linear theta errs by l^2: extrapolated
-    np.testing.assert_allclose((4 * critical[1] - critical[0]) / 3, 2 * np.pi * np.sqrt(3) * EI / GJ, rtol=5e-3)
+    assert_allclose((4 * critical[1] - critical[0]) / 3, 2 * np.pi * np.sqrt(3) * EI / GJ, rtol=5e-3)
+
+
+Place = tuple[float, float, float]
+COUPLING = 2.336e5
+
+
+def tmn_lengths(height: float) -> Array:
+    fine = np.repeat([1.0, 0.5, 0.25, 0.5, 1.0], [2, 4, 40, 4, 2])
+    left = round((60 + height / 2 - fine.sum() / 2) / 2)
+    return np.concatenate((np.full(left, 2.0), fine, np.full(round((120 - fine.sum()) / 2) - left, 2.0)))
+
+
+@pytest.mark.parametrize("coupling", [0.0, COUPLING])
+@pytest.mark.parametrize("height", [0.0, 80.0])
+@pytest.mark.parametrize("spacing", [1.5, 2.0, 3.0])
+@pytest.mark.parametrize("EI", [50.0, 300.0, 1000.0])
+def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, coupling: float) -> None:
+    rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
+    system = loop_system(rope, height, "held", 0.0, tmn_lengths(height), spacing)
+    e = hung(system)
+    weight = rope.mass_per_length * G * rope.length
+    # the theory's bound; measured 1e-10
+    assert_allclose(e.reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
+    # rounding of 60 m coordinates in the strain of the shortest element: 1e-5 N, ten times that at most
+    rounding = rope.Qa * 60.0 * np.finfo(float).eps / system.lengths.min()
+    assert_allclose(e.reaction[system.free], 0.0, atol=10 * rounding)
+    # nowhere compressed, nowhere folded
+    t = e.q[:, 3:6] / np.linalg.norm(e.q[:, 3:6], axis=1)[:, None]
+    assert np.min(np.sum(t[1:] * t[:-1], axis=1)) > 0
+    assert_allclose(np.linalg.norm(e.q[:, 3:6], axis=1), 1.0, atol=1e-3)
+    # work bound: continuation, not creeping
+    assert e.iterations < 400
+
+
+@pytest.mark.parametrize(("EI", "height"), [(20, 37), (50, 0), (300, 0), (1000, 0), (50, 80), (300, 80), (1000, 80)])
+def test_the_hanging_shape_is_found_on_a_coarse_mesh(EI: float, height: float) -> None:
+    # elements of 3 m around a loop 2 m wide: the shape is poor, but it is found and carries the weight
+    rope = Rope(EI=EI)
+    e = hung(loop_system(rope, height, "held", 0.0, np.full(40, 3.0)))
+    weight = rope.mass_per_length * G * rope.length
+    assert_allclose(e.reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("left", "right"), [((-1.0, 0.0, 0.0), (1.0, 130.0, 0.0)), ((-50.0, 0, 0), (50.0, 0, 0))])
+def test_ends_too_far_apart_are_refused_with_the_cure(left: Place, right: Place) -> None:
+    with pytest.raises(StaticsError, match="give a longer rope or bring the ends together"):
+        hanging_guess(np.linspace(0.0, 120.0, 41), np.array(left), np.array(right))
+
+
+def test_a_search_without_success_says_what_is_left_and_what_to_check() -> None:
+    # a free end under a load that nothing balances
+    s = np.linspace(0.0, 1.0, 3)
+    chain = Chain.unloaded(straight(s))
+    chain.loads[-1, 1] = 5.0
+    rod = Rope(length=1.0, mass_per_length=1.0, Qa=10.0, Qb=0.0, Qc=0.0, Qd=1.0, EI=1.0, rhoJ=0.1)
+    system = portable_system(np.diff(s), parameter_vector(rod, 0.0), chain)
+    with pytest.raises(StaticsError, match=r"N are left unbalanced; .* elements that are shorter"):
+        find_equilibrium(system, chain.values, max_iterations=50)

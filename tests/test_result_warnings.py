@@ -20,10 +20,8 @@ from scenes import ends_at
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model import balance_rope
+from rope_model import Air, Layout, Mesh, Model, Rope, Shaft, balance_rope, rope_120
 from rope_model.engine import NativeRope
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
-from rope_model.shaft_parameters import Air, Shaft
 from rope_model.simulation.ends.following import Following
 from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.messages import warning_messages
@@ -34,35 +32,22 @@ from rope_model.simulation.state import Crossing, RopeState
 
 WARNING = 1
 OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
-
-
+WITHOUT_TORQUE = {"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}
+DEEP = {"rope.length": 690.0, "rope.mass_per_length": 8.2, "rope.EI": 450.0, "layout.spacing": 1.8, "right.y": 650.0}
 #: name -> parameters, and communication steps
 RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     "plain": ({}, (0.01, 0.02)),
     "passed": ({"rope.installed_twist": 7.0}, (0.01, 0.01)),
     "touching": ({"rope.installed_twist": 5.5, "rope.diameter": 0.9, "layout.spacing": 1.0}, (0.01, 0.01)),
-    "yawed by its coupling": (
-        {
-            "rope.length": 690.0,
-            "rope.mass_per_length": 8.2,
-            "rope.EI": 450.0,
-            "layout.spacing": 1.8,
-            "left.y": 0.0,
-            "right.y": 650.0,
-        },
-        (),
-    ),
+    "yawed by its coupling": (DEEP, ()),
     "yawed by its twist": ({"rope.installed_twist": 3.0}, (0.01, 0.01)),
     "yawed by its ends": ({"left.yaw": 2.0, "right.yaw": 1.5}, (0.01, 0.01)),
     "yawed, then wound": ({"rope.installed_twist": 3.0, "right.ay": -1.0}, (0.01,)),
     "spatial": ({"model.fidelity": 2}, (0.01,)),
     "planar": ({"model.fidelity": 3}, (0.01,)),
     "rigid": ({"model.fidelity": 4}, (0.01,)),
-    "planar in a cross wind": (
-        {"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0, "air.density": 1.2, "air.vz": 5.0},
-        (0.01,),
-    ),
-    "planar without torque": ({"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}, (0.01,)),
+    "planar in a cross wind": (WITHOUT_TORQUE | {"air.density": 1.2, "air.vz": 5.0}, (0.01,)),
+    "planar without torque": (WITHOUT_TORQUE, (0.01,)),
     "long steps": ({}, (0.05, 0.05)),
     "steps of the bound": ({}, (0.02, 0.02)),
     "a long step, then a short one": ({}, (0.05, 0.01)),
@@ -76,7 +61,6 @@ BRIEF = ("plain", "passed", "rigid", "long steps")
 
 
 def each(*runs: str) -> pytest.MarkDecorator:
-    """Runs of every flavour, as far as it has them."""
     pairs = [(kind, run) for kind in sorted(FLAVOURS) for run in runs if FLAVOURS[kind].native or run in BRIEF]
     return pytest.mark.parametrize(("results", "run"), pairs, indirect=["results"])
 
@@ -91,7 +75,6 @@ def results(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> di
 
 @cache
 def outcomes(kind: str, path: Path) -> dict[str, Any]:
-    """Log warnings and outputs at the end of each run of an FMU."""
     folder, out = fmpy.extract(str(path)), {}
     for name in RUNS if FLAVOURS[kind].native else BRIEF:
         parameters, steps = RUNS[name]
@@ -108,17 +91,11 @@ def outcomes(kind: str, path: Path) -> dict[str, Any]:
     return out
 
 
-def scene_of(run: str) -> Scene:
-    """The rope with a run's parameters."""
-    return rope_data({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)})
-
-
 @cache
 def warnings_at_rest(run: str) -> list[str]:
-    """Warnings of the rope at rest, with a run's start values."""
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
     ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
-    rope = balance_rope(scene_of(run))
+    rope = balance_rope(rope_data({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)}))
     assert rope.initialize(0.0, EndMotion(**ends[0]), EndMotion(**ends[1])).valid
     return [*rope.warnings().values()]
 
@@ -150,9 +127,7 @@ def test_a_warning_is_logged_once_and_stays_readable(results: dict[str, Any], ru
         ("yawed by its ends", "twist the rope by 3.5 rad"),
     ],
 )
-def test_an_fmu_says_of_a_turned_loop_what_the_rope_in_process_says(
-    results: dict[str, Any], run: str, words: str
-) -> None:
+def test_an_fmu_says_of_a_turned_loop_what_the_rope_says(results: dict[str, Any], run: str, words: str) -> None:
     expected = warnings_at_rest(run)
     assert results[run]["warnings"] == expected
     assert words in expected[0]
@@ -173,9 +148,8 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(resu
         assert f"the {fidelity} model computes no" in results[fidelity]["status.warning"]
         assert [results[fidelity][key] for key in keys] == [0.0, 0.0]
     rope, half_circle = Rope(), 0.5 * Layout().spacing
-    assert results["rigid"]["stress.bending_max"] == pytest.approx(
-        32 * rope.EI / (math.pi * rope.diameter**3 * half_circle), rel=1e-4
-    )
+    stress = 32 * rope.EI / (math.pi * rope.diameter**3 * half_circle)
+    assert results["rigid"]["stress.bending_max"] == pytest.approx(stress, rel=1e-4)
     assert min(abs(results["plain"][key]) for key in keys) > 1.0
 
 
@@ -208,22 +182,16 @@ ROPES = {
 
 
 def following_of_misfits(chance: random.Random) -> Following:
-    """What an end has seen that was given motions of any kind."""
-    return Following(
-        position=chance.choice((0.0, 3e-4, 0.2)),
-        speed=chance.uniform(0.0, 0.3),
-        acceleration=chance.choice((0.0, 0.3)),
-        repeats=chance.choice((0.0, 0.0, 12.0)),
-        sent_every=0.02,
-        samples=chance.choice((3.0, 300.0)),
-        grid=chance.choice((1.0, 0.0, 1e-3)),
-        breaks=chance.choice((0.0, 2.0, 9.0)),
-        table_every=0.1,
-    )
+    sizes = {"position": (0.0, 3e-4, 0.2), "acceleration": (0.0, 0.3), "repeats": (0.0, 0.0, 12.0)}
+    sizes |= {"samples": (3.0, 300.0), "grid": (1.0, 0.0, 1e-3), "breaks": (0.0, 2.0, 9.0)}
+    chosen = {name: chance.choice(of) for name, of in sizes.items()}
+    return Following(**chosen, speed=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1)
 
 
 def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeState]:
-    """The state with numbers that warnings look at, about their bounds."""
+    def instant_and_height() -> tuple[float, float]:
+        return chance.uniform(0.0, 9.0), chance.uniform(-60.0, 0.0)
+
     while True:
         audit = state.audit._replace(
             force=1e4,
@@ -233,18 +201,10 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             share=chance.choice((0.0, chance.uniform(0.2, 0.5))),
             bend=chance.choice((0.0, chance.uniform(0.3, 4.5))),
         )
-        number = float(chance.choice((0, 0, 1, 3)))
+        number, overlap = float(chance.choice((0, 0, 1, 3))), chance.choice((0.0, chance.uniform(0.0, 0.1)))
         yield state._replace(
             audit=audit,
-            crossing=Crossing(
-                number,
-                number,
-                chance.uniform(0.0, 9.0),
-                chance.uniform(-60.0, 0.0),
-                chance.choice((0.0, chance.uniform(0.0, 0.1))),
-                chance.uniform(0.0, 9.0),
-                chance.uniform(-60.0, 0.0),
-            ),
+            crossing=Crossing(number, number, *instant_and_height(), overlap, *instant_and_height()),
             energy_balance=state.energy_balance._replace(kinetic=chance.choice((0.0, 1e-6, 1.0))),
             loop_yaw=chance.uniform(-4.0, 4.0),
             offsets=(0.0, chance.uniform(-6.0, 6.0)),
@@ -285,13 +245,9 @@ def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
     assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state)
 
 
-@pytest.mark.parametrize(
-    ("emergency_at", "missed"), [(None, {0.02: 0.0008, 0.05: 0.0205}), (8.0, {0.02: 0.044, 0.05: 0.197})]
-)
-def test_end_forces_of_extrapolated_motions_are_off_by_what_the_interface_says(
-    emergency_at: float | None, missed: dict[float, float]
-) -> None:
-    trip = Winding(travel=90.0, start_delay=0.0, emergency_at=emergency_at)
+@pytest.mark.parametrize(("stop", "missed"), [(None, {0.02: 0.0008, 0.05: 0.0205}), (8.0, {0.02: 0.044, 0.05: 0.197})])
+def test_forces_of_extrapolated_motions_are_off_as_is_said(stop: float | None, missed: dict[float, float]) -> None:
+    trip = Winding(travel=90.0, start_delay=0.0, emergency_at=stop)
     exact = end_forces(trip, 0.0025, extrapolated=False)
     largest = np.abs(exact).max()
     for h, part in missed.items():
@@ -306,6 +262,5 @@ def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:
     for k in range(round(25.0 / h)):
         given_at = (k if extrapolated else k + 1) * h
         assert rope.advance_to((k + 1) * h, *ends_at(reference, trip.travel, given_at), given_at).valid
-        values = rope.signals(["left.fy", "right.fy"])
-        found.append([values["left.fy"], values["right.fy"]])
+        found.append([*rope.signals(["left.fy", "right.fy"]).values()])
     return np.array(found)

@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 from contact_scenes import crossing, force_error
 from numpy.testing import assert_allclose, assert_array_equal
-from numpy.typing import NDArray
 
-from rope_model import BalanceRope, EndMotion, Status, balance_rope
+from rope_model import BalanceRope, Contact, EndMotion, Shaft, Status, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.contact import ONSET
-from rope_model.shaft_parameters import Contact, Shaft
 from rope_model.simulation.contact.self_contact import RopeTouches, touches_of
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 D, K = Rope().diameter, 1e6
 
 
@@ -69,13 +67,13 @@ def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_pass
         assert_allclose(-R[4 * k : 4 * k + 4, :3].sum(axis=0), outwards, atol=most * each)
 
 
+def tangled(length: float, elements: int) -> Scene:
+    rope = Rope(length=length, diameter=THIN, EI=100.0)
+    return holding().with_(rope=rope, layout=Layout(0.3), mesh=Mesh("eem", elements=elements))
+
+
 def test_both_forms_find_the_same_strands() -> None:
-    scene = Scene(
-        rope=Rope(length=11.0, diameter=THIN, EI=100.0),
-        layout=Layout(0.3),
-        mesh=Mesh("eem", elements=11),
-        shaft=Shaft(contact=Contact(rope_stiffness=K)),
-    )
+    scene = tangled(11.0, 11)
     found = []
     for form in ("python", "native"):
         rope = begun(scene, form)
@@ -88,25 +86,14 @@ def test_both_forms_find_the_same_strands() -> None:
 COILS, CIRCUMFERENCE, RISE = 9, 1.5, 0.1 * THIN
 
 
-def coil() -> Array:
-    """A rope of so many turns of one circle, four elements each, each turn lying in those before it."""
+def test_no_touch_is_left_out_of_strands_that_lie_in_each_other() -> None:
+    rope = begun(tangled(COILS * CIRCUMFERENCE, 4 * COILS), "native")
+    # so many turns of one circle, four elements each, each turn lying in those before it
     turn, radius = np.linspace(0.0, COILS, 4 * COILS + 1), CIRCUMFERENCE / (2.0 * math.pi)
     angle, q = 2.0 * math.pi * turn, np.zeros((turn.size, 7))
     q[:, 0], q[:, 1], q[:, 2] = radius * np.cos(angle), RISE * turn, radius * np.sin(angle)
     q[:, 3], q[:, 4], q[:, 5] = -np.sin(angle), RISE / CIRCUMFERENCE, np.cos(angle)
-    return q
-
-
-def test_no_touch_is_left_out_of_strands_that_lie_in_each_other() -> None:
-    length = COILS * CIRCUMFERENCE
-    scene = Scene(
-        rope=Rope(length=length, diameter=THIN, EI=100.0),
-        layout=Layout(0.3),
-        mesh=Mesh("eem", elements=4 * COILS),
-        shaft=Shaft(contact=Contact(rope_stiffness=K)),
-    )
-    rope = begun(scene, "native")
-    rope.restore(rope.state._replace(motion=replace(rope.state.motion, q=coil())))
+    rope.restore(rope.state._replace(motion=replace(rope.state.motion, q=q)))
     # the six nearest of the turns to the right press, beyond the law's onset
     pressure = [K * (THIN - k * RISE - 0.5 * ONSET * THIN) for k in range(1, 7)]
     exact = sum((COILS - k) * CIRCUMFERENCE * each for k, each in enumerate(pressure, start=1))
@@ -186,15 +173,9 @@ STEP = 0.01
 
 def twisted(stiffness: float = K, **parts: Any) -> Scene:
     """A short rope, the legs of which come to lie against each other as its held ends twist it."""
-    return Scene(
-        rope=Rope(length=6.0, EI=100.0),
-        layout=Layout(0.3),
-        mesh=Mesh("eem", elements=8),
-        left=Swivel("locked"),
-        right=Swivel("locked"),
-        solver=Solver(step_max=STEP, tolerance=1e3),
-        shaft=Shaft(contact=Contact(rope_stiffness=stiffness)),
-    ).with_(**parts)
+    shaft, mesh = Shaft(contact=Contact(rope_stiffness=stiffness)), Mesh("eem", elements=8)
+    held = Scene(Rope(length=6.0, EI=100.0), Layout(0.3), left=Swivel("locked"), right=Swivel("locked"))
+    return held.with_(shaft=shaft, mesh=mesh, solver=Solver(step_max=STEP, tolerance=1e3)).with_(**parts)
 
 
 def end(t: float, turns: float, time: float) -> EndMotion:

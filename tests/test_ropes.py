@@ -1,34 +1,39 @@
-"""Several ropes in one hoist: forces and moments add up, neighbours are near where they are, a broken rope falls."""
+"""Several ropes in one hoist: sums, neighbours, a rope that breaks; and the command `balance-rope ropes`."""
 
+import csv
 import math
 from dataclasses import astuple, replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from rope_groups import CASE, KNOWN, Weight, rope
 
+from balance_rope import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import GRAVITY, Coupling
+from hoist_demo.recording.time_series import read_csv
+from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.ropes.table import polygon_distance
+from hoist_demo.study.reading import StudyError
 from rope_model import EndMotion, Neighbours
 
 HEIGHT = 90.0
 
 
 def group(*ropes: RopePlant, apart: float = 0.4) -> RopeGroup:
-    """Ropes side by side about the conveyances' centres."""
     first = -0.5 * apart * (len(ropes) - 1)
     return RopeGroup([Member(f"rope{k}", one, Place(z=first + (k - 1) * apart)) for k, one in enumerate(ropes, 1)])
 
 
 def touching(*ropes: WholeRope, apart: float) -> RopeGroup:
-    """The same, of ropes that press each other."""
     members = group(*ropes, apart=apart).members
     scenes = [one.whole.scene for one in ropes if one.whole is not None]
     neighbours = Neighbours(scenes, [member.place.origin for member in members])
@@ -37,9 +42,6 @@ def touching(*ropes: WholeRope, apart: float) -> RopeGroup:
 
 def at_height(y: float) -> tuple[EndMotion, EndMotion]:
     return EndMotion(y=y), EndMotion(y=HEIGHT + y)
-
-
-# sums
 
 
 @pytest.mark.parametrize("contact", [0.0, pytest.param(1e6, marks=pytest.mark.slow)])
@@ -61,8 +63,7 @@ def test_unequal_ropes_pull_with_their_weight_and_with_their_mass_times_the_acce
         a, v = largest * (1 - math.cos(w * t)) / 2, largest * (t - math.sin(w * t) / w) / 2
         y = largest * (t**2 / 2 - (1 - math.cos(w * t)) / w**2) / 2
         ends = (EndMotion(y=y, vy=v, ay=a), EndMotion(y=HEIGHT + y, vy=v, ay=a))
-        status = ropes.step(t - H, H, *ends)
-        assert status.valid, status.message
+        assert ropes.step(t - H, H, *ends).valid
         impulse -= H * float(means().sum())
     gained = impulse - mass * GRAVITY * T
     # the loop lags the ends by waves that take 0.03 s along a leg
@@ -73,9 +74,8 @@ def test_unequal_ropes_pull_with_their_weight_and_with_their_mass_times_the_acce
 
 def test_the_torques_of_a_pair_of_opposite_lays_cancel() -> None:
     pair = group(rope(), rope(-KNOWN))
-    run = Host(
-        pair, hoist_with(CASE.hoist, [(8.0, 120.0)] * 2), replace(CASE.winding, travel=10.0), Coupling(step=0.02)
-    ).run()
+    hoist, winding = hoist_with(CASE.hoist, [(8.0, 120.0)] * 2), replace(CASE.winding, travel=10.0)
+    run = Host(pair, hoist, winding, Coupling(step=0.02)).run()
     assert run.completed
     found = run.recording
     for end in ("left", "right"):
@@ -129,9 +129,6 @@ def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -
         assert getattr(now, acceleration) == pytest.approx(gained / (2 * H), abs=4 * H**2)
 
 
-# neighbours
-
-
 def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> None:
     rng = np.random.default_rng(3)
     for _ in range(6):
@@ -149,18 +146,13 @@ def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> N
 def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
     h, size = 0.02, 1e-5
     before = EndMotion(x=0.1, y=1.0, z=0.0, vx=0.1, vy=8.0, vz=-0.2, ax=1.0, ay=0.5, az=0.0, yaw=0.1, yaw_rate=0.3)
-    after = EndMotion(
-        x=0.1021, y=1.16, z=-0.004, vx=0.11, vy=8.01, vz=-0.2, ax=0.0, ay=0.6, az=0.1, yaw=0.11, yaw_rate=0.6
-    )
+    after = EndMotion(x=0.1021, y=1.16, z=-0.004, vx=0.11, vy=8.01, vz=-0.2, ay=0.6, az=0.1, yaw=0.11, yaw_rate=0.6)
     assert_allclose(astuple(before.on_the_way(after, h, 0.0)), astuple(before), atol=1e-12)
     assert_allclose(astuple(before.on_the_way(after, h, h)), astuple(after), atol=1e-9)
     near, at, far = (np.array(astuple(before.on_the_way(after, h, 0.4 * h + k * size))) for k in (-1, 0, 1))
     rates = (far - near) / (2.0 * size)
     # rounding over the difference, and its square times a third derivative of some 1e4
     assert_allclose(rates[[*range(6), 9]], at[[*range(3, 9), 10]], atol=1e-5)
-
-
-# a rope that breaks
 
 
 def test_a_piece_that_falls_gives_the_conveyance_all_the_momentum_of_its_weight() -> None:
@@ -200,3 +192,122 @@ def test_a_snapshot_leads_back_to_before_the_break() -> None:
     assert not np.isfinite(read()[1])
     one.restore(kept)
     assert_array_equal(read(), before)
+
+
+ROPES = """
+[ropes]
+case = "rope-120"
+level = "draft"
+
+[fixed]
+winding.travel = 4
+winding.settle = 0.5
+model.fidelity = "torsional"
+coupling.step = 0.02
+
+[[rope]]
+name = "one"
+z = -0.2
+
+[[rope]]
+name = "two"
+z = 0.2
+rope.length = 118.8
+"""
+
+
+def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "ropes.toml"
+    path.write_text(ROPES.replace("[[rope]]", "hoist.friction_coefficient = 0.05\n[[rope]]", 1), encoding="utf-8")
+    assert main(["ropes", str(path), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "warning: the head ropes would slip at t = 0 s" in said
+    told = [line.split() for line in said.splitlines()]
+    assert ["status", "completed"] in told
+    # a share has no unit
+    assert {line[0]: line[2:] for line in told if line and line[0] in ("share_most", "yaw_peak", "torque_peak")} == {
+        "share_most": [],
+        "yaw_peak": ["deg"],
+        "torque_peak": ["N", "m"],
+    }
+    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
+        rows = {row["rope"]: row for row in csv.DictReader(file)}
+    # by weight, at rest
+    assert float(rows["two"]["share_at_rest [1]"]) == pytest.approx(118.8 / 238.8, rel=1e-6)
+    with (tmp_path / "neighbours.csv").open(encoding="utf-8") as file:
+        (pair,) = csv.DictReader(file)
+    assert 0.0 < float(pair["clearance [m]"]) < 0.4 - 0.044 + 1e-9
+    assert (tmp_path / "signals.csv").is_file()
+
+
+def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
+    path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
+    assert main(["ropes", str(path), "--out", str(tmp_path)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "warning: rope two ran as its planar model, which does not compute yaw and all else out of the plane" in said
+    assert "rope one ran as" not in said
+    assert "warning: rope two was to break at breaks_at = 99 s, and did not: the run ended at " in said
+    one, two = said.split(" two, z = 0.2 m ")
+    assert ("yaw_peak" in one, "torque_peak" in one) == (True, True)
+    # sums of which a part is not computed are no results either, nor is a clearance of what keeps to its plane
+    for words in ("yaw_peak", "torque_peak", "tilt about X", "moment about Y", "Smallest clearances"):
+        assert words not in two
+    assert "tilt about Z" in two
+    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
+        rows = {row["rope"]: row for row in csv.DictReader(file)}
+    assert (rows["two"]["yaw_peak [rad]"], rows["two"]["torque_peak [N.m]"]) == ("nan", "nan")
+    assert float(rows["one"]["yaw_peak [rad]"]) > 0.01
+    with (tmp_path / "neighbours.csv").open(encoding="utf-8") as file:
+        assert [row["clearance [m]"] for row in csv.DictReader(file)] == ["nan"]
+    signals = read_csv(tmp_path / "signals.csv")
+    for name in ("two.loop.yaw", "two.left.my", "left.my", "right.mx", "left.fz"):
+        assert np.isnan(signals[name]).all(), name
+    for name in ("one.loop.yaw", "one.left.my", "two.left.fy", "left.mz", "left.fy"):
+        assert np.isfinite(signals[name]).all(), name
+
+
+def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:
+    path, near = tmp_path / "ropes.toml", ROPES.replace("z = 0.2", "z = -0.16")
+    path.write_text(near, encoding="utf-8")
+    assert not read_ropes(path, rope_parameters()).touching
+    path.write_text(near.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 1e6"), encoding="utf-8")
+    with pytest.raises(StudyError, match=r"two: an end that is 0\.04 m from that of one must be at least 0\.044 m"):
+        read_ropes(path, rope_parameters())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "told"),
+    [
+        ('name = "two"', 'name = "one"', "name = 'one' must be given once"),
+        ('name = "two"', 'name = "left"', "name = 'left' must be another: .*, and left, right, .*drive.* are taken"),
+        ('name = "two"', 'name = "one.b"', r"name = 'one\.b' must be of letters from A to z, .*: .*name it anew"),
+        ("rope.length = 118.8", "winding.travel = 3", r"two: winding.travel must be the same for all ropes"),
+        ("z = 0.2", "breaks_at = 3.0", r"breaks_at and breaks_s must stand together"),
+        ("z = 0.2", 'z = "left"', r"two: z = 'left' must be a number"),
+        ("rope.length = 118.8", "contact.rope_stiffness = 1e6", "two: contact.rope_stiffness must be the same"),
+        ('"torsional"', '"planar"\ncontact.rope_stiffness = 1e6', "one: model.fidelity = 'planar' must be torsional"),
+        ("rope.length = 118.8", "rope.lenght = 118.8", r"did you mean rope.length"),
+        ("rope.length = 118.8", "rope.length = -1", r"two: rope"),
+        ("rope.length = 118.8", "guard.torque = 5", r"guard.torque = 5 must be left out"),
+        ('level = "draft"', 'level = "quick"', r"level = 'quick' must be one of"),
+    ],
+)
+def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: str, right: str, told: str) -> None:
+    path = tmp_path / "ropes.toml"
+    assert wrong in ROPES
+    path.write_text(ROPES.replace(wrong, right), encoding="utf-8")
+    with pytest.raises(StudyError, match=told):
+        read_ropes(path, rope_parameters())
+
+
+def test_a_break_beyond_the_rope_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"breaks_s = 130 m must be within 0 and rope.length = 120 m"):
+        BreakingRope(Weight({}), 8.0, 120.0, Break(1.0, 130.0))
+
+
+def test_the_four_ropes_of_the_documents_can_be_wound() -> None:
+    path = Path(__file__).parents[1] / "docs" / "duties" / "four_ropes.toml"
+    ropes = read_ropes(path, rope_parameters())
+    assert [one.name for one in ropes.ropes] == ["sound", "short", "lively", "breaking"]
+    assert ropes.hoist.tail_mass == 32.0

@@ -1,17 +1,16 @@
 """A controller that samples within the communication step does what it does in shorter steps, repeated or not."""
 
-from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from rope_groups import Weight
 
 from hoist_demo.control.controller import Command, Measurement, SpeedController
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.cosimulation.schemes.interface import Reader, Scheme
+from hoist_demo.cosimulation.schemes.interface import Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from rope_model import EndMotion, Status
@@ -20,12 +19,12 @@ TRIP = Winding(travel=4.0, speed=4.0, jerk=2.0, start_delay=0.2, settle=0.8)
 FORCES = {"left.fy": -2000.0, "right.fy": -7500.0, "left.fy_mean": -2000.0, "right.fy_mean": -7500.0}
 
 
-class Spring:
+class Spring(Weight):
     """A rope that pulls by its places alone: constantly, or harder where its ends are higher [N/m]."""
 
     def __init__(self, stiffness: float) -> None:
+        super().__init__(dict(FORCES))
         self.stiffness = stiffness
-        self.forces = dict(FORCES)
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         return self.step(t0, 0.0, left, right)
@@ -35,22 +34,11 @@ class Spring:
         self.forces = {name: f - self.stiffness * places[name.partition(".")[0]] for name, f in FORCES.items()}
         return Status(True)
 
-    def reader(self, names: Sequence[str]) -> Reader:
-        return lambda: np.array([self.forces.get(name, np.nan) for name in names])
-
-    def units(self) -> dict[str, str]:
-        return dict.fromkeys(FORCES, "N")
-
     def save(self) -> dict[str, float]:
         return dict(self.forces)
 
     def restore(self, snapshot: dict[str, float]) -> None:
         self.forces = dict(snapshot)
-
-    def to_bytes(self, snapshot: Any) -> bytes:
-        raise RuntimeError("not kept in files")
-
-    def from_bytes(self, data: bytes) -> Any: ...
 
     def close(self) -> None: ...
 
@@ -70,7 +58,6 @@ class Counting(SpeedController):
 
 
 def wind(step: float, stiffness: float = 0.0, scheme: Scheme | None = None) -> tuple[Result, Counting]:
-    """The trip with samples of 10 ms."""
     made: list[Counting] = []
 
     def controller(hoist: Hoist, torque: float) -> Counting:

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,32 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from numpy.typing import NDArray
+from random_shafts import Case, depths, draw, run, windings
 from scenes import stations
 
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, passages
 from hoist_demo.recording.time_series import Recording
-from rope_model import (
-    SIGNALS,
-    BalanceRope,
-    Contact,
-    Conveyance,
-    Divider,
-    EndMotion,
-    HeadRopes,
-    Lining,
-    Mesh,
-    Model,
-    Rope,
-    RopeSimulator,
-    Scene,
-    Shaft,
-    Sump,
-    balance_rope,
-    rope_120,
-)
+from rope_model import SIGNALS, BalanceRope, EndMotion, Mesh, Model, Rope, RopeSimulator, Scene, balance_rope, rope_120
 from rope_model.physics import shaft as physics
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
+from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.contact.bodies import no_room
 from rope_model.simulation.contact.shaft import RESOLUTION, clearances, with_passages
 from rope_model.simulation.mesh.partition import Partition
@@ -45,7 +27,7 @@ from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_turns
 from rope_model.simulation.rope_system import arc_lengths
 
-Array = NDArray[np.float64]
+Array = np.ndarray
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision
 EXACT = 1e-10
 RECTANGLE, CIRCLE = Lining(6.0, 4.0, 0.5, 1.0, -1.0), Lining(6.0, 6.0, 1.0)
@@ -114,7 +96,6 @@ def test_its_gradient_is_the_unit_normal_outside_of_the_body(body: Body, point: 
 
 
 def rope_at(q: Array, lengths: Array) -> Any:
-    """What `clearances` takes of a state."""
     return SimpleNamespace(motion=SimpleNamespace(q=q, t=7.0), partition=Partition(lengths))
 
 
@@ -133,15 +114,9 @@ def hanging(radius: float, depth: float, elements: int, sideways: float = 0.0) -
 
 #: bodies that do not hold the rope
 PASSED = Contact(stiffness=0.0)
-EVERYTHING = Shaft(
-    Lining(6.0, 4.0, 0.3),
-    Conveyance(1.2, 1.0, 3.0, 0.4),
-    HeadRopes(0.03, 0.5),
-    Divider(0.2, -4.0, 0.3, 0.4, 0.0),
-    Divider(0.1, -10.7, -0.2, -1.0),
-    sump=Sump(-14.0),
-    contact=PASSED,
-)
+BEAMS = Divider(0.2, -4.0, 0.3, 0.4, 0.0), Divider(0.1, -10.7, -0.2, -1.0)
+AROUND = Lining(6.0, 4.0, 0.3), Conveyance(1.2, 1.0, 3.0, 0.4), HeadRopes(0.03, 0.5)
+EVERYTHING = Shaft(*AROUND, *BEAMS, sump=Sump(-14.0), contact=PASSED)
 
 
 @given(st.integers(12, 60), st.floats(0.5, 1.5), st.floats(-2.0, 2.0), st.integers(0, 100))
@@ -205,10 +180,6 @@ def wound(rope: BalanceRope) -> BalanceRope:
     return [*stations(rope, 25)][-1]
 
 
-def native() -> BalanceRope:
-    return balance_rope(SHORT, "native")
-
-
 def test_both_forms_come_equally_near() -> None:
     names = [name for name in SIGNALS if name.startswith(("clearance.", "nearest.", "loop."))]
     python, native = (wound(make).signals(names) for make in (RopeSimulator(SHORT), balance_rope(SHORT, "native")))
@@ -218,12 +189,13 @@ def test_both_forms_come_equally_near() -> None:
 
 
 def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
-    seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for rope in stations(native(), 25)])
+    ropes = stations(balance_rope(SHORT, "native"), 25)
+    seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for rope in ropes])
     now, so_far = seen[:, : len(NOW)], seen[:, len(NOW) :]
     least = np.minimum.accumulate(now, axis=0)
     assert np.all(so_far <= least + RESOLUTION)
     assert np.all(so_far >= least - RESOLUTION)
-    times = wound(native()).signals([f"nearest.{kind}.time" for kind in KINDS]).values()
+    times = wound(balance_rope(SHORT, "native")).signals([f"nearest.{kind}.time" for kind in KINDS]).values()
     assert 0.0 in times  # what moves away
     assert 0.0 < max(times) <= 0.25
 
@@ -289,17 +261,12 @@ def test_a_rope_whose_right_end_hangs_left_of_its_left_end_has_passed_through_no
     assert [*seen.values()] == [math.pi, 0.0, 0.0]
 
 
-@cache
-def struck() -> BalanceRope:
-    """A rope that hangs into a divider, and whose legs have passed through each other while it was turned in."""
-    beam = Divider(0.5, -14.0)  # where the loop of 120 m between ends at 0 and 90 m has its bottom
-    rope = balance_rope(Scene(Rope(installed_twist=12.0), shaft=Shaft(divider_3=beam, contact=PASSED)), "native")
-    assert rope.initialize(1.5, EndMotion(), EndMotion(y=90.0)).valid
-    return rope
-
-
 def test_turns_are_the_yaw_but_for_what_passed_through() -> None:
-    values = struck().signals(("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at"))
+    # it hangs into a divider where the loop of 120 m between ends at 0 and 90 m has its bottom
+    shaft = Shaft(divider_3=Divider(0.5, -14.0), contact=PASSED)
+    rope = balance_rope(Scene(Rope(installed_twist=12.0), shaft=shaft), "native")
+    assert rope.initialize(1.5, EndMotion(), EndMotion(y=90.0)).valid
+    values = rope.signals(("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at"))
     assert values["loop.crossings"] == 1.0
     assert values["loop.crossed_at"] == 1.5
     assert_allclose(values["loop.yaw"] / (2 * math.pi) - values["loop.turns"], 1.0, atol=1e-9)
@@ -327,3 +294,35 @@ def test_a_body_that_leaves_the_ends_no_room_is_named(shaft: Shaft, told: str) -
     assert no_room(scene, "torsional", *APART).removeprefix("no equilibrium: ").startswith(told)
     assert bool(no_room(scene, "torsional", *APART)) == bool(told)
     assert no_room(scene, "rigid", *APART) == ""
+
+
+ARC = np.linspace(np.pi, 2.0 * np.pi, 40)
+#: legs of 5 m above a half circle of 1 m about the origin
+LOOP = np.vstack([[-1.0, 5.0, 0.0], np.stack([np.cos(ARC), np.sin(ARC), 0.0 * ARC], axis=-1), [1.0, 5.0, 0.0]])
+
+
+def test_a_rope_winds_once_about_what_its_loop_holds_and_not_about_what_is_beside() -> None:
+    assert windings(LOOP, Divider(size=0.2)) == 1
+    assert windings(LOOP, Divider(size=0.2, y=3.0, offset=0.9)) == 1
+    assert windings(LOOP, Divider(size=0.2, y=3.0, offset=1.1)) == 0
+    assert windings(LOOP, Divider(size=0.2, y=-1.2)) == 0
+
+
+def test_depths_are_those_of_the_centre_line() -> None:
+    scene = draw(0).scene.with_(shaft=Shaft(divider_1=Divider(size=0.2, y=-1.05), sump=Sump(level=-0.8)))
+    found = depths(scene, LOOP)
+    # the polygon's sides are 0.0008 m within the arc
+    assert found == pytest.approx({"floor": 0.2, "divider 1": 0.05}, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", [28, 37])
+def test_contact_holds_what_would_come_through(seed: int) -> None:
+    case = draw(seed)
+    ending, through, deepest = run(case)
+    assert ending == "completed, having struck something"
+    assert through == []
+    assert deepest < 0.0
+    without = case.scene.with_(shaft=replace(case.scene.shaft, contact=Contact(stiffness=0.0)))
+    ending, through, _ = run(Case(without, case.trip))
+    assert "having struck something" in ending
+    assert any(text.startswith("through divider") for text in through)

@@ -1,4 +1,4 @@
-"""Hoist drive and rope as one SSP, wound in tools from the package index (see ssp_driver for what each tool does)."""
+"""Hoist drive and one rope or several as one SSP, wound in tools (see ssp_driver for what each tool does)."""
 
 import functools
 import json
@@ -19,18 +19,23 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from test_tools import IMPORTS, INPUTS, environment, require
 
+from balance_rope import main
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.native.model_fmu import export_model
 from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters
 from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.parameters import Coupling
+from hoist_demo.ropes.definition import read_ropes
 
 STOP = duration(CASES["rope-120"].winding)
 STEPS = 2600  # the trip of 90 m and its arrival
+NAMES = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
+TOOLS = [("ecos", "fmpy_adding"), ("libcosim", "fmpy_counting")]
+FEW = 500  # steps of several ropes
 COUPLING = {"inputs_at_step_end": False}  # drive and rope step at the same time
 
 
@@ -59,7 +64,7 @@ def wind(tool: str, ssp: Path, steps: int = STEPS, *signals: str) -> NDArray[np.
     return np.array(json.loads(line.removeprefix("RESULT ")))
 
 
-@pytest.mark.parametrize(("tool", "oracle"), [("ecos", "fmpy_adding"), ("libcosim", "fmpy_counting")])
+@pytest.mark.parametrize(("tool", "oracle"), TOOLS)
 def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: str, oracle: str) -> None:
     require(tool)
     if ssp.parent.name.startswith("native-3") and 3 not in IMPORTS[tool]:
@@ -74,8 +79,7 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     found = wind("fmpy_adding", ssp)
     # the connections carry mean forces
     recording = Host(rope_in_process("rope-120"), coupling=Coupling(scheme="impulse-preserving")).run().recording
-    names = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
-    expected = np.array([recording[name] for name in names]).T[1 : STEPS + 1]
+    expected = np.array([recording[name] for name in NAMES]).T[1 : STEPS + 1]
     # the host steps drive and rope one after the other, the tools at once with the motion extrapolated over 10 ms:
     # the rest is the jerk, 0.5 m/s3 x H x a rope of 960 kg, and the waves that it raises
     scale = np.abs(expected).max(axis=0)
@@ -84,7 +88,6 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
 
 
 def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
-    """Whatever rest of a step adding up the steps leaves at the end."""
     found, expected = wind("master", ssp), wind("fmpy_adding", ssp)
     assert abs(len(found) - STOP / ssp_driver.H) <= 1
     assert_allclose(found[:STEPS], expected, rtol=0.0, atol=0.0)
@@ -97,16 +100,14 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
     name, travel, steps = "monopol-1000", 4.0, 1400
     scene = CASES[name]
     short = replace(scene, winding=replace(scene.winding, travel=travel))
-    drive = drive_model(short)
     here = (host_platform(),)
-    export_model(tmp_path / "drive.fmu", drive, here, 3)
+    export_model(tmp_path / "drive.fmu", drive_model(short), here, 3)
     start = {**scene.rope, "right.y": scene.hoist.shaft_travel}
     export_native(tmp_path / "rope.fmu", fmi=3, platforms=here, start=start)
     found = wind("fmpy_halved", system(tmp_path, tmp_path / "rope.fmu", tmp_path / "drive.fmu"), steps)
     coupling = Coupling(step=ssp_driver.H / 2.0, scheme="impulse-preserving")
     recording = Host(rope_in_process(name), scene.hoist, short.winding, coupling, gains=scene.gains).run().recording
-    names = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
-    expected = np.array([recording[name] for name in names]).T[1 : steps + 1]
+    expected = np.array([recording[name] for name in NAMES]).T[1 : steps + 1]
     assert np.ptp(found[:, 0]) > 0.99 * travel
     scale = np.abs(expected).max(axis=0)
     # as above, with steps of half the length: 10 ms leave 5e-5 of the torque and 1e-3 of the force
@@ -128,3 +129,78 @@ def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
         archive.extractall(tmp_path)
     rope, drive = tmp_path / "resources" / "rope.fmu", tmp_path / "resources" / "drive.fmu"
     assert system(tmp_path, rope, drive).read_bytes() == ssp.read_bytes()
+
+
+ROPES = """
+[ropes]
+title = "Two ropes of which one is short"
+case = "rope-120"
+level = "draft"
+
+[fixed]
+model.fidelity = "torsional"
+winding.travel = 20.0
+
+[[rope]]
+name = "sound"
+z = -0.2
+
+[[rope]]
+name = "short"
+z = 0.2
+rope.length = 118.8
+rope.Qb = -2.336e5
+rope.Qc = -2.336e5
+"""
+SIGNALS = ("drive:left.y", "drive:right.y", "drive:drive.torque", "sound:left.fy", "short:left.fy", "short:right.fy")
+
+
+def export(folder: Path, text: str, *more: str) -> int:
+    (folder / "ropes.toml").write_text(text, encoding="utf-8")
+    arguments = ["--native", "--platform", "host", "--ropes", str(folder / "ropes.toml"), *more]
+    return main(["export", *arguments, "--out", str(folder / "rope.fmu")])
+
+
+@pytest.fixture(scope="module")
+def ropes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if "native-2" not in FLAVOURS:
+        pytest.skip("needs a C compiler")
+    folder = tmp_path_factory.mktemp("ropes")
+    assert export(folder, ROPES, "--ssp") == 0
+    return folder / "rope.ssp"
+
+
+def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(ropes: Path) -> None:
+    connections = read_ssd(str(ropes)).system.connections  # against the schema of SSP 1.0
+    found = {(c.startElement, c.startConnector, c.endElement, c.endConnector) for c in connections}
+    motions = [f"{side}.{name}" for side in ("left", "right") for name in ("y", "vy", "ay")]
+    expected = {("drive", name, rope, name) for rope in ("sound", "short") for name in motions}
+    for rope in ("sound", "short"):
+        expected |= {(rope, f"{side}.fy_mean", "drive", f"{rope}.{side}.fy_mean") for side in ("left", "right")}
+    assert found == expected
+    with zipfile.ZipFile(ropes) as archive:
+        assert {f"resources/{name}.fmu" for name in ("drive", "sound", "short")} < set(archive.namelist())
+
+
+def test_system_of_ropes_moves_as_their_group_in_process(ropes: Path) -> None:
+    found = wind("fmpy_adding", ropes, FEW, *SIGNALS)
+    read = read_ropes(ropes.with_name("ropes.toml"), rope_parameters())
+    host = Host(read.group(), read.hoist, read.run.winding, Coupling(scheme="impulse-preserving"), read.run.gains)
+    recording = host.run().recording
+    names = ["conveyance.left.y", "conveyance.right.y", "drive.torque"]
+    names += ["sound.left.fy", "short.left.fy", "short.right.fy"]
+    expected = np.array([recording[name] for name in names]).T[1 : FEW + 1]
+    assert np.ptp(found[:, 0]) > 3.0
+    assert abs(found[0, 4]) < 0.999 * abs(found[0, 3])
+    scale = np.abs(expected).max(axis=0)
+    # the host steps drive and ropes one after the other, the system at once with the motion extrapolated over 10 ms
+    assert_allclose(found[:, :3] / scale[:3], expected[:, :3] / scale[:3], rtol=0.0, atol=1e-5)
+    assert_allclose(found[:, 3:] / scale[3:], expected[:, 3:] / scale[3:], rtol=0.0, atol=5e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("tool", "oracle"), TOOLS)
+def test_tool_winds_the_ropes_as_a_loop_over_what_fmpy_read(ropes: Path, tool: str, oracle: str) -> None:
+    require(tool)
+    found, expected = (wind(x, ropes, FEW, *SIGNALS) for x in (tool, oracle))
+    assert_allclose(found, expected, rtol=1e-13, atol=0.0)

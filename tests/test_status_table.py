@@ -50,7 +50,6 @@ def bring_to(library: Library, state: str) -> Instance:
 
 
 def enter(rope: Instance) -> int:
-    """Into initialisation mode, without set-up in FMI 2."""
     return rope.call("EnterInitializationMode") if rope.library.fmi == 2 else rope.enter()
 
 
@@ -60,8 +59,6 @@ def set_up(start: float, stop: float) -> Callable[[Instance], int]:
 
 
 def got(name: str, reference: int | None = None) -> Callable[[Instance], int]:
-    """A scalar is read."""
-
     def make(rope: Instance) -> int:
         variable, number = rope.library.variables[name], (_ONE,) if rope.library.fmi == 3 else ()
         which = ctypes.c_uint(variable.valueReference if reference is None else reference)
@@ -72,7 +69,6 @@ def got(name: str, reference: int | None = None) -> Callable[[Instance], int]:
 
 
 def put_value(name: str, value: float, **more: Any) -> Callable[[Instance], int]:
-    """A scalar is set."""
     return lambda rope: rope.set(name, value, **more)
 
 
@@ -129,6 +125,8 @@ TABLE: dict[str, Call] = {
     "doStep from another time": Call(lambda rope: rope.step(0.5, H), "EEEEE"),
     "doStep of no length": Call(lambda rope: rope.step(H, 0.0), "EEEEE"),
     "doStep of NaN": Call(lambda rope: rope.step(H, math.nan), "EEEEE"),
+    "doStep of infinity": Call(lambda rope: rope.step(H, math.inf), "EEEEE"),
+    "doStep backwards": Call(lambda rope: rope.step(H, -H), "EEEEE"),
     "doStep beyond the stop time": Call(lambda rope: rope.step(H, STOP), "EEEEE"),
     "terminate": Call(lambda rope: rope.call("Terminate"), "EEOEO"),
     "reset": Call(lambda rope: rope.call("Reset"), "OOOOO"),
@@ -173,9 +171,7 @@ TABLE: dict[str, Call] = {
 
 
 @pytest.fixture(scope="module", params=sorted(FLAVOURS))
-def library(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
-) -> Library:
+def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, fmu_of: Any) -> Library:
     path = fmu_of(request.param)
     return Library(path, fmpy.extract(str(path), str(tmp_path_factory.mktemp(request.param))))
 
@@ -220,12 +216,8 @@ def test_a_value_that_cannot_be_fails_where_it_is_met_and_reset_makes_all_good(
 ) -> None:
     rope = Instance(library)
     ((name, value),) = values.items()
-    calls = (
-        lambda: rope.set(name, value),
-        lambda: rope.enter(),
-        lambda: rope.call("ExitInitializationMode"),
-        lambda: rope.step(0.0, H),
-    )
+    leave = "ExitInitializationMode"
+    calls = lambda: rope.set(name, value), rope.enter, lambda: rope.call(leave), lambda: rope.step(0.0, H)
     assert "".join(_LETTERS[call()] for call in calls) == statuses
     assert words in rope.said[0], rope.said
     assert words in rope.said[-1]  # a step tells what failed before

@@ -1,32 +1,41 @@
-"""What is measured of a study's runs, how they are recorded at once, and how they survive a dead worker."""
+"""Studies: a file is checked whole, runs are named by their data, measured, recorded, and survive a dead worker."""
 
 import json
 import math
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 from dask.distributed import Client
-from test_study import Read
-from test_study import read as read
+from numpy.testing import assert_allclose
 
+from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import Stopwatch
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.design.optimal_trajectory import TrajectoryOptions
+from hoist_demo.design.shaping import Shaper
+from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters.quantity import Parameter, quantity
 from hoist_demo.recording.time_series import Recording
+from hoist_demo.study.catalogue import leaves, with_values
 from hoist_demo.study.cluster import cluster, run_samples
-from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.definition import Sample, Study, read_study
 from hoist_demo.study.metrics import Arrival, measure
 from hoist_demo.study.perform import perform
-from hoist_demo.study.run import Outcome
+from hoist_demo.study.reading import StudyError
+from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.store import Store, read_results
+from hoist_demo.study.tuning import Range, latin_hypercube
 
+Read = Callable[..., Study]
 SHORT = """
 [fixed]
 winding.travel = 0.2
@@ -34,9 +43,6 @@ winding.settle = 0.3
 winding.start_delay = 0.1
 arrival.window = 0.2
 """
-
-
-# metrics
 
 
 def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Winding]:
@@ -69,18 +75,9 @@ def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Windin
         "left.swivel.slipping": ((t > 3.0) & (t < 5.0)).astype(float),
         "left.swivel.torque": -2.0 * t,
     }
-    result = Result(
-        recording=Recording(signals, {}),
-        completed=True,
-        cause="",
-        steps=t.size,
-        trajectory=reference,
-        winding=winding,
-        drive_clock=Stopwatch(),
-        rope_clock=Stopwatch(),
-        start_clock=Stopwatch(),
-    )
-    return result, hoist, winding
+    clocks = {f"{name}_clock": Stopwatch() for name in ("drive", "rope", "start")}
+    run: Any = {"completed": True, "cause": "", "steps": t.size, "trajectory": reference, "winding": winding}
+    return Result(recording=Recording(signals, {}), **run, **clocks), hoist, winding
 
 
 def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
@@ -120,9 +117,6 @@ def test_cycle_time_waits_for_the_creep_that_is_no_swing() -> None:
     assert found["swing_right"] < 1e-12
 
 
-# the store
-
-
 def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[Sample]], list[str]]:
     """Carries out samples at once: the metric cycle_time is the distance of gains.speed from 2e5."""
 
@@ -141,10 +135,8 @@ def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[S
 
 def test_table_opens_in_pandas_with_units_and_the_same_bytes(read: Read, tmp_path: Path) -> None:
     study = read("[vary]\ngains.speed = [1e5, 2e5]")
-    tables = [
-        perform(study, store, counting(study, store, [])).table
-        for store in map(Store, (tmp_path / "a", tmp_path / "b"))
-    ]
+    stores = Store(tmp_path / "a"), Store(tmp_path / "b")
+    tables = [perform(study, store, counting(study, store, [])).table for store in stores]
     assert tables[0].read_bytes() == tables[1].read_bytes()
     assert pd.read_parquet(tables[0])["cycle_time"].tolist() == [0.5, 0.0]
     units = read_results(tables[0]).units
@@ -168,9 +160,6 @@ def test_search_is_resumed_without_a_run(read: Read, tmp_path: Path) -> None:
     ran.clear()
     assert perform(study, store, counting(study, store, ran)) == first
     assert ran == []
-
-
-# on workers
 
 
 @pytest.fixture(scope="module")
@@ -224,9 +213,151 @@ def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Clien
     assert series["left.fy"][0] == pytest.approx(-15 * 8 * 9.81, rel=0.02)
     # with their instants and units, or they would mean nothing
     assert kept.units == {"time": "s", "left.fy": "N", "right.fy": "N"}
-    np.testing.assert_allclose(np.diff(series["time"]), 0.01, rtol=1e-9)
+    assert_allclose(np.diff(series["time"]), 0.01, rtol=1e-9)
     # a draft leaves torsion out, and its yaw is not zero but unknown
     assert math.isnan(table["loop_yaw"][0])
     assert table["fidelity"][0] == "planar"
     record = json.loads((tmp_path / "out" / "runs" / f"{table['key'][0]}.json").read_text())
     assert record["data"]["winding"]["travel"] == 0.2
+
+
+@pytest.fixture
+def read(tmp_path: Path, fmu_of: Callable[[str], Path]) -> Read:
+    def read(text: str, rope: Path | None = None) -> Study:
+        path = tmp_path / "STUDY.toml"
+        path.write_text(f'study.fmu = "{rope or fmu_of("draft")}"\n{text}', encoding="utf-8")
+        return read_study(path)
+
+    return read
+
+
+def test_grid_is_run_for_every_variant(read: Read) -> None:
+    study = read(
+        "[[variant]]\nname = 'soft'\nvalues = { rope.EI = 50 }\n"
+        "[[variant]]\nname = 'stiff'\nvalues = { rope.EI = 500 }\n"
+        "[vary]\ncontroller = ['pi', 'pi-feed-forward']\nwinding.jerk = { values = [0.5, 1], unit = 'm/s3' }"
+    )
+    assert len(study.samples) == 2 * 2 * 2
+    assert {(s.variant, s.data.fmu["rope.EI"]) for s in study.samples} == {("soft", 50.0), ("stiff", 500.0)}
+    assert {(s.data.controller, s.data.winding.jerk) for s in study.samples} == {
+        (c, j) for c in ("pi", "pi-feed-forward") for j in (0.5, 1.0)
+    }
+
+
+SHAPED, OPTIMISED = (f"[fixed]\ncontroller = '{x}'\n" for x in ("input-shaping", "optimised-trajectory"))
+TUNE = "tune.minimise = { cycle_time = 1 }\n"
+JAMMED = "study.case = 'jammed-conveyance'\n[fixed]\n"
+BOUND, RANGE = TUNE + "tune.subject_to = { ", "[vary]\nrope.EI = { low = 1, high = 2 }"
+
+BAD = {
+    "unknown table": ("[vry]\nrope.EI = [1]", "[vry]", "the tables are"),
+    "unknown case": ("study.case = 'rope-12'", "'rope-12'", "rope-120"),
+    "unknown parameter": ("[fixed]\nwinding.sped = 8", "winding.sped", "winding.speed"),
+    "wrong unit": ("[fixed]\nrope.EI = { value = 300, unit = 'N.m' }", "'N.m'", "'N.m2'"),
+    "impossible field": ("[fixed]\nwinding.jerk = -1", "winding.jerk = -1.0", "above 0"),
+    "impossible FMU value": ("[vary]\nrope.EI = [300, -1]", "rope.EI = -1", "at least 1e-15"),
+    "outside the bounds": ("[fixed]\nleft.swivel.mode = 7", "left.swivel.mode = 7", "1 (free), 2 (coulomb)"),
+    "FMU values that do not fit": ("[fixed]\nleft.swivel.mu_static = 1e-4", "0.0001", "mu_kinetic"),
+    "file that is not there": ("[fixed]\nfrom = 'nowhere.toml'", "nowhere.toml", "give an existing file"),
+    "text for a number": ("[fixed]\nrope.EI = 'stiff'", "'stiff'", "finite number"),
+    "not whole": ("[fixed]\nmesh.elements = 3.5", "3.5", "whole"),
+    "trip longer than the shaft": ("[fixed]\nwinding.travel = 900", "900", "shaft_travel"),
+    "list where one value belongs": ("[fixed]\nrope.EI = [1, 2]", "rope.EI", "[vary]"),
+    "range in a grid": (RANGE, "rope.EI", "values"),
+    "logarithm of zero": ("[vary]\nrope.beta_K = { low = 0, high = 1, scale = 'log' }", "0.0", "linear"),
+    "no number of runs": ("sample.method = 'latin-hypercube'\n" + RANGE, "runs", "whole"),
+    "unknown metric": ("tune.minimise = { speed = 1 }\n" + RANGE, "speed", "cycle_time"),
+    "bound on no metric": (BOUND + "speed = { below = 1 } }\n" + RANGE, "speed", "cycle_time"),
+    "bound in another unit": (BOUND + "sway = { below = 300, unit = 'mm' } }\n" + RANGE, "'mm'", "convert"),
+    "more searches than points": (TUNE + "tune.sample = 1\n" + RANGE, "searches = 2", "at most sample = 1"),
+    "designed trip that stops": (SHAPED + "winding.emergency_at = 5", "emergency_at = 5", "pi-feed-forward"),
+    "optimised trip creeps": (OPTIMISED + "winding.creep_distance = 3", "creep_distance = 3 m", "another controller"),
+    "creep speed in another unit": ("[fixed]\nwinding.creep_speed = { value = 0.5, unit = 'mm/s' }", "mm/s", "m/s"),
+    "two best runs": ("study.minimise = 'cycle_time'\nstudy.maximise = 'slip_safety'", "cycle_time", "keep one"),
+    "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),
+    "a jam out of the way": (JAMMED + "winding.travel = 10", "jam_right.height = 45.0 must be within", "wind further"),
+    "not TOML": ("[fixed", "not TOML", "correct"),
+}
+
+
+@pytest.mark.parametrize(("text", "value", "cure"), BAD.values(), ids=BAD.keys())
+def test_bad_file_is_refused_with_file_key_value_and_cure(read: Read, text: str, value: str, cure: str) -> None:
+    with pytest.raises(StudyError) as refused:
+        read(text)
+    assert len(refused.value.problems) == 1, refused.value.problems
+    assert "STUDY.toml: " in str(refused.value)
+    assert value in str(refused.value)
+    assert cure in str(refused.value)
+
+
+def test_all_errors_are_told_at_once(read: Read) -> None:
+    with pytest.raises(StudyError) as refused:
+        read("study.sene = 3\n[fixed]\nwinding.sped = 8\nwinding.jerk = -1\ncontroller = 'pid'\n[vary]\nrope.EI = [-1]")
+    told = "\n".join(refused.value.problems)
+    assert [name in told for name in ("sene", "winding.sped", "winding.jerk", "pid", "rope.EI = -1")] == [True] * 5
+
+
+@pytest.mark.parametrize(("key", "sense"), [("minimise", "min"), ("maximise", "max")])
+def test_a_grid_may_name_the_metric_that_chooses_the_best_run(read: Read, key: str, sense: str) -> None:
+    study = read(f"study.{key} = 'slip_safety'\n[vary]\nwinding.jerk = [0.5]")
+    assert study.best == {"metric": "slip_safety", "sense": sense}
+    assert read("[vary]\nwinding.jerk = [0.5]").best is None
+
+
+@pytest.mark.parametrize("data", [Hoist, Winding, Coupling, Gains, Shaper, TrajectoryOptions, Arrival])
+def test_every_field_states_a_unit(data: type) -> None:
+    symbols = {"1", "m", "kg", "s", "N", "Hz", "rad", "N.m", "N.m2", "N.s/m", "kg/m", "m/s", "m/s2", "m/s3", "1/s"}
+    symbols |= {"s/m", "kg.m2", "N/m", "N.m/rad", "N.m.s/rad", "W", "N.m/s", "rad/s", "deg"}
+    assert {leaf.unit for leaf in leaves(data)} <= symbols
+
+
+@dataclass(frozen=True)
+class Part:
+    delay: float = quantity(0.5, "s")
+    share: float = quantity(0.1, "-")
+
+    def __post_init__(self) -> None:
+        if self.share > self.delay:
+            raise ValueError(f"share = {self.share} must be at most delay = {self.delay}")
+
+
+@dataclass(frozen=True)
+class Whole:
+    count: int = quantity(3, "-", "of things")
+    part: Part | None = quantity(None, "", "none: without")
+    limit: float | None = quantity(None, "N m", "None: none")
+    name: str = "a"
+
+
+def test_parts_are_reached_by_dotted_names() -> None:
+    assert list(leaves(Whole)) == [
+        Parameter("count", "1", "Integer"),
+        Parameter("part.delay", "s", "Real"),
+        Parameter("part.share", "1", "Real"),
+        Parameter("limit", "N.m", "Real"),
+        Parameter("name", "1", "String"),
+    ]
+    assert with_values(Whole(), {"part.share": 0.9, "part.delay": 1.0, "limit": 2.0}) == Whole(3, Part(1.0, 0.9), 2.0)
+
+
+def test_latin_hypercube_has_one_sample_in_each_strip() -> None:
+    samples = latin_hypercube({"a": Range(2.0, 4.0), "b": Range(1.0, 1e4, logarithmic=True)}, 50, seed=3)
+    strips = {int((s["a"] - 2.0) / 2.0 * 50) for s in samples}, {int(math.log10(s["b"]) / 4 * 50) for s in samples}
+    assert strips == (set(range(50)), set(range(50)))
+
+
+def test_key_changes_with_every_piece_of_data() -> None:
+    base = build("rope-120", {"rope.EI": 300.0})
+    changes = ({"rope.EI": 301.0}, {"gains.speed": 1e5}, {"arrival.window": 4.0}, {"controller": "pi"})
+    others = [build("rope-120", {"rope.EI": 300.0} | change) for change in changes]
+    others.append(build("rope-120", {"rope.EI": 300.0}, signals=("loop.x",)))
+    keys = [base.key("bytes"), base.key("other bytes"), *(run.key("bytes") for run in others)]
+    assert len(set(keys)) == len(keys)
+    assert build("rope-120", {"rope.EI": 300.0}).key("bytes") == base.key("bytes")
+
+
+def test_key_keeps_clear_of_what_the_controller_does_not_use() -> None:
+    plain, other = build("rope-120", {}), build("rope-120", {"shaper.frequency": 2.0, "trajectory.hold": 2.0})
+    assert plain.key("bytes") == other.key("bytes")
+    shaped = [build("rope-120", {"controller": "input-shaping", "shaper.frequency": f}) for f in (1.0, 2.0)]
+    assert shaped[0].key("bytes") != shaped[1].key("bytes")

@@ -22,9 +22,8 @@ from scenes import ends_at, fixed_steps
 from balance_rope import main
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
+from rope_model import RopeSimulator, rope_120
 from rope_model.engine import NativeRope
-from rope_model.parameters import rope_120
-from rope_model.simulation.simulator import RopeSimulator
 
 H, TRAVEL = 0.01, 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
@@ -39,6 +38,11 @@ IMPORTS = {"fmpy": {2, 3}, "libcosim": {2}, "ecos": {2, 3}}
 def environment() -> dict[str, str]:
     """Ecos finds libtbb in the environment's lib, where the package tbb puts it."""
     return {**os.environ, "LD_LIBRARY_PATH": str(Path(sysconfig.get_path("data")) / "lib")}
+
+
+def run(command: list[str], where: dict[str, str], folder: Path) -> subprocess.CompletedProcess[str]:
+    files: Any = {"cwd": folder, "stdin": subprocess.DEVNULL}
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, env=where, **files)
 
 
 def require(tool: str) -> None:
@@ -61,8 +65,7 @@ def in_process(native: bool, steps: int, lift: float = 0.0) -> np.ndarray:
     rope.initialize(0.0, *ends(0.0))
     for k in range(steps):
         h = (k + 1) * H - k * H
-        status = rope.advance_to(k * H + h, *ends(k * H), k * H)
-        assert status.valid, status.message
+        assert rope.advance_to(k * H + h, *ends(k * H), k * H).valid
         rows.append([*rope.signals(FORCES).values()])
     assert rope.state.counts.transformations > 0
     return np.array(rows)
@@ -76,9 +79,8 @@ def test_forces_in_fmpy_are_those_of_the_rope_in_process(exported: tuple[Flavour
     motions = [[getattr(end, key) for end in ends_at(REFERENCE, TRAVEL, t) for key in ("y", "vy", "ay")] for t in times]
     signals = np.rec.fromarrays([times, *np.array(motions).T], names=["time", *INPUTS])
     start = {"solver.step_max": H, "solver.tolerance": 1e6}
-    result = fmpy.simulate_fmu(
-        str(fmu), stop_time=steps * H, output_interval=H, start_values=start, input=signals, output=FORCES
-    )
+    times_of: dict[str, float] = {"stop_time": steps * H, "output_interval": H}
+    result = fmpy.simulate_fmu(str(fmu), start_values=start, input=signals, output=FORCES, **times_of)
     found, expected = np.array([list(row)[1:] for row in result[1:]]), in_process(flavour.native, steps)
     largest = np.maximum(np.abs(expected).max(axis=0), 1.0)
     allowed = flavour.tolerance * largest
@@ -90,7 +92,6 @@ def test_forces_in_fmpy_are_those_of_the_rope_in_process(exported: tuple[Flavour
 
 
 def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path, *preloaded: Path) -> int:
-    """Exit code of the program ecos, which leaves its record in ``folder``."""
     require("ecos")
     if sys.platform != "linux":
         pytest.skip("the command line of ecos is run on Linux only")
@@ -112,16 +113,7 @@ def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path, *preloade
         where["LD_PRELOAD"] = " ".join(libraries)
     # with fewer than ten steps this version of ecos divides by zero when it tells its progress
     command = [str(program), "simulate", "--path", str(fmu), "--stopTime", "0.2", "--stepSize", "0.01"]
-    done = subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-        env=where,
-        cwd=folder,
-        stdin=subprocess.DEVNULL,
-    )
+    done = run(command, where, folder)
     print(done.stdout[-2000:] + done.stderr[-2000:])
     return done.returncode
 
@@ -148,7 +140,5 @@ def test_worked_programs_of_the_tools_page_print_what_it_says(tmp_path: Path) ->
         require(tool)
         assert main(["export", "--native", "--platform", "host", "--ssp", "--out", str(tmp_path / "build")]) == 0
         command = [sys.executable, "-c", program]
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=120, check=False, env=environment(), cwd=tmp_path
-        )
+        done = run(command, environment(), tmp_path)
         assert "t = 25.00 s: left conveyance at 89.999 m, balance rope -8241 N" in done.stdout, done.stderr[-2000:]

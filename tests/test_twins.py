@@ -58,7 +58,6 @@ C_ONLY = {
 
 
 def text_of(path: Path) -> str:
-    """The C without its comments."""
     return re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
 
 
@@ -68,7 +67,6 @@ def functions(path: Path) -> list[str]:
 
 
 def module_of(path: Path) -> Path | None:
-    """The Python module in the same room."""
     below = path.relative_to(CSRC).with_suffix(".py")
     return next((found for room in ("simulation", ".") if (found := PACKAGE / room / below).exists()), None)
 
@@ -101,9 +99,8 @@ def test_neither_calls_nor_includes_go_round() -> None:
     graph = {}
     for name, path in FILES.items():
         text = text_of(path)
-        called = (
-            {home[f] for f in re.findall(r"(?<![\w.>])(\w+)\(", text) if f in home} if path.suffix != ".h" else set()
-        )
+        calls = re.findall(r"(?<![\w.>])(\w+)\(", text) if path.suffix != ".h" else []
+        called = {home[f] for f in calls if f in home}
         graph[name] = (called | set(re.findall(r'#include "(\w+\.\w+)"', text)) & set(FILES)) - {name}
     assert len(list(TopologicalSorter(graph).static_order())) == len(FILES)
 
@@ -117,8 +114,7 @@ def test_laid_out_for_an_editor_every_file_compiles_by_its_entry_without_a_warni
     assert {entry["file"] for entry in entries} == {name for name in FILES if name.endswith(".c")}
     checks = [flag for flag in entries[0]["arguments"][1:] if flag.startswith(("-std", "-O", "-f"))]
     checks += ["-fsyntax-only", "-Wall", "-Wextra", "-Werror"]
-    done = subprocess.run(
-        [*compiler, *checks, *(entry["file"] for entry in entries)], cwd=tmp_path, capture_output=True, text=True
-    )
+    command = [*compiler, *checks, *(entry["file"] for entry in entries)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "model.c").resolve() == FILES["model.c"]

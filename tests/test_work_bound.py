@@ -1,4 +1,4 @@
-"""The bound on the work of one communication step: what it holds, what it gives up, and that it says so."""
+"""The bound on a communication step's work: what it holds and gives up; and when steps become longer again."""
 
 from dataclasses import dataclass, replace
 
@@ -10,9 +10,8 @@ from test_native import bounce
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from rope_model import BalanceRope, EndMotion, Mesh, Rope, RopeSimulator, Scene, Solver
 from rope_model.engine import NativeRope
-from rope_model.parameters import Rope, Scene, Solver
-from rope_model.simulation.simulator import RopeSimulator
 
 pytest.importorskip("rope_model.codegen.build")
 
@@ -41,8 +40,7 @@ def wind(work_max: int) -> Run:
     assert rope.initialize(0.0, *motions[0]).valid
     values = []
     for k, ends in enumerate(motions[1:], start=1):
-        status = rope.advance_to(k * STOP.H, *ends)
-        assert status.valid, status
+        assert rope.advance_to(k * STOP.H, *ends).valid
         values.append(read())
     return Run(np.array(values))
 
@@ -73,13 +71,11 @@ def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: Run) -> None:
 
 
 def test_both_forms_give_up_the_same_steps_and_warn_of_it() -> None:
-    """A rope that goes slack and is caught, in steps that are much too long for it."""
     rope = Rope(length=60.0)
     ropes = [form(Scene(rope=rope, solver=Solver(work_max=24))) for form in (RopeSimulator, NativeRope)]
     for k in range(36):
         for each in ropes:
-            status = each.advance_to(0.02 * k, *bounce(0.02 * k)) if k else each.initialize(0.0, *bounce(0.0))
-            assert status.valid, status
+            assert each.advance_to(0.02 * k, *bounce(0.02 * k)) if k else each.initialize(0.0, *bounce(0.0)).valid
     (a, b), (said, same) = (each.state for each in ropes), (each.warnings() for each in ropes)
     assert a.counts == b.counts
     assert a.counts.given_up > 0
@@ -94,3 +90,28 @@ def test_a_bound_below_one_step_does_not_stop_the_rope(unbounded: Run) -> None:
     assert bounded.values[-1, GIVEN_UP] > 0
     last, right = (run.values[-100:, FORCES].mean(axis=0) for run in (bounded, unbounded))
     assert last == pytest.approx(right, rel=0.01)
+
+
+@pytest.mark.parametrize("form", [RopeSimulator, NativeRope])
+@pytest.mark.parametrize(
+    ("step", "host", "expected"),
+    [
+        (0.005, 0.005, 40),  # a fifth of a second
+        (0.00125, 0.00125, 100),  # a hundred steps
+        (0.002, 0.001, 200),  # both, of steps that the host cuts
+    ],
+)
+@pytest.mark.parametrize("start", [0.0, 0.1, 12.3])
+def test_steps_grow_after_as_many(
+    form: type[BalanceRope], step: float, host: float, expected: int, start: float
+) -> None:
+    scene = Scene(rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=10))
+    rope, still = form(scene.with_(solver=Solver(tolerance=1e6, step_max=step))), (EndMotion(), EndMotion())
+    assert rope.initialize(start, *still).valid
+    rope.retune(scene.with_(solver=replace(rope.scene.solver, step_max=0.02)))
+    steps = 0
+    while rope.state.step_next == step:
+        steps += 1
+        assert steps <= 2 * expected
+        assert rope.advance_to(start + steps * host, *still).valid
+    assert steps == expected

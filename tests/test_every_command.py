@@ -1,4 +1,4 @@
-"""Every number that a run rests on has a status, and every command shows it."""
+"""What every command does: its numbers have a status, and a folder that cannot be written to is named first."""
 
 import csv
 from pathlib import Path
@@ -16,7 +16,6 @@ SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2
 
 
 def known(name: str, given: dict[str, str]) -> list[Known]:
-    """What a run of the case rests on."""
     rope = scene_parameters(rope_data(find_case(name).rope))
     return [*of_host(build(name, {}), given), *of_rope(find_case(name), rope, given)]
 
@@ -44,9 +43,7 @@ def test_the_published_pair_is_published_and_what_is_ours_is_assumed() -> None:
 
 def test_what_is_set_is_given_or_what_its_file_says(tmp_path: Path) -> None:
     file = tmp_path / "rope.toml"
-    file.write_text(
-        '[known]\nbending_stiffness = { low = 1, high = 2, status = "calibrated" }\n[fixed]\nrope.EI = 1.5\n'
-    )
+    file.write_text('[known]\nbending_stiffness = { low = 1, high = 2, status = "calibrated" }\n[fixed]\nrope.EI = 1\n')
     table = {"from": str(file), "rope": {"Qd": 900.0}, "hoist": {"payload_left": {"value": 1e3, "status": "measured"}}}
     found = read_statuses(table)
     wanted = {"rope.EI": "calibrated", "rope.Qd": "given", "hoist.payload_left": "measured"}
@@ -64,18 +61,11 @@ _FILES = {
     "identify": "[rope]\nconstruction = '34x7'\ndiameter = 0.046\nlength = 120.0\n"
     "[[measured]]\nwhat = 'loop width'\nvalue = 3.05\nsigma = 0.05\n",
 }
-_SAID = {
-    "duty": ("winding.travel", "given"),
-    "ropes": ("rope2.rope.EI", "given"),
-    "uncertain": ("rope.EI", "varied"),
-    "identify": ("rope.EI", "calibrated"),
-}
+_SAID = {"duty": "winding.travel", "ropes": "rope2.rope.EI", "uncertain": "rope.EI", "identify": "rope.EI"}
 
 
 @pytest.mark.parametrize("command", _FILES)
-def test_every_command_says_where_its_numbers_come_from(
-    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_commands_say_whence_numbers_are(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, out = tmp_path / "file.toml", tmp_path / "out"
     file.write_text(_FILES[command])
     options = ["--workers", "1"] if command == "uncertain" else []
@@ -83,8 +73,42 @@ def test_every_command_says_where_its_numbers_come_from(
     assert "Data that this rests on, by status" in capsys.readouterr().out
     with (out / "data.csv").open(encoding="utf-8", newline="") as table:
         rows = {row["name"]: row["status"] for row in csv.DictReader(table)}
-    name, status = _SAID[command]
-    assert rows[name] == status
+    assert rows[_SAID[command]] == {"uncertain": "varied", "identify": "calibrated"}.get(command, "given")
     assert set(rows.values()) <= {*STATUSES}
     if command in ("uncertain", "identify"):
         assert "Data that this rests on, by status" in (out / "report.html").read_text(encoding="utf-8")
+
+
+DOCS = Path(__file__).parents[1] / "docs"
+COMMANDS = {
+    "demo": ["demo", "--in-process"],
+    "duty": ["duty", str(DOCS / "duties" / "day.toml")],
+    "ropes": ["ropes", str(DOCS / "duties" / "four_ropes.toml")],
+    "identify": ["identify", str(DOCS / "measurements" / "example.toml")],
+    "uncertain": ["uncertain", str(DOCS / "uncertain" / "rope-120.toml")],
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_folder_that_cannot_be_is_refused(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    out = tmp_path / "file" / "results"
+    assert main([*COMMANDS[name], "--out", str(out)]) == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last == f"balance-rope: {out} cannot be written to (Not a directory): choose another --out"
+
+
+def test_a_link_to_nowhere_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "nowhere" / "results")
+    for out in (link, link / "below"):
+        assert main([*COMMANDS["identify"], "--out", str(out)]) == 2
+        last = capsys.readouterr().err.splitlines()[-1]
+        assert last == f"balance-rope: {out} cannot be written to (No such file or directory): choose another --out"
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, "study", "export"])
+def test_no_name_is_not_the_folder_one_stands_in(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main([*COMMANDS.get(name, [name]), "--out", ""])
+    assert "argument --out: '' names nothing" in capsys.readouterr().err
