@@ -161,3 +161,12 @@ def test_overwinding_is_a_status() -> None:
     assert "overwind" in step.message
     assert step.state is state
     assert 10 <= steps <= 13
+
+
+def test_the_hoist_without_losses_and_motor_keeps_its_energy() -> None:
+    plant, u = Plant(Hoist(head_rope_damping=0.0, loss_coulomb=0.0, loss_viscous=0.0)), PlantInput(0.0, 0.0, 0.0)
+    state = _move(plant)._replace(x=_move(plant).x * np.array([0, 1, 1, 1, 1, 1, 1]))
+    start, end = plant.outputs(state, u), plant.outputs(plant.run(state, 0.01, u, 100)[-1], u)
+    gained = end.energy_kinetic + end.energy_potential - start.energy_kinetic - start.energy_potential
+    # 1e-9 of 1e7 J, 100 steps
+    np.testing.assert_allclose(gained, 0.0, atol=0.05)
