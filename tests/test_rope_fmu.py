@@ -200,7 +200,7 @@ def test_instances_are_independent_also_of_another_fmu(folders: Folders, case: s
         third = (other, fmpy.extract(str(other), str(tmp_path / "long")))
     hosts = [Host(path, folder), Host(path, folder), Host(*third)]
     for each in hosts:
-        each.start(**EVEN)
+        each.start(**EVEN, **{"right.y": 90.0})
     records: list[list[Any]] = [[], [], []]
     for k in range(30):
         for record, each in zip(records, hosts, strict=True):
