@@ -105,14 +105,18 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
     start = {**scene.rope, "right.y": scene.hoist.shaft_travel}
     export_native(tmp_path / "rope.fmu", fmi=3, platforms=here, start=start)
     found = wind("fmpy_halved", system(tmp_path, tmp_path / "rope.fmu", tmp_path / "drive.fmu"), steps)
-    coupling = Coupling(step=ssp_driver.H / 2.0, scheme="impulse-preserving")
-    recording = Host(rope_in_process(name), scene.hoist, short.winding, coupling, gains=scene.gains).run().recording
-    expected = np.array([recording[name] for name in NAMES]).T[1 : steps + 1]
+    hosts = []
+    for parts in (2, 4):
+        coupling = Coupling(step=ssp_driver.H / parts, scheme="impulse-preserving")
+        run = Host(rope_in_process(name), scene.hoist, short.winding, coupling, gains=scene.gains).run()
+        rows = slice(parts // 2, parts // 2 * (steps + 1), parts // 2)
+        hosts.append(np.array([run.recording[name] for name in NAMES]).T[rows])
     assert np.ptp(found[:, 0]) > 0.99 * travel
-    scale = np.abs(expected).max(axis=0)
-    # as above, with steps of half the length: 10 ms leave 5e-5 of the torque and 1e-3 of the force
-    assert_allclose(found[:, :4] / scale[:4], expected[:, :4] / scale[:4], rtol=0.0, atol=2e-6)
-    assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=2e-5)
+    # held forces make the acceleration jump at the samples, by 3 mm/s2 here: the rope's ends draw in what that misses,
+    # in the tools from motions a step ahead. Both couplings are of first order: a step of H errs by twice what H/2 changes
+    error = 2.0 * np.abs(hosts[0] - hosts[1]).max(axis=0)
+    assert (error < 2e-3 * np.abs(hosts[0]).max(axis=0)).all()
+    assert (np.abs(found - hosts[0]).max(axis=0) < error).all()
 
 
 def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> None:
