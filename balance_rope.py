@@ -31,7 +31,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.drive_fmu.description import drive_model, duration
     from hoist_demo.drive_fmu.interface import Tail
-    from hoist_demo.study.catalogue import Catalogue
+    from hoist_demo.files.catalogue import Catalogue
     from hoist_demo.study.run import tail_rope
     from rope_model import __version__
     from rope_model.parameters import LEVELS, Level, rope_120

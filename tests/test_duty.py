@@ -13,7 +13,7 @@ from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, row, ste
 from hoist_demo.duty.wind import Trip, read_state, wind, write_state
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.study.reading import StudyError
+from hoist_demo.files.reading import FileError
 
 DUTY = """
 [duty]
@@ -130,7 +130,7 @@ def test_a_schedule_that_cannot_be_is_refused_with_the_cure(tmp_path: Path, wron
     text = DUTY.format(repeat=1, fidelity="torsional", settle=5.0, travel=90.0)
     assert wrong in text
     path.write_text(text.replace(wrong, right), encoding="utf-8")
-    with pytest.raises(StudyError, match=told):
+    with pytest.raises(FileError, match=told):
         read_schedule(path, rope_parameters())
 
 

@@ -12,7 +12,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals, read_csv
-from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.study.run import contradictions
 
 ROOT = Path(__file__).parents[1]

@@ -38,7 +38,7 @@ from hoist_demo.report.rows import SummaryRow
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import Known, write_data
-from hoist_demo.study.reading import LONGEST_TEXT, StudyError
+from hoist_demo.study.reading import LONGEST_TEXT, FileError
 from hoist_demo.study.store import Store
 from hoist_demo.uncertainty.definition import read_uncertain
 from rope_model import Datum
@@ -284,7 +284,7 @@ def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(kind
 def refusal(read: Callable[[Path], object], path: Path) -> str:
     try:
         read(path)
-    except StudyError as error:
+    except FileError as error:
         said = str(error).replace("\n", "")
         return said if printable(said) == said else ""
     return ""

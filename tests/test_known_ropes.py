@@ -17,8 +17,8 @@ from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.options import rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.reading import Problems, StudyError, file_statuses, read_values
+from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.study.reading import Problems, FileError, file_statuses, read_values
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.page import too_few
 from hoist_demo.uncertainty.spread import Spread, draw
@@ -188,7 +188,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
     ],
 )
 def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
-    with pytest.raises(StudyError, match=problem):
+    with pytest.raises(FileError, match=problem):
         read_measured(written(tmp_path, text), PARAMETERS_KNOWN)
 
 
@@ -264,7 +264,7 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     ],
 )
 def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
-    with pytest.raises(StudyError, match=problem):
+    with pytest.raises(FileError, match=problem):
         read_uncertain(written(tmp_path, SCENE.replace(*change)), PARAMETERS_KNOWN)
 
 

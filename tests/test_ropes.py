@@ -22,7 +22,7 @@ from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.recording.time_series import read_csv
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.ropes.table import polygon_distance
-from hoist_demo.study.reading import StudyError
+from hoist_demo.files.reading import FileError
 from rope_model import EndMotion, Neighbours
 
 HEIGHT = 90.0
@@ -272,7 +272,7 @@ def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path
     path.write_text(near, encoding="utf-8")
     assert not read_ropes(path, rope_parameters()).touching
     path.write_text(near.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 1e6"), encoding="utf-8")
-    with pytest.raises(StudyError, match=r"two: an end that is 0\.04 m from that of one must be at least 0\.044 m"):
+    with pytest.raises(FileError, match=r"two: an end that is 0\.04 m from that of one must be at least 0\.044 m"):
         read_ropes(path, rope_parameters())
 
 
@@ -297,7 +297,7 @@ def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: s
     path = tmp_path / "ropes.toml"
     assert wrong in ROPES
     path.write_text(ROPES.replace(wrong, right), encoding="utf-8")
-    with pytest.raises(StudyError, match=told):
+    with pytest.raises(FileError, match=told):
         read_ropes(path, rope_parameters())
 
 

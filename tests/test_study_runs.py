@@ -25,12 +25,12 @@ from hoist_demo.design.shaping import Shaper
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import Parameter, quantity
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.study.catalogue import leaves, with_values
+from hoist_demo.files.catalogue import leaves, with_values
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study, read_study
 from hoist_demo.study.metrics import Arrival, measure
 from hoist_demo.study.perform import perform
-from hoist_demo.study.reading import StudyError
+from hoist_demo.files.reading import FileError
 from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.store import Store, read_results
 from hoist_demo.study.tuning import Range, latin_hypercube
@@ -282,7 +282,7 @@ BAD = {
 
 @pytest.mark.parametrize(("text", "value", "cure"), BAD.values(), ids=BAD.keys())
 def test_bad_file_is_refused_with_file_key_value_and_cure(read: Read, text: str, value: str, cure: str) -> None:
-    with pytest.raises(StudyError) as refused:
+    with pytest.raises(FileError) as refused:
         read(text)
     assert len(refused.value.problems) == 1, refused.value.problems
     assert "STUDY.toml: " in str(refused.value)
@@ -291,7 +291,7 @@ def test_bad_file_is_refused_with_file_key_value_and_cure(read: Read, text: str,
 
 
 def test_all_errors_are_told_at_once(read: Read) -> None:
-    with pytest.raises(StudyError) as refused:
+    with pytest.raises(FileError) as refused:
         read("study.sene = 3\n[fixed]\nwinding.sped = 8\nwinding.jerk = -1\ncontroller = 'pid'\n[vary]\nrope.EI = [-1]")
     told = "\n".join(refused.value.problems)
     assert [name in told for name in ("sene", "winding.sped", "winding.jerk", "pid", "rope.EI = -1")] == [True] * 5

@@ -23,8 +23,8 @@ from typing import Any, TypeGuard, get_args
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters.quantity import Parameter
-from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.reading import Problems, StudyError, flat, read_statuses, read_tables, read_text, read_values
+from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.study.reading import Problems, FileError, flat, read_statuses, read_tables, read_text, read_values
 from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope
 from rope_model.texts import printable
 
@@ -61,7 +61,7 @@ class Measured:
 
 
 def read_measured(path: Path, parameters: Mapping[str, Parameter]) -> Measured:
-    """Return the contents of a file for a rope with these parameters; raise StudyError with all problems."""
+    """Return the contents of a file for a rope with these parameters; raise FileError with all problems."""
     problems = Problems()
     raw = read_tables(path, "measurements", _TABLES, problems)
     known = read_known(path, raw, problems)
@@ -78,11 +78,11 @@ def read_measured(path: Path, parameters: Mapping[str, Parameter]) -> Measured:
             problems += [f"measured {number}: {problem}" for problem in _out_of_reach(m, known.length)]
     wanted = _wanted(raw.get("wanted", {}), problems)
     if problems or known is None or wanted is None:
-        raise StudyError(path, problems)
+        raise FileError(path, problems)
     try:
         bench = Bench(known, rope_data(fixed), sought)
     except ValueError as error:
-        raise StudyError(path, [str(error)]) from error
+        raise FileError(path, [str(error)]) from error
     given = read_statuses(raw.get("fixed", {}))
     return Measured(path, bench, tuple(m for m in found if m is not None), wanted, given)
 

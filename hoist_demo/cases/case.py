@@ -1,4 +1,4 @@
-"""One case: all that a run needs besides the coupling."""
+"""One hoist: all that its file says, see hoist_demo.files.hoist_file."""
 
 from __future__ import annotations
 
@@ -7,29 +7,34 @@ from dataclasses import dataclass, field
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import Hoist, Winding
-
-LOCKED, COULOMB = 0, 2  #: Codes of swivel.mode, docs/reference/variables.md.
-
-#: What the source of the published rope states of it.
-PUBLISHED_ROPE = ("rope.length", "rope.Qb", "rope.Qc", "hoist.tail_rope_length")
+from hoist_demo.parameters.quantity import Value
+from rope_model import Level
 
 
-def swivels(mode: int, **data: float) -> dict[str, float]:
-    """Parameters by FMI name of two equal swivels."""
-    values: dict[str, float] = {"mode": mode, **data}
-    return {f"{side}.swivel.{name}": value for name, value in values.items() for side in ("left", "right")}
+@dataclass(frozen=True)
+class Tail:
+    """One balance rope, or several equal ones: its name, its own parameters, where it hangs, and its break."""
+
+    name: str
+    parameters: Mapping[str, Value]  # by FMI name, beside those of all ropes
+    place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
+    breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A hoist, its trip, its controller's gains, and one of its balance ropes."""
+    """A hoist, its trip, its controller, and its balance ropes."""
 
     hoist: Hoist
     winding: Winding
     gains: Gains = field(default_factory=Gains)
-    rope: Mapping[str, float | int | str] = field(
-        default_factory=dict
-    )  # parameters by FMI name; the rest is the rope's own
-    published: str = ""  # what the source of an installed hoist states
-    stated: tuple[str, ...] = ()  # the parameters that its source states, by the names of a study
-    source: str = ""  # "" for a case of ours
+    rope: Mapping[str, Value] = field(default_factory=dict)  # of the first, by FMI name; the rest is the rope's own
+    settings: Mapping[str, Value] = field(default_factory=dict)  # controller, coupling.*, and others of a study
+    ropes: tuple[Tail, ...] = ()  # where there are several, or one with a place or a break
+    given: Mapping[str, str] = field(default_factory=dict)  # status of what the file sets, by name
+    sources: Mapping[str, str] = field(default_factory=dict)
+    name: str = ""
+    source: str = ""
+    level: Level = "standard"
+    signals: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()  # on values that are far from what hoists have

@@ -1,39 +1,58 @@
-"""All cases by name: hoist, winding, controller gains, and the balance rope that belongs to them.
-
-rope-120 and rope-240 are the hoists around the ropes of the published case, the others those of installed sizes. The
-rope is given by its FMI parameters, so that one FMU, or the rope in process, serves every case.
-"""
+"""Hoists by name, the files of hoist_demo/hoists, and those of the user by path."""
 
 from __future__ import annotations
 
-from hoist_demo.cases.case import COULOMB, LOCKED, PUBLISHED_ROPE, Case, swivels
-from hoist_demo.cases.installed import INSTALLED
-from hoist_demo.cases.scenarios import SCENARIOS
-from hoist_demo.parameters import Hoist, Winding
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+from hoist_demo.cases.case import Case
+
+FOLDER = Path(str(files("hoist_demo"))) / "hoists"
+
+#: in the order in which they are told: hoists, and what goes wrong in some of them
+HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
+SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
 
 
-def _published_case(hoist: Hoist, winding: Winding, ends: dict[str, float]) -> Case:
-    """The published rope, which has the FMU's own data but for its length and its swivels."""
-    return Case(hoist, winding, rope={"rope.length": hoist.tail_rope_length, **ends}, stated=PUBLISHED_ROPE)
+class Cases(Mapping[str, Case]):
+    """Hoists that come with the project, each read when it is asked for."""
+
+    def __init__(self, *names: str) -> None:
+        self._names = names
+
+    def __getitem__(self, name: str) -> Case:
+        if name not in self._names:
+            raise KeyError(name)
+        return _read(FOLDER / f"{name}.toml")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
 
 
-CASES = {
-    "rope-120": _published_case(Hoist(), Winding(), swivels(LOCKED)),
-    "rope-240": _published_case(
-        Hoist(shaft_travel=200.0, tail_rope_length=240.0),
-        Winding(travel=200.0, speed=10.0),
-        swivels(COULOMB, release_time=20.0),
-    ),
-    **INSTALLED,
-}
-
-
-#: the cases, and what goes wrong in some of them
-NAMED = CASES | SCENARIOS
+CASES = Cases(*HOISTS)
+NAMED = Cases(*HOISTS, *SCENARIOS)
 
 
 def find_case(name: str) -> Case:
-    """The case of this name; ValueError with all names when there is none."""
-    if name not in NAMED:
-        raise ValueError(f"case = {name!r} must be one of {', '.join(NAMED)}: choose one")
-    return NAMED[name]
+    """Return the hoist of a file, or of this name; ValueError with all names when there is none."""
+    if name in NAMED:
+        return NAMED[name]
+    if name.endswith(".toml"):
+        return _read(Path(name))
+    raise ValueError(f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(NAMED)}: choose one")
+
+
+def _read(path: Path) -> Case:
+    return _read_version(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@cache
+def _read_version(path: Path, _changed: int) -> Case:
+    from hoist_demo.files.hoist_file import read_hoist  # which needs the table, for hoists like others
+
+    return read_hoist(path)

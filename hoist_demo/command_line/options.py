@@ -9,7 +9,7 @@ from typing import get_args
 
 from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.parameters.quantity import Parameter, Value
-from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.study.reading import LEVELS, flat, strip_unit, with_file
 from rope_model.scene_names import choices_of
 

@@ -18,8 +18,8 @@ from typing import Any
 
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.quantity import Parameter, Value
-from hoist_demo.study.catalogue import Catalogue
-from hoist_demo.study.reading import Problems, StudyError, read_head, read_statuses, read_tables, read_values
+from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.study.reading import Problems, FileError, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
 
@@ -62,7 +62,7 @@ class Schedule:
 def read_schedule(path: Path, rope: Mapping[str, Parameter], repeat: int | None = None) -> Schedule:
     """The schedule of a file for a rope with these parameters; `repeat` replaces the file's.
 
-    Raises StudyError with all problems.
+    Raises FileError with all problems.
     """
     return _Reader(path, Catalogue(rope)).schedule({} if repeat is None else {"repeat": repeat})
 
@@ -98,12 +98,12 @@ class _Reader:
             given |= read_statuses(trip)
         schedule = Schedule(pattern=tuple(pattern), given=given, **head)
         if problem := _impossible(schedule):
-            raise StudyError(self._path, [problem])
+            raise FileError(self._path, [problem])
         return schedule
 
     def _stop_where_wrong(self) -> None:
         if self._problems:
-            raise StudyError(self._path, self._problems)
+            raise FileError(self._path, self._problems)
 
     def _head(self, given: Mapping[str, Value]) -> dict[str, Any]:
         """Title, case, level and repeat."""

@@ -25,7 +25,7 @@ def unit_of(of: Field[Any]) -> str:
 
 
 def meaning_of(of: Field[Any]) -> str:
-    """Return the unit and description of a field."""
+    """Return what a field means beyond its name."""
     return str(of.metadata.get("description", ""))
 
 
@@ -59,6 +59,7 @@ class Parameter:
     minimum: float | None = None
     maximum: float | None = None
     choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
+    meaning: str = ""
 
     def read(self, value: object) -> Value:
         """The value in the parameter's type; a `ValueError` names key, value and cure."""

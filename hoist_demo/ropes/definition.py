@@ -27,12 +27,12 @@ from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.ropes.table import READ
-from hoist_demo.study.catalogue import SECTIONS, Catalogue
+from hoist_demo.files.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import (
     LONGEST_TEXT,
     Problems,
-    StudyError,
+    FileError,
     flat,
     read_head,
     read_statuses,
@@ -119,7 +119,7 @@ class Ropes:
 
 
 def read_ropes(path: Path, rope: Mapping[str, Parameter]) -> Ropes:
-    """The ropes of a file, which may have these parameters; raises StudyError with all problems."""
+    """The ropes of a file, which may have these parameters; raises FileError with all problems."""
     catalogue, problems = Catalogue(rope), Problems()
     raw = read_tables(path, "ropes", _TABLES, problems)
     head = read_head(path, "ropes", raw.get("ropes", {}), {}, problems)
@@ -134,11 +134,11 @@ def read_ropes(path: Path, rope: Mapping[str, Parameter]) -> Ropes:
     if not tables:
         problems.append("there must be ropes: give at least one [[rope]]")
     if problems:
-        raise StudyError(path, problems)
+        raise FileError(path, problems)
     try:
         run = build_trip(head["case"], fixed)
     except ValueError as error:
-        raise StudyError(path, [str(error)]) from error
+        raise FileError(path, [str(error)]) from error
     given = read_statuses(raw.get("fixed", {}))
     ropes = [_read_rope(k, table, catalogue, run, head["level"], given, problems) for k, table in enumerate(tables, 1)]
     found = tuple(rope for rope in ropes if rope is not None)
@@ -153,7 +153,7 @@ def read_ropes(path: Path, rope: Mapping[str, Parameter]) -> Ropes:
         whose = "" if _PRESSED in fixed else f", of the case {head['case']}"
         problems += _obstacles_to_contact(found, f"{_PRESSED} = {found[0].scene.shaft.contact.rope_stiffness:g}{whose}")
     if problems:
-        raise StudyError(path, problems)
+        raise FileError(path, problems)
     return Ropes(run=run, ropes=found, given=given, **head)
 
 

@@ -26,12 +26,12 @@ from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study.catalogue import SECTIONS, Catalogue
+from hoist_demo.files.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.reading import (
     VARIED,
     Problems,
-    StudyError,
+    FileError,
     flat,
     read_statuses,
     read_tables,
@@ -91,7 +91,7 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
-    """The study of a file; `fmu` replaces the file's. Raises StudyError with all problems."""
+    """The study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     return _Reader(path, fmu).study(progress)
 
 
@@ -127,12 +127,12 @@ class _Reader:
                 tuning = read_tuning(self.raw.get("tune", {}), len(vary))
         drawn = self._draw(vary, tuning)
         if str(case) not in NAMED:
-            raise StudyError(self.path, self.problems)
+            raise FileError(self.path, self.problems)
         samples = self._accepted_samples(
             case, signals, Probe(fmu) if self.fmu_is_there else None, variants, progress(drawn)
         )
         if self.problems:
-            raise StudyError(self.path, self.problems)
+            raise FileError(self.path, self.problems)
         keys = {key: None for values in variants.values() for key in values} | dict.fromkeys(vary)
         return Study(
             title=title,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,23 +9,16 @@ from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
-from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.reading import FileError, flat, read_toml
+from hoist_demo.files.rope_file import following_statuses
+from hoist_demo.files.values import GIVEN, LONGEST_TEXT
 from rope_model import DatumStatus, Level
 from rope_model.texts import printable
-
-LONGEST_TEXT = 200  #: Characters of a title, or of a name for people.
 
 LEVELS = get_args(Level)  #: Levels of accuracy of a rope in this process.
 
 _SPECIFICATION = {"value", "values", "low", "high", "unit", "scale", "status"}
-
-
-class StudyError(ValueError):
-    """All that is wrong with a study file, one line each."""
-
-    def __init__(self, path: Path, problems: Iterable[str]) -> None:
-        self.problems = tuple(map(printable, problems))
-        super().__init__("\n".join(f"{printable(str(path))}: {problem}" for problem in self.problems))
 
 
 class Problems(list[str]):
@@ -41,16 +33,6 @@ class Problems(list[str]):
             problem = f"{where}: {error}" if where else str(error)
             if problem not in self:
                 self.append(problem)
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file; raise StudyError if it is unreadable."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise StudyError(path, [f"cannot be read ({error.strerror}): give an existing file"]) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise StudyError(path, [f"is not TOML: {error}: correct it there"]) from error
 
 
 def read_tables(path: Path, of: str, kinds: Mapping[str, type], problems: Problems) -> dict[str, Any]:
@@ -106,28 +88,11 @@ def file_statuses(path: Path) -> dict[str, str]:
     )
 
 
-def following_statuses(known: Mapping[str, str]) -> dict[str, str]:
-    """The statuses of the parameters that follow from properties of a rope with these statuses."""
-    return {name: status for key, status in known.items() for name in _FOLLOWING.get(key, ())}
-
-
-#: statuses of what is set without one, and of what differs between runs
-GIVEN, VARIED = "given", "varied"
-#: Parameters by the property that decides them.
-_FOLLOWING = {
-    "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
-    "axial_stiffness": ("rope.Qa",),
-    "torque_factor": ("rope.Qb", "rope.Qc"),
-    "torsional_stiffness": ("rope.Qd",),
-    "bending_stiffness": ("rope.EI",),
-}
-
-
 def read_head(
     path: Path, name: str, table: Mapping[str, Any], own: Mapping[str, Any], problems: Problems
 ) -> dict[str, Any]:
     """Title, case and level of a file about ropes in this process, and keys of its own with their defaults."""
-    defaults = {"title": printable(path.stem), "case": "rope-120", "level": "standard", **own}
+    defaults = {"title": printable(path.stem), "hoist": "rope-120", "level": "standard", **own}
     for key in table.keys() - defaults.keys():
         problems.append(f"[{name}] {key} = {table[key]!r} is not a key: it has {', '.join(defaults)}")
     head = {key: table.get(key, default) for key, default in defaults.items()}
@@ -135,7 +100,7 @@ def read_head(
     if head["level"] not in LEVELS:
         problems.append(f"[{name}] level = {head['level']!r} must be one of {', '.join(LEVELS)}: choose one")
     with problems.collect(f"[{name}]"):
-        find_case(str(head["case"]))
+        find_case(str(head["hoist"]))
     return head
 
 
@@ -167,16 +132,6 @@ def with_file(table: Mapping[str, Any]) -> Mapping[str, Any]:
     if not isinstance(fixed, dict):
         raise ValueError(f"{table['from']}: fixed = {fixed!r} must be one table: write [fixed] above it")
     return dict(flat(fixed)) | dict(flat(rest))
-
-
-def flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Keys with dots, whether the file quotes them or not; a value's own table is left whole."""
-    for name, content in table.items():
-        key = f"{prefix}{name}"
-        if isinstance(content, dict) and not content.keys() & _SPECIFICATION:
-            yield from flat(content, f"{key}.")
-        else:
-            yield key, content
 
 
 def strip_unit(parameter: Parameter, content: Any) -> Any:

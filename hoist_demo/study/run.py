@@ -34,7 +34,7 @@ from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.incidents import held_in_spite
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.catalogue import SECTIONS, with_values
+from hoist_demo.files.catalogue import SECTIONS, with_values
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 from rope_model import EndMotion
 

@@ -21,14 +21,14 @@ from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
 from hoist_demo.parameters.quantity import Parameter, Value
-from hoist_demo.study.catalogue import Catalogue
+from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.reading import (
     GIVEN,
     VARIED,
     Problems,
-    StudyError,
+    FileError,
     following_statuses,
     read_head,
     read_statuses,
@@ -95,7 +95,7 @@ class Uncertain:
 
 
 def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain:
-    """Return the questions of a file about a rope with these parameters; raise StudyError with all problems."""
+    """Return the questions of a file about a rope with these parameters; raise FileError with all problems."""
     problems = Problems()
     raw = read_tables(path, "an uncertain winding", _TABLES, problems)
     head = read_head(path, "uncertain", raw.get("uncertain", {}), _OWN, problems)
@@ -106,7 +106,7 @@ def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain
     both = _with_file(raw, problems)
     known = None if both is None else read_known(path, both, problems)
     if problems or both is None or known is None:
-        raise StudyError(path, problems)
+        raise FileError(path, problems)
     given = read_statuses(raw.get("fixed", {}))
     if "length" in both["rope"]:
         given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
@@ -115,11 +115,11 @@ def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain
         known = replace(known, length=float(length))
     asked = Uncertain(known=known, fixed=fixed, given=given, **{**head, "measures": tuple(head["measures"])})
     if not asked.data:
-        raise StudyError(path, ["nothing varies: give a property of [known] a range, { low, high }"])
+        raise FileError(path, ["nothing varies: give a property of [known] a range, { low, high }"])
     try:
         asked.run({name: datum.middle for name, datum in asked.data.items()})
     except ValueError as error:
-        raise StudyError(path, [str(error)]) from error
+        raise FileError(path, [str(error)]) from error
     return asked
 
 
@@ -130,7 +130,7 @@ def _with_file(raw: Mapping[str, Any], problems: Problems) -> Mapping[str, Any] 
         return {"rope": table, "known": raw.get("known", {})}
     try:
         other = read_toml(Path(str(table["from"])))
-    except StudyError as error:
+    except FileError as error:
         problems.append(f"[rope] {error}")
         return None
     own = {key: value for key, value in table.items() if key != "from"}

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model import (
     SIGNALS,
@@ -32,7 +32,7 @@ from rope_model import (
     at_level,
     balance_rope,
 )
-from rope_model.scene_names import choices_of, named_parameters, with_values
+from rope_model.scene_names import named_parameters, with_values
 
 _log = logging.getLogger(__name__)
 
@@ -128,14 +128,6 @@ def scene_parameters(scene: Scene) -> RopeData:
     """All parameters of a scene by FMI name."""
     named = [*named_parameters(scene)]
     return RopeData({}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named})
-
-
-def rope_parameters() -> dict[str, Parameter]:
-    """List the parameters of a rope in process as those of an FMU."""
-    return {
-        p.name: Parameter(p.name, p.facts.unit or "1", p.kind, p.value, p.minimum, p.maximum, choices_of(p.name))
-        for p in named_parameters(Scene())
-    }
 
 
 def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Scene:

@@ -7,17 +7,21 @@ the FMU is asked to initialize with the value.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
+from functools import cache
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
+from hoist_demo.files.reading import table_of
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from hoist_demo.parameters.quantity import Parameter, fmi_unit, units_of
+from hoist_demo.parameters.quantity import Parameter, fmi_unit, meaning_of, units_of
 from hoist_demo.study.metrics import Arrival
+from rope_model import Scene
+from rope_model.scene_names import choices_of, named_parameters
 
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
@@ -31,7 +35,8 @@ def leaves(data: type[Any], prefix: str = "") -> Iterator[Parameter]:
             yield from leaves(inner, f"{prefix}{field.name}.")
             continue
         if get_origin(hints[field.name]) is Literal:
-            yield Parameter(f"{prefix}{field.name}", "1", "String", choices=get_args(hints[field.name]))
+            choices = get_args(hints[field.name])
+            yield Parameter(f"{prefix}{field.name}", "1", "String", choices=choices, meaning=meaning_of(field))
             continue
         kinds = [_KINDS[t] for t in (hints[field.name], *get_args(hints[field.name])) if t in _KINDS]
         if kinds:
@@ -41,7 +46,7 @@ def leaves(data: type[Any], prefix: str = "") -> Iterator[Parameter]:
                     f"{data.__name__}.{field.name} must state its unit: make it with `quantity(default, unit)`"
                 )
             unit = fmi_unit(units[field.name]) if numeric else "1"
-            yield Parameter(f"{prefix}{field.name}", unit, kinds[0])
+            yield Parameter(f"{prefix}{field.name}", unit, kinds[0], meaning=meaning_of(field))
 
 
 def with_values(data: Any, values: Mapping[str, object]) -> Any:
@@ -86,16 +91,44 @@ RENAMED = {
     "mesh.leg_growth": ["mesh.grading_length"],
     **{f"hoist.shaft.{name}": [f"hoist.drive_shaft.{name}"] for name in ("motor_mass", "stiffness", "damping")},
 }
+#: parts of a run that no file's table sets
+CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
+
+
+@cache
+def scene_parameters() -> dict[str, Parameter]:
+    """Return the parameters of a rope and its surroundings by FMI name."""
+    return {
+        p.name: Parameter(
+            p.name, p.facts.unit or "1", p.kind, p.value, p.minimum, p.maximum, choices_of(p.name), p.facts.description
+        )
+        for p in named_parameters(Scene())
+    }
+
+
+@cache
+def host_parameters() -> dict[str, Parameter]:
+    """Return the parameters of hoist, trip, controller and coupling by their names in files."""
+    return {p.name: p for section, data in SECTIONS.items() for p in leaves(data, f"{section}.")}
+
+
+def of_run(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
+    """Return the fields of a model that has all parameters of a run by their names, each of the type `leaf` gives it."""
+    groups: dict[str, list[Parameter]] = {}
+    for p in (*host_parameters().values(), *scene_parameters().values()):
+        groups.setdefault(p.name.partition(".")[0], []).append(p)
+    tables: dict[str, Any] = {group: (table_of(group, members, leaf) | None, None) for group, members in groups.items()}
+    return tables | {"controller": (leaf(CONTROLLER) | None, None)}
 
 
 class Catalogue:
-    """All parameters of runs with a rope that has these parameters; {} for those of the host only."""
+    """All parameters of runs, for keys that are no table's: --set NAME=VALUE."""
 
-    def __init__(self, rope: Mapping[str, Parameter]) -> None:
-        self._parameters = {"controller": Parameter("controller", "1", "String", choices=CONTROLLERS)}
-        for section, data in SECTIONS.items():
-            self._parameters |= {leaf.name: leaf for leaf in leaves(data, f"{section}.")}
-        self._parameters |= {name: p for name, p in rope.items() if name not in RESERVED}
+    def __init__(self, rope: Mapping[str, Parameter] | None = None) -> None:
+        """`rope` are the parameters of an FMU; those of a scene without it."""
+        own = scene_parameters() if rope is None else rope
+        self._parameters = {"controller": CONTROLLER, **host_parameters()}
+        self._parameters |= {name: p for name, p in own.items() if name not in RESERVED}
 
     def __contains__(self, key: str) -> bool:
         return key in self._parameters
@@ -105,15 +138,20 @@ class Catalogue:
         if key in RESERVED:
             raise ValueError(f"{key} cannot be chosen, {RESERVED[key]}: leave it out")
         if key not in self._parameters:
-            near = RENAMED.get(key) or [name for name in self._parameters if name.lower() == key.lower()]
-            near = near or difflib.get_close_matches(key, self._parameters, n=3)
-            near = near or [name for name in self._parameters if name.split(".")[-1] == key.split(".")[-1]]
-            cure = (
-                f"did you mean {' or '.join(near)}?" if near else f"sections are {', '.join(SECTIONS)}, or an FMU name"
-            )
-            raise ValueError(f"{key} is not a parameter: {cure}")
+            raise ValueError(f"{key} is not a parameter: {cure_of(key, self._parameters)}")
         return self._parameters[key]
 
-    def units(self, keys: Mapping[str, Any]) -> dict[str, str]:
+    def units(self, keys: Iterable[str]) -> dict[str, str]:
         """Unit of each key."""
         return {key: self[key].unit for key in keys}
+
+
+def cure_of(key: str, known: Iterable[str] = ()) -> str:
+    """Return what may have been meant by an unknown key; `known` are the names there, else all parameters."""
+    if key in RESERVED:
+        return f"{RESERVED[key]}: leave it out"
+    names = tuple(known) or (*host_parameters(), *scene_parameters(), "controller")
+    near = RENAMED.get(key) or [name for name in names if name.lower() == key.lower()]
+    near = near or difflib.get_close_matches(key, names, n=3)
+    near = near or [name for name in names if name.split(".")[-1] == key.split(".")[-1]][:3]
+    return f"did you mean {' or '.join(near)}?" if near else f"sections are {', '.join(SECTIONS)}, or an FMU name"
