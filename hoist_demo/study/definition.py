@@ -24,21 +24,13 @@ from typing import Any
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
+from hoist_demo.files.catalogue import SECTIONS, Catalogue
+from hoist_demo.files.reading import FileError, flat
+from hoist_demo.files.values import VARIED
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.files.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.reading import (
-    VARIED,
-    Problems,
-    FileError,
-    flat,
-    read_statuses,
-    read_tables,
-    read_text,
-    strip_unit,
-    with_file,
-)
+from hoist_demo.study.reading import Problems, read_statuses, read_tables, read_text, strip_unit, with_file
 from hoist_demo.study.run import Probe, RunData, build_trip
 from hoist_demo.study.tuning import Range, Tuning, grid, latin_hypercube, read_tuning, seed_of, whole_number
 from rope_model.texts import printable
@@ -47,7 +39,7 @@ METHODS = ("grid", "latin-hypercube")
 
 _TABLES = {"study": dict, "fixed": dict, "variant": list, "sample": dict, "vary": dict, "tune": dict}
 _KEYS = {
-    "study": {"title", "fmu", "case", "signals", "minimise", "maximise"},
+    "study": {"title", "fmu", "hoist", "signals", "minimise", "maximise"},
     "variant": {"name", "values"},
     "sample": {"method", "runs", "seed"},
     "tune": {"minimise", "subject_to", "sample", "searches", "steps", "seed"},
@@ -111,7 +103,7 @@ class _Reader:
         fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
         with self.problems.collect("[study] fmu" if self.fmu is None else "--fmu"):
             self._open(fmu)
-        case, signals = head.get("case", "rope-120"), tuple[str, ...]()
+        case, signals = head.get("hoist", "rope-120"), tuple[str, ...]()
         with self.problems.collect("[study]"):
             find_case(str(case))
         with self.problems.collect("[study]"):

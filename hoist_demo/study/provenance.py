@@ -16,10 +16,10 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.parameters.quantity import Value
 from hoist_demo.files.catalogue import SECTIONS, leaves
+from hoist_demo.files.values import GIVEN, VARIED
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
-from hoist_demo.study.reading import GIVEN, VARIED
 from hoist_demo.study.run import RunData, build
 from rope_model import Scene
 from rope_model.scene_names import named_parameters
@@ -31,6 +31,7 @@ STATUSES = (
     "contradicted",
     VARIED,
     GIVEN,
+    "data sheet",
     "measured",
     "calibrated",
     "derived",
@@ -67,7 +68,7 @@ def of_host(run: RunData, given: Mapping[str, str]) -> list[Known]:
         elif value != of_case.get(name, value):
             status = GIVEN
         else:
-            status = "published" if name in case.stated else "assumed"
+            status = case.given.get(name, "assumed")
         found.append(Known(name, value, unit, status))
     return found
 
@@ -93,12 +94,12 @@ def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> s
     if name in given:
         return given[name]
     own = case.rope.get(name, _DEFAULTS.get(name))
-    is_datum = name in _ASSUMED or name in case.stated or (name in case.rope and name.startswith("rope."))
+    is_datum = name in _ASSUMED or name in case.given or (name in case.rope and name.startswith("rope."))
     if name.partition(".")[0] in _SETTINGS or not _is_number(value) or not (is_datum or value != own):
         return SETTING
     if value != own:
         return "exported"
-    return "published" if name in case.stated else "assumed"
+    return case.given.get(name, "assumed")
 
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:

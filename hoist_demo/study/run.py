@@ -28,13 +28,13 @@ from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
+from hoist_demo.files.catalogue import SECTIONS, with_values
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits, start_heights
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.incidents import held_in_spite
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.files.catalogue import SECTIONS, with_values
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
 from rope_model import EndMotion
 
@@ -100,6 +100,7 @@ class Outcome:
 def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
     """The case's data with the given values; a `ValueError` names what does not fit together."""
     given = find_case(case)
+    values = {**given.settings, **values}
     data: dict[str, Any] = {"hoist": given.hoist, "winding": given.winding, "gains": given.gains}
     data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
     chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
