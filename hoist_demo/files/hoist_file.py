@@ -39,7 +39,7 @@ from hoist_demo.files.catalogue import (
 from hoist_demo.files.reading import FileError, Table, givens, nested, read_toml, table_of, validated
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import DERIVED, GIVEN, STATUSES, Given, Text, given
-from hoist_demo.parameters import GRAVITY, Hoist, Winding
+from hoist_demo.parameters import GRAVITY, Hoist, Winding, require_trip_fits
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 from rope_model import rope as catalogue_rope
@@ -131,6 +131,27 @@ def hoist_model() -> type[Table]:
 
 
 _ENDS = ("left", "right")
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of a hoist's file."""
+    made: dict[str, Any] = _without_null(hoist_model().model_json_schema(by_alias=True))
+    return made
+
+
+def _without_null(part: Any) -> Any:
+    """Return the schema without null, which TOML has not: an error is then told at its own place."""
+    if isinstance(part, list):
+        return [_without_null(one) for one in part]
+    if not isinstance(part, dict):
+        return part
+    found = {key: _without_null(one) for key, one in part.items() if not (key == "default" and one is None)}
+    kinds = [one for one in found.get("anyOf", ()) if one != {"type": "null"}]
+    return found | ({"anyOf": kinds} if len(kinds) > 1 else {}) if len(kinds) != 1 else _alone(found, kinds[0])
+
+
+def _alone(found: dict[str, Any], kind: Any) -> dict[str, Any]:
+    return {key: one for key, one in found.items() if key != "anyOf"} | kind
 
 
 def read_hoist(path: Path) -> Case:
@@ -272,6 +293,7 @@ def _case(
             derived[rule.key] = Given(rule.value(hoist, winding), DERIVED, rule.words)
             values[rule.key] = derived[rule.key].value
     hoist, winding, gains = _data(values)
+    require_trip_fits(hoist, winding)
     everything = {**host, **shared, **derived, **ropes[0][2]}
     of_ropes = {key: one.value for key, one in shared.items()}
     return Case(
