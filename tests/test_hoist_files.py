@@ -8,7 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.cases.table import FOLDER, NAMED, find_case
+from hoist_demo.cases.case import FOLDER
+from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.files.documentation import filled
 from hoist_demo.files.hoist_file import TAIL_SPARE, read_hoist, schema
 from hoist_demo.files.reading import FileError, nested

@@ -14,10 +14,10 @@ from rope_groups import CASE, KNOWN, Weight, rope, ropes_in
 from balance_rope import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
-from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
+from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.parameters import GRAVITY, Coupling
+from hoist_demo.parameters import GRAVITY, Coupling, hoist_with
 from hoist_demo.recording.time_series import read_csv
 from hoist_demo.ropes.table import polygon_distance
 from rope_model import EndMotion, Neighbours

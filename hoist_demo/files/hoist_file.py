@@ -22,10 +22,8 @@ from typing import Any, NamedTuple
 
 from pydantic import Field, create_model
 
-from hoist_demo.cases.case import Case, Tail
-from hoist_demo.cases.table import FOLDER, NAMED
+from hoist_demo.cases.case import FOLDER, HOISTS, SCENARIOS, Case, Tail
 from hoist_demo.control.controller import Gains
-from hoist_demo.cosimulation.participants.rope_group import hoist_with
 from hoist_demo.files.catalogue import (
     PLACE_PARAMETERS,
     SECTIONS,
@@ -39,7 +37,7 @@ from hoist_demo.files.catalogue import (
 from hoist_demo.files.reading import FileError, Table, givens, nested, read_toml, table_of, validated
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import DERIVED, GIVEN, STATUSES, Given, Text, given
-from hoist_demo.parameters import GRAVITY, Hoist, Winding, require_trip_fits
+from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 from rope_model import rope as catalogue_rope
@@ -147,11 +145,8 @@ def _without_null(part: Any) -> Any:
         return part
     found = {key: _without_null(one) for key, one in part.items() if not (key == "default" and one is None)}
     kinds = [one for one in found.get("anyOf", ()) if one != {"type": "null"}]
-    return found | ({"anyOf": kinds} if len(kinds) > 1 else {}) if len(kinds) != 1 else _alone(found, kinds[0])
-
-
-def _alone(found: dict[str, Any], kind: Any) -> dict[str, Any]:
-    return {key: one for key, one in found.items() if key != "anyOf"} | kind
+    rest: dict[str, Any] = {key: one for key, one in found.items() if key != "anyOf"}
+    return rest | (kinds[0] if len(kinds) == 1 else {"anyOf": kinds} if kinds else {})
 
 
 def read_hoist(path: Path) -> Case:
@@ -187,7 +182,7 @@ def _with_base(path: Path, raw: dict[str, Any], depth: int = 0) -> dict[str, Any
     if "like" not in raw:
         return raw
     like = str(raw.pop("like"))
-    base = FOLDER / f"{like}.toml" if like in NAMED else path.parent / like
+    base = FOLDER / f"{like}.toml" if like in (*HOISTS, *SCENARIOS) else path.parent / like
     if depth > 5:
         raise FileError(path, [f"like = {like!r} must lead to a file without like: break the circle"])
     return _over(_with_base(base, read_toml(base), depth + 1), raw)

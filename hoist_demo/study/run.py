@@ -29,13 +29,21 @@ from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.catalogue import SECTIONS, with_values
-from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits, start_heights
+from hoist_demo.parameters import (
+    Arrival,
+    Coupling,
+    Hoist,
+    Winding,
+    require_jams_on_the_way,
+    require_trip_fits,
+    start_heights,
+)
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.incidents import held_in_spite
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure
+from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
 from rope_model import EndMotion
 
 #: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.touching_ropes import MEANS, TouchingRopes
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
-from hoist_demo.parameters import Hoist
 from rope_model import Account, EndMotion, Status
 
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
@@ -213,13 +212,3 @@ def _moments(values: NDArray[np.float64], place: Place, yaws: tuple[float, float
         fx, fy, fz = values[6 * k : 6 * k + 3].tolist()
         found[k, 3:] = -z * fy, z * fx - x * fz, x * fy
     return found.ravel()
-
-
-def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
-    """The hoist whose balance ropes are a group's, each of a mass per length [kg/m] and a length [m].
-
-    The drive takes all of them for one rope, of their mass per length and of the length that gives their whole mass.
-    """
-    mass = sum(m for m, _ in ropes)
-    length = sum(m * x for m, x in ropes) / mass
-    return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)
