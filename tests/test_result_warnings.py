@@ -2,7 +2,6 @@
 
 import math
 import random
-import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
@@ -10,11 +9,10 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from native_host import Host
+from native_host import WARNING, Host
 from scenes import ends_at
 
 from hoist_demo.control.trajectory import s_curve
@@ -30,7 +28,6 @@ from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
 from rope_model.simulation.state import Crossing, RopeState
 
-WARNING = 1
 OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
 WITHOUT_TORQUE = {"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}
 DEEP = {"rope.length": 690.0, "rope.mass_per_length": 8.2, "rope.EI": 450.0, "layout.spacing": 1.8, "right.y": 650.0}
@@ -69,13 +66,13 @@ native = pytest.mark.parametrize("results", [kind for kind, x in FLAVOURS.items(
 
 
 @pytest.fixture
-def results(request: pytest.FixtureRequest, fmu_of: Callable[[str], Path]) -> dict[str, Any]:
-    return outcomes(request.param, fmu_of(request.param))
+def results(request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, str]]) -> dict[str, Any]:
+    return outcomes(request.param, *unpacked(request.param))
 
 
 @cache
-def outcomes(kind: str, path: Path) -> dict[str, Any]:
-    folder, out = fmpy.extract(str(path)), {}
+def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
+    out = {}
     for name in RUNS if FLAVOURS[kind].native else BRIEF:
         parameters, steps = RUNS[name]
         host, t = Host(path, folder), 0.0
@@ -85,8 +82,7 @@ def outcomes(kind: str, path: Path) -> dict[str, Any]:
             t += h
         warnings = [message for status, message in host.log if status == WARNING]
         out[name] = {"warnings": warnings, **dict(zip(OUTPUTS, host.get(*OUTPUTS), strict=True))}
-        host.call("FreeInstance")
-    shutil.rmtree(folder)
+        host.free()
     assert all(run["status.valid"] for run in out.values())
     return out
 
