@@ -143,11 +143,9 @@ def test_input_derivatives_of_fmi_2_stand_for_speed_and_acceleration_that_are_no
 
     def give(*given: tuple[int, int, float]) -> int:
         references, orders, values = zip(*given, strict=True)
-        number = len(given)
-        arrays = (ctypes.c_int * number)(*orders), (ctypes.c_double * number)(*values)
-        return host.call(
-            "SetRealInputDerivatives", (ctypes.c_uint * number)(*references), ctypes.c_size_t(number), *arrays
-        )
+        n = len(given)
+        arrays = (ctypes.c_uint * n)(*references), ctypes.c_size_t(n), (ctypes.c_int * n)(*orders)
+        return host.call("SetRealInputDerivatives", *arrays, (ctypes.c_double * n)(*values))
 
     assert give((y, 1, -2.0), (y, 2, -1.0), (vy, 3, 7.0)) == OK
     assert host.get("right.vy", "right.ay") == [-2.0, -1.0]
