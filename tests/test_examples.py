@@ -7,11 +7,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
-from hoist_demo.recording.time_series import read_csv
 from rope_model.numerics.kernels import find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -107,6 +107,6 @@ def test_a_controller_of_one_s_own_winds_and_ends_below_the_landing(folder: Path
 def test_a_hoist_of_one_s_own_winds_with_its_rope_and_leaves_a_table(folder: Path) -> None:
     said = summary(lines_of(EXAMPLES / "own_hoist.py", folder, FMU))
     assert said["travel reached, left conveyance"] == pytest.approx(150.0, abs=0.01)
-    recording = read_csv(folder / "build" / "signals.csv")
+    recording = pd.read_csv(folder / "build" / "signals.csv")
     # 185 m of 10 kg/m between ends 150 m apart: the right leg is 167.5 m long
-    assert recording["right.fy"][0] == pytest.approx(-167.5 * 10.0 * 9.81, rel=0.01)
+    assert recording["right.fy [N]"][0] == pytest.approx(-167.5 * 10.0 * 9.81, rel=0.01)
