@@ -229,7 +229,6 @@ def test_host_with_an_error_controlled_step(host: Host) -> None:
     assert len(steps) < 400
     in_trip = np.array([row for row in rows if row[0] > 0])
     worst = max(np.abs(in_trip[:, k] - np.interp(in_trip[:, 0], even[:, 0], even[:, k])).max() for k in (1, 2))
-    print(len(steps), worst)
     # of the end force, N, while the longest leg follows the trip extrapolated in steps up to LONGEST
     leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
     assert worst <= 2 * MISSED_ACCELERATION * JERK * LONGEST * MASS_PER_LENGTH * leg

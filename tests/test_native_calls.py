@@ -9,18 +9,15 @@ import pytest
 from native_host import ERROR, OK, H, Host
 
 
-def test_a_read_that_fails_is_said_once_also_at_the_end(host: Host) -> None:
+def test_a_read_that_fails_is_said_once(host: Host) -> None:
     host.enter()
-    host.set(**{"rope.length": -1.0})
+    assert host.put("rope.length", -1.0) == OK
     outputs = [v.valueReference for v in host.variables.values() if v.name.startswith(("left.f", "loop."))]
     number, before = len(outputs), len(host.said)
     one, more = ctypes.c_size_t(number), () if host.fmi == 2 else (ctypes.c_size_t(number),)
     arrays = (ctypes.c_uint * number)(*outputs), one, (ctypes.c_double * number)()
     assert host.call("GetReal" if host.fmi == 2 else "GetFloat64", *arrays, *more) == ERROR
-    said = [*host.log]
     assert len(host.said) == before + 1
-    host.call("Terminate")
-    assert host.log == said
 
 
 @pytest.mark.parametrize(

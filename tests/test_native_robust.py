@@ -357,22 +357,3 @@ def test_hostile_states_are_refused_or_step_without_harm(fmu: Fmu, kind: int, st
     assert (rope.move(0.1, 0.02), rope.forces()) == expected
     assert rope.forget(good) == OK
     rope.free()
-
-
-def test_a_state_on_other_elements_is_refused(fmu: Fmu) -> None:
-    """Element lengths and arc lengths, at the state's end, are those of the mesh."""
-    rope, state, bad = Host(*fmu), ctypes.c_void_p(), ctypes.c_void_p()
-    assert rope.hang() == OK
-    assert rope.save(state) == OK
-    data = rope.write(state)
-    for word in range(1, 9 + 10 + 1):
-        at = len(data) - 8 * word
-        (value,) = struct.unpack_from("<d", data, at)
-        for other in (value + 1e-6, -value - 1.0, math.nan):
-            assert rope.read(reseal(data[:at] + struct.pack("<d", other) + data[at + 8 :]), bad) == OK
-            assert rope.restore(bad) == ERROR
-            assert "not a state of this rope; save one anew" in rope.said[-1]
-            assert rope.forget(bad) == OK
-    assert rope.restore(state) == OK
-    assert rope.forget(state) == OK
-    rope.free()

@@ -46,7 +46,6 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     "planar in a cross wind": (WITHOUT_TORQUE | {"air.density": 1.2, "air.vz": 5.0}, (0.01,)),
     "planar without torque": (WITHOUT_TORQUE, (0.01,)),
     "long steps": ({}, (0.05, 0.05)),
-    "steps of the bound": ({}, (0.02, 0.02)),
     "a long step, then a short one": ({}, (0.05, 0.01)),
     "long steps, motion at their end": ({"inputs_at_step_end": True}, (0.05, 0.05)),
     "large step_max, no step yet": ({"solver.step_max": 0.04}, ()),
@@ -153,7 +152,6 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(resu
 def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(results: dict[str, Any]) -> None:
     told = warning_messages.extrapolated_too_far(0.05, LONGEST_EXTRAPOLATION)
     assert results["long steps"]["warnings"] == [told] == [results["long steps"]["status.warning"]]
-    assert results["steps of the bound"]["warnings"] == []
     assert results["long steps, motion at their end"]["warnings"] == []
     after = results["a long step, then a short one"]
     assert (len(after["warnings"]), after["status.warning"]) == (1, "")

@@ -15,7 +15,6 @@ import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from freed_blocks import freed_blocks
 from native_host import Host
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip
@@ -128,8 +127,8 @@ def elsewhere(path: str, folder: str, state: str, first: int, last: int) -> str:
     return repr(run(other, first, last))
 
 
-def in_another_process(call: str, **variables: str) -> str:
-    where = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path]), **variables}
+def in_another_process(call: str) -> str:
+    where = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
     command = [sys.executable, "-c", f"import test_rope_fmu as t; print(t.{call})"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=where)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -205,20 +204,6 @@ def test_instances_are_independent_also_of_another_fmu(unpacked: Unpacked, case:
 def test_portable_kernels_travel_inside(host: Host) -> None:
     host.start(inputs_at_step_end=True, solver__kernels=2)
     assert np.all(np.isfinite(run(host, 0, 5)))
-
-
-def brief(path: str, folder: str) -> str:
-    host = Host(Path(path), folder)
-    host.start(**EVEN)
-    run(host, 0, 3)
-    host.call("Terminate")
-    host.free()
-    return "done"
-
-
-def test_no_freed_memory_is_used_up_to_the_end_of_the_process(unpacked: Unpacked, tmp_path: Path) -> None:
-    path, folder = map(str, unpacked("python"))
-    assert in_another_process(f"brief({path!r}, {folder!r})", LD_PRELOAD=str(freed_blocks(tmp_path))) == "done"
 
 
 def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
