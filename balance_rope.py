@@ -9,16 +9,13 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from shutil import copyfile
 from typing import TYPE_CHECKING, Any
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
-    from fmu_src.export import export_fmu
     from fmu_src.interface import variables
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
-    from fmu_src.native.export import export_native
-    from fmu_src.native.model_fmu import export_model
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
-    from fmu_src.ssp import Component, export_ssp
     from hoist_demo.cases.case import Case
     from hoist_demo.cases.table import CASES, find_case
     from hoist_demo.command_line.demo import add_demo
@@ -29,10 +26,9 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.ropes import add_ropes
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
-    from hoist_demo.drive_fmu.description import drive_model, duration
-    from hoist_demo.drive_fmu.interface import Tail
     from hoist_demo.study.catalogue import Catalogue
     from hoist_demo.study.run import tail_rope
+    from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
     from rope_model.parameters import LEVELS, Level, rope_120
 
@@ -49,8 +45,6 @@ NAMES = {
     ("native", 2): "balance_rope_native.fmu",
     ("native", 3): "balance_rope_native_fmi3.fmu",
 }
-#: name of the hoist in a system of FMUs
-DRIVE = "drive"
 DEFAULT_FMU = BUILD / NAMES["Python", 2]
 
 DESCRIPTION = """\
@@ -175,6 +169,14 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help="of the system: these ropes, trip and hoist instead of the case's one rope, see docs/reference/files.md",
     )
     export.add_argument(
+        "--without",
+        nargs="+",
+        choices=WITHOUT,
+        default=[],
+        metavar="NAME",
+        help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system cannot hold is refused",
+    )
+    export.add_argument(
         "--out",
         type=named,
         help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)",
@@ -204,31 +206,37 @@ def _export(options: argparse.Namespace) -> int:
         wanted.insert(0, ("Python", 2))
     if options.scalar and ("native", 3) not in wanted:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
+    if options.without and not options.ssp:
+        raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
     if options.ropes and not options.ssp:
         raise ValueError(f"--ropes {options.ropes} is for systems, and an FMU has one rope: add --ssp")
     paths = _paths(options.out, wanted)
     case, level, ropes = _hoist(options)
-    start = {**case.rope, "right.y": abs(case.winding.travel)}
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
-    profile = Profile(groups, arrays=not options.scalar, stop=duration(case.winding))
+    profile = Profile(groups, arrays=not options.scalar)
     asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
-        if flavour == "native":
-            export_native(path, level=level, fmi=fmi, platforms=asked, start=start, profile=profile)
-        else:
-            export_fmu(path, level=level, start=start, profile=profile, platforms=asked)
-        rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), f"{path.stat().st_size / 1e6:.2f} MB"))
+        made = flavour, fmi, level, asked, profile
+        if not ropes:
+            export_rope(path, case, case.rope, *made)
+            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), _size(path)))
         if options.ssp:
-            ssp = _system(path, case, ropes, asked, fmi)
+            ssp = path.with_suffix(".ssp")
+            with tempfile.TemporaryDirectory() as folder:
+                copyfile(export_hoist(Path(folder), case, ropes, *made, without=options.without).system, ssp)
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
-            rows.append((str(ssp), what, f"{fmi}.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB"))
+            rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     if (options.native or options.ssp) and not options.platform and (missing := missing_platforms()):
         print(f"left out: {missing}")
     return 0
+
+
+def _size(path: Path) -> str:
+    return f"{path.stat().st_size / 1e6:.2f} MB"
 
 
 def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
@@ -276,29 +284,8 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...
     from hoist_demo.ropes.definition import read_ropes
 
     file = read_ropes(options.ropes, rope_parameters())
-    if broken := [rope.name for rope in file.ropes if rope.breaks]:
-        raise ValueError(f"breaks_at of {', '.join(broken)} must be left out: the rope of an FMU does not break")
-    if len(file.ropes) > 1 and file.touching:
-        told = "contact.rope_stiffness lets each rope of the system press itself alone: FMUs know no neighbours"
-        print(f"balance-rope: {told}; `balance-rope ropes {options.ropes}` has their contact", file=sys.stderr)
     case = replace(find_case(file.case), hoist=file.hoist, winding=file.run.winding, gains=file.run.gains)
     return case, file.level, file.ropes
-
-
-def _system(rope: Path, case: Case, ropes: Sequence[OneRope], platforms: Sequence[str], fmi: int) -> Path:
-    """The FMU of the rope, or of each of several, and the case's drive as one system: ``rope`` with the ending .ssp."""
-    tails = [Tail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length) for one in ropes]
-    drive = drive_model(case, tails)
-    kinds = {v.name: v.kind for v in variables(rope_120())}
-    with tempfile.TemporaryDirectory() as folder:
-        fmu = export_model(Path(folder) / "drive.fmu", drive, platforms, fmi)
-        components = [Component(DRIVE, fmu, {})]
-        for name, values in [(one.name, one.parameters) for one in ropes] or [("rope", {})]:
-            typed = {key: float(x) if kinds[key] == "Real" else x for key, x in values.items()}
-            # drive and rope step at the same time: the rope extrapolates the motion
-            components.append(Component(name, rope, {**typed, "inputs_at_step_end": False}))
-        name, text = "FrictionHoist", drive.description
-        return export_ssp(rope.with_suffix(".ssp"), name, components, drive.duration, 0.01, text)
 
 
 if __name__ == "__main__":
