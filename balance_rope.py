@@ -17,7 +17,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from hoist_demo.cases.case import Case
-    from hoist_demo.cases.table import CASES, find_case
+    from hoist_demo.cases.table import NAMED, find_case
     from hoist_demo.command_line.demo import add_demo
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
@@ -33,6 +33,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from rope_model.parameters import LEVELS, Level, rope_120
 
     if TYPE_CHECKING:
+        from hoist_demo.control.trajectory import Trajectory
         from hoist_demo.ropes.definition import OneRope
 except KeyboardInterrupt:
     print("balance-rope: interrupted", file=sys.stderr)
@@ -125,10 +126,10 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     export.add_argument(
         "--case",
-        choices=tuple(CASES),
+        choices=tuple(NAMED),
         default="rope-120",
         metavar="NAME",
-        help=f"start values: the rope of {', '.join(CASES)}, see docs/howto/hoist.md (%(default)s)",
+        help=f"start values: the rope of {', '.join(NAMED)}, see docs/howto/hoist.md (%(default)s)",
     )
     export.add_argument(
         "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"
@@ -211,7 +212,7 @@ def _export(options: argparse.Namespace) -> int:
     if options.ropes and not options.ssp:
         raise ValueError(f"--ropes {options.ropes} is for systems, and an FMU has one rope: add --ssp")
     paths = _paths(options.out, wanted)
-    case, level, ropes = _hoist(options)
+    case, level, ropes, trajectory = _hoist(options)
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar)
     asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
@@ -224,7 +225,8 @@ def _export(options: argparse.Namespace) -> int:
         if options.ssp:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
-                copyfile(export_hoist(Path(folder), case, ropes, *made, without=options.without).system, ssp)
+                more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
+                copyfile(export_hoist(Path(folder), case, ropes, *made, **more).system, ssp)
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -271,21 +273,26 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     return paths
 
 
-def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...]]:
-    """The case to export, the level of its rope, and its ropes where a file has several."""
+def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...], Trajectory | None]:
+    """The case to export, the level of its rope, and where a file has several these and the trip of its controller."""
     if options.ropes is None:
-        return _with_rope(CASES[options.case], options.rope, options.set), options.level, ()
+        return _with_rope(find_case(options.case), options.rope, options.set), options.level, (), None
     if options.rope is not None:
         raise ValueError(f'--rope {options.rope} is one rope: in {options.ropes} give a rope from = "{options.rope}"')
     if options.set:
         raise ValueError(f"--set {options.set[0]} is for one rope: give it to a rope of {options.ropes}")
     # a file of ropes is read with what winds them, which loads slowly
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.design.controllers import drive
     from hoist_demo.ropes.definition import read_ropes
 
     file = read_ropes(options.ropes, rope_parameters())
-    case = replace(find_case(file.case), hoist=file.hoist, winding=file.run.winding, gains=file.run.gains)
-    return case, file.level, file.ropes
+    run = file.run
+    followed = drive(
+        run.controller, run.hoist, replace(run.winding, start_delay=0.0), run.gains, run.shaper, run.trajectory
+    )
+    case = replace(find_case(file.case), hoist=file.hoist, winding=run.winding, gains=followed.gains)
+    return case, file.level, file.ropes, followed.trajectory
 
 
 if __name__ == "__main__":
