@@ -171,7 +171,7 @@ the <em>mean</em> forces of the rope's last step. The outputs <code>left.y</code
 <code>left.ay</code> and those on the right have the names of the rope's inputs: connect equal names, and leave the
 rope's <code>inputs_at_step_end</code> false where the tool steps both at the same time. A hoist with play between
 conveyances and guides has more of them: the rope's horizontal forces and its moment about the vertical in, the motions
-that follow out.</p>
+that follow out. Names that begin with a rope's name are that rope's.</p>
 <p>Before the first step the drive is at rest under the forces at the start, its motor holding the imbalance. It waits
 <code>trip.start</code> seconds, then follows an S-curve of limited jerk; the trip is part of the export.</p>
 <h2>Equations</h2>
