@@ -18,7 +18,7 @@ from hoist_demo.drive_fmu.interface import Tail
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, not_held, obstacles
 from hoist_demo.parameters import start_heights
 from rope_model.parameters import Level
-from rope_model.scene_names import Value
+from rope_model.scene_names import Value, named_parameters
 
 if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
@@ -145,5 +145,6 @@ def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -
 
 
 def _parameters(case: Case, ropes: Sequence[OneRope]) -> dict[str, Mapping[str, Value]]:
-    """Parameters of each rope by FMI name."""
-    return {one.name: one.parameters for one in ropes} or {ROPE: case.rope}
+    """Parameters of each rope by FMI name; of several all, whatever the level."""
+    several = {one.name: {p.name: p.value for p in named_parameters(one.scene)} for one in ropes}
+    return several or {ROPE: case.rope}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import Case
 
@@ -29,8 +29,10 @@ OMISSIONS = {
 def leave_out(case: Case, names: Collection[str]) -> Case:
     """The case without what OMISSIONS call by these names, and without its brake, which nothing else asks for."""
     chosen = [OMISSIONS[name] for name in names if name in OMISSIONS]
-    hoist = replace(case.hoist, brake=None, **{field: None for one in chosen for field in one.hoist})
-    winding = replace(case.winding, emergency_law="drive", **{field: None for one in chosen for field in one.winding})
+    parts: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.hoist)
+    stops: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.winding)
+    hoist = replace(case.hoist, brake=None, **parts)
+    winding = replace(case.winding, emergency_law="drive", **stops)
     return replace(case, hoist=hoist, winding=winding)
 
 
