@@ -146,5 +146,7 @@ def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -
 
 def _parameters(case: Case, ropes: Sequence[OneRope]) -> dict[str, Mapping[str, Value]]:
     """Parameters of each rope by FMI name; of several all, whatever the level."""
-    several = {one.name: {p.name: p.value for p in named_parameters(one.scene)} for one in ropes}
+    several: dict[str, Mapping[str, Value]] = {
+        one.name: {p.name: p.value for p in named_parameters(one.scene)} for one in ropes
+    }
     return several or {ROPE: case.rope}
