@@ -219,9 +219,6 @@ def _export(options: argparse.Namespace) -> int:
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
         made = flavour, fmi, level, asked, profile
-        if not ropes:
-            export_rope(path, case, case.rope, *made)
-            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), _size(path)))
         if options.ssp:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
@@ -229,6 +226,9 @@ def _export(options: argparse.Namespace) -> int:
                 copyfile(export_hoist(Path(folder), case, ropes, *made, **more).system, ssp)
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
+        if not ropes:
+            export_rope(path, case, case.rope, *made)
+            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), _size(path)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
