@@ -529,11 +529,12 @@ def at_level(scene: Scene, level: Level) -> Scene:
 
 @dataclass(frozen=True)
 class RopeCase:
-    """Scene with a winding: the left end starts at height 0, the right end ``travel`` above it."""
+    """Scene with a winding: the left end starts at the height ``start``, the right end at ``travel``."""
 
     scene: Scene  #: data of the rope
-    travel: float  #: rise of the left end, m
+    travel: float  #: height of the right end, which the left one rises, m
     speed: float  #: largest speed, m/s
+    start: float = 0.0  #: height of the left end, m
 
 
 def rope_120(level: Level = "standard") -> RopeCase:

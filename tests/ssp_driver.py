@@ -133,7 +133,8 @@ TOOLS: dict[str, Callable[[str, int], Rows]] = {
     "ecos": ecos_rows,
     "libcosim": libcosim_rows,
     "fmpy_adding": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps)),
-    "fmpy_halved": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps, H / 2.0)),
+    "fmpy_5_ms": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps, 0.005)),
+    "fmpy_2.5_ms": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps, 0.0025)),
     "fmpy_counting": lambda ssp, steps: fmpy_rows(ssp, counted_steps(steps)),
     "master": lambda ssp, steps: fmpy_rows(ssp, to_the_end(ssp)),
 }

@@ -1,6 +1,7 @@
 """The drive's FMU against the drive in process."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +12,17 @@ from native_host import OK, H, Host
 from numpy.testing import assert_allclose
 
 from hoist_demo.cases.case import Case
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES
+from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.drive_fmu.description import drive_model
+from hoist_demo.drive_fmu.interface import INPUTS, Tail, force_inputs, motions, plant_outputs, rest_forces, side_forces
+from hoist_demo.drive_fmu.kernels import _input, _outputs
+from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import start_heights
+from hoist_demo.parameters.place import Place
 
 pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 SETUP = CASES["rope-120"]
@@ -102,3 +109,41 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
         before, t = drive.get("left.y"), t + H
     assert "overwind" in said
     assert drive.get("left.y") == before
+
+
+def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
+    """At random motions: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
+    case, rng = CASES["kiruna-355"], np.random.default_rng(1)
+    tails = [Tail("a", 8.0, 400.0, Place(0.2, -0.1, -0.5)), Tail("b", 8.0, 400.0, Place(z=0.4)), Tail("c", 8.0, 400.0)]
+    plant = HoistPlant(case.hoist)
+    x = plant.hanging_state(*start_heights(case.hoist, case.winding), -1e4, -1e5).x
+    x += 0.01 * rng.normal(size=x.size)
+    names = [*force_inputs(tails), *side_forces(case.hoist, tails)]
+    forces = dict(zip(names, rng.normal(size=len(names)), strict=True))
+    u = np.concatenate([[0.0], _input(plant, tails)(x, list(forces.values())).full().ravel()])
+    values = _outputs(plant, tails)(x, u, [40.0, 395.0]).full().ravel()
+    shown = dict(zip(plant_outputs(case.hoist, tails), values, strict=True))
+    pairs = (("fx", "vx"), ("fy_mean", "vy"), ("fz", "vz"), ("my", "yaw_rate"))
+    at_ends = sum(
+        forces[f"{one.name}.{side}.{force}"] * shown.get(f"{one.name}.{side}.{rate}", shown[f"{side}.{rate}"])
+        for one in tails
+        for side in SIDES
+        for force, rate in pairs
+    )
+    total = dict(zip(INPUT_NAMES, u, strict=True))
+    at_centres = sum(
+        total[f"{'force' if force == 'fy_mean' else force}_{side}"] * shown[f"{side}.{rate}"]
+        for side in SIDES
+        for force, rate in pairs
+    )
+    assert at_ends == pytest.approx(at_centres, rel=1e-9)
+
+
+def test_what_a_system_cannot_hold_is_told_and_can_be_left_out() -> None:
+    case = find_case("jammed-conveyance")
+    case = replace(case, winding=replace(case.winding, emergency_at=5.0, emergency_law="torque"))
+    for name in (name for name, one in OMISSIONS.items() if one.reason):
+        told = [one for one in obstacles(case) if one.endswith(f"leave it out with --without {name}")]
+        assert len(told) == 1
+        assert not {*told} & {*obstacles(leave_out(case, [name]))}
+    assert drive_model(leave_out(case, OMISSIONS)).duration > 10.0

@@ -15,10 +15,11 @@ from rope_groups import CASE, KNOWN, Weight, rope, ropes_in
 from balance_rope import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
-from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup
+from hoist_demo.cosimulation.participants.rope_group import Member, RopeGroup
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import GRAVITY, Coupling, hoist_with
+from hoist_demo.parameters.place import Place
 from hoist_demo.ropes.table import polygon_distance
 from rope_model import EndMotion, Neighbours
 
