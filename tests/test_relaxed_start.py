@@ -17,7 +17,7 @@ PLAIN = Scene(rope=ROPE, mesh=Mesh("eem", elements=24), left=HEALTHY, right=HEAL
 CURVED = Rope(length=40.0, initial_curvature=0.3, initial_curvature_angle=0.8)
 SCENES = {
     "healthy": PLAIN,
-    "one seized": PLAIN.with_(left=Swivel()),
+    "one seized": PLAIN.with_(left=Swivel(), rope=Rope(length=40.0, installed_twist=1.0)),
     "free": PLAIN.with_(left=FREE, right=FREE),
     "one coefficient": PLAIN.with_(left=replace(HEALTHY, mu_static=0.0013), right=replace(HEALTHY, mu_static=0.0013)),
     # locked, its loop would wind up by more than a turn
@@ -73,7 +73,9 @@ def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_ho
     assert_allclose(now["right.swivel.angle"], twist, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["healthy", "twisted"])
+@pytest.mark.parametrize(
+    "name", ["healthy", "one seized", *(pytest.param(name, marks=pytest.mark.slow) for name in ("twisted", "curved"))]
+)
 def test_both_forms_start_from_the_same_rest(name: str) -> None:
     python = SCENES[name].with_(solver=Solver(kernels="portable"))
     native, rope = hung(SCENES[name]), hung(python, form=RopeSimulator)
