@@ -24,7 +24,7 @@ from fmu_src.documentation import interface_page
 from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
-from rope_model import RopeSimulator, rope_120
+from rope_model import RopeSimulator, Swivel, balance_rope, rope_120
 from rope_model.simulation.outputs.sensitivity import LOADS
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
 
@@ -59,6 +59,16 @@ def run(host: Host, first: int, last: int, part: float = 1.0) -> list[list[float
         assert host.step(k * part * H, part * H) == ""
         record.append(host.get(*COMPARED))
     return record
+
+
+def test_swivels_of_each_flavour_start_where_they_do_in_process(host: Host) -> None:
+    names = [f"{side}.swivel.{key}" for side in ("left", "right") for key in ("torque", "angle")]
+    host.start(**{"left.swivel.mode": 2, "right.swivel.mode": 2})
+    healthy = Swivel(mode="coulomb")
+    rope = balance_rope(rope_120().scene.with_(left=healthy, right=healthy))
+    assert rope.initialize(0.0, *smooth_trip(0.0, 20.0, 5.0, 90.0)).valid
+    assert abs(rope.signals()["left.swivel.angle"]) > 0.1
+    assert_allclose(host.get(*names), [*rope.signals(names).values()], rtol=0, atol=1e-7)
 
 
 def test_fmu_equals_the_python_rope_in_process(host: Host, request: pytest.FixtureRequest) -> None:
