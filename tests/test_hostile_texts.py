@@ -35,6 +35,7 @@ from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import SummaryRow
+from hoist_demo.report.verdict import Judged, Verdict
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import Known, write_data
@@ -193,7 +194,9 @@ def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
 
 def test_markdown_has_no_element_of_a_text() -> None:
     for text in HOSTILE:
-        written = render_markdown(text, [SummaryRow(text, text, text)], [], [(text, [(text, text, text, text)])])
+        tables = (text, [(text, text, text, text)])
+        verdict = Verdict(text, (Judged(text, text, text, where=text),), (text,))
+        written = render_markdown(text, verdict, [SummaryRow(text, text, text)], [], tables, [tables])
         assert "<" not in written, text
 
 

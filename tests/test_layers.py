@@ -83,7 +83,7 @@ scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.
     hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description
-matplotlib: hoist_demo.report.figures hoist_demo.report.exposure_figures
+matplotlib: hoist_demo.report.figures
 rainflow: hoist_demo.recording.exposure
 tqdm: hoist_demo.cosimulation.progress hoist_demo.command_line.study hoist_demo.command_line.uncertain
 dask: hoist_demo.study.cluster

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.scenarios import SCENARIOS
 from hoist_demo.cases.table import NAMED, find_case
-from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
+from hoist_demo.command_line.demo_results import REPORT, WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip, rope_values, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
 from hoist_demo.cosimulation.checkpoint import Checkpoint
@@ -20,18 +20,17 @@ from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
-from hoist_demo.cosimulation.progress import listen, progress_bar
+from hoist_demo.cosimulation.participants.rope_data import Levels
+from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling
+from hoist_demo.parameters import ASSUMED_DATA, Coupling, Winding
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.report.rows import CAUSE, WARNING, render
-from hoist_demo.report.slip import slip_warning
+from hoist_demo.report.rows import SummaryRow, render, render_verdict
 from hoist_demo.study.catalogue import Catalogue, with_values
 from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.reading import GIVEN, file_statuses
@@ -42,6 +41,8 @@ if TYPE_CHECKING:
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
 
+STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
+
 _CASE = "rope-120"
 
 #: Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is.
@@ -51,7 +52,7 @@ _DEMO_DESCRIPTION = """\
 Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
 exposure.csv and spectra.csv (what each place in the rope went through), data.csv (where each number comes from), PNG
 figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
-The summary table is printed at the end."""
+The verdict is printed at the end: what matters, beside its bounds. The report has all other numbers."""
 
 _DEMO_EPILOG = """\
 examples:
@@ -117,13 +118,14 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     chosen = {f"hoist.{field}": value for field, value in tail_rope(identified).items()} | identified | own
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
     options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
-    run = build_trip(options.case, _winding(options) | chosen)
+    asked = _winding(options) | chosen
+    run = build_trip(options.case, asked)
     results_folder(options.out)
+    title = _title(options.case, run.winding)
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     missing = missing_outputs(rope.units())
-    _tell(missing)
     try:
-        with listen("hoist_demo") as said:
+        with warnings_of("hoist_demo") as said:
             result = _run(Host(rope, run.hoist, run.winding, run.coupling, run.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
@@ -131,23 +133,25 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
     run = replace(run, winding=result.winding)
     contradiction = contradictions(run.hoist, data.parameters)
-    for text in (contradiction, slip_warning(result.recording, run.hoist, run.winding)):
-        _tell(text)
     given = (file_statuses(options.rope) if options.rope else {}) | dict.fromkeys(own, GIVEN)
     known = [*of_host(run, given), *of_rope(find_case(options.case), data, given)]
     warned = [*filter(None, (missing, contradiction)), *said]
-    wound = WoundRun(_title(options, run, data), run, result, data, data.level(levels()), known, warned)
-    before = set(options.out.iterdir())
-    with interruption(f"the run is over, its results are being written to {options.out}") as interrupted:
-        written = write(wound, options.out, signals)
-    print(f"{wound.title}\n")
-    # warnings have been told when they arose, and the cause is told last
-    print(render([row for row in wound.rows if row.quantity not in (WARNING, CAUSE)]))
-    print(f"\n{ASSUMED_DATA}\n")
+    wound = WoundRun(title, run, result, data, data.level(levels()), known, warned, asked)
+    # the report of an earlier run is worth more than that of one that failed
+    spared = not result.completed and (options.out / REPORT).exists()
+    out = results_folder(options.out / STOPPED) if spared else options.out
+    before = set(out.iterdir())
+    with interruption(f"the run is over, its results are being written to {out}") as interrupted:
+        written = write(wound, out, signals)
+    name, rows = wound.changed
+    settings_table = render([SummaryRow(name, key, f"{value} {unit}, not {own}") for key, value, unit, own in rows])
+    print("\n\n".join([wound.title, render_verdict(wound.verdict), *filter(None, [settings_table]), ASSUMED_DATA]))
+    for text in wound.verdict.remarks:
+        print(f"balance-rope: {text}", file=sys.stderr)
     print("written: " + ", ".join(str(path) for path in written))
     if replaced := before.intersection(written):
         names = ", ".join(sorted(path.name for path in replaced))
-        print(f"replaced in {options.out}: {names} of an earlier run; --out DIR keeps runs apart")
+        print(f"replaced in {out}: {names} of an earlier run; --out DIR keeps runs apart")
     print(f"open in a browser: {written[-1]}")
     if not result.completed:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
@@ -155,11 +159,6 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
             print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
         return 1
     return 130 if interrupted() else 0
-
-
-def _tell(warning: str) -> None:
-    if warning:
-        print(f"balance-rope: {warning}", file=sys.stderr)
 
 
 def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
@@ -242,9 +241,7 @@ def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
         return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)
 
 
-def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
-    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
-    at = run.winding.emergency_at
-    stop = "" if at is None else f", emergency stop at {at:g} s"
-    trip = f"Winding {run.winding.travel:g} m{stop}: case {options.case}, balance rope {kind}"
-    return ", ".join([trip, *options.set])
+def _title(case: str, trip: Winding) -> str:
+    way = f"{abs(trip.travel):g} m {'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
+    stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
+    return f"{case}: the left conveyance {way}{stop}"

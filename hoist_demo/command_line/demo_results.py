@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,11 +11,15 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, without_remarked
+from hoist_demo.recording.passages import without_told
 from hoist_demo.recording.time_series import Recording, shape_rows, write_csv, write_shapes
-from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, told
+from hoist_demo.report.html.page import Row, unit_text
+from hoist_demo.report.html.parameter_tables import Table, word
+from hoist_demo.report.rows import SummaryRow, told
 from hoist_demo.report.summary import exposure_rows, summarize
-from hoist_demo.study.provenance import Known, statuses, write_data
-from hoist_demo.study.run import RunData
+from hoist_demo.report.verdict import Verdict, judge
+from hoist_demo.study.provenance import Known, of_host, statuses, write_data
+from hoist_demo.study.run import RunData, build
 
 #: Outputs that an FMU may have been exported without, and what the reports then lack.
 _DRAWN = {
@@ -26,6 +30,9 @@ _DRAWN = {
     "energy.": "energies of the rope",
     "left.swivel.": "swivels.png",
 }
+
+
+REPORT = "report.html"  #: Page of a run, in its folder.
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,7 @@ class WoundRun:
     level: str  # of the rope, "" for none
     known: Sequence[Known]
     said: Sequence[str]  # warnings of host and rope
+    asked: Collection[str]  # names of the values that were set
 
     @cached_property
     def exposed(self) -> Recording | None:
@@ -51,9 +59,25 @@ class WoundRun:
         run, exposed = self.run, self.exposed
         rows = summarize(self.result, run.hoist, run.winding, run.coupling)
         rows += () if exposed is None else exposure_rows(exposed)
-        said = without_remarked(self.said, self.result.recording)
-        rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in said)
         return rows + tuple(told(self.known))
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """What the reports begin with."""
+        said = without_told(without_remarked(self.said, self.result.recording))
+        return judge(self.result, self.run.hoist, self.rope, *said)
+
+    @cached_property
+    def changed(self) -> Table:
+        """Settings that differ from the case."""
+        own = build(self.run.case, {})
+        before = {**{one.name: one.value for one in of_host(own, {})}, **own.fmu}
+        rows: list[Row] = [
+            (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "rope's default")))
+            for one in self.known
+            if one.name in self.asked and self.rope.parameters.get(one.name, one.value) != before.get(one.name)
+        ]
+        return f"Settings that differ from the case {self.run.case}", rows
 
 
 def missing_outputs(units: Mapping[str, str]) -> str:
@@ -74,8 +98,7 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
     `signals` are the columns of signals.csv, none: the usual.
     """
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.exposure_figures import write_exposure_figure, write_spectra_figure
-    from hoist_demo.report.figures import write_figures
+    from hoist_demo.report.figures import write_exposure_figure, write_figures
     from hoist_demo.report.html.parameter_tables import rope_tables, tables
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import write_report
@@ -95,21 +118,19 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
         if recording.shape_at(0) is not None:
             written.append(directory / "shapes.csv")
             write_shapes(recording, shape_rows(recording), written[1])
-        pictures = write_figures(recording, hoist, directory, marks(result, winding), rope.locked)
+        pictures = write_figures(recording, hoist, directory, marks(result, winding))
     if (exposed := wound.exposed) is not None:
         written.append(directory / "exposure.csv")
         write_csv(exposed, written[-1])
         picture = write_exposure_figure(exposed, directory / "exposure.png")
         exposures = {"What each place in the rope went through": picture}
-        spectra = spectra_table(recording)
-        if (vibrations := write_spectra_figure(spectra, exposed["s"], directory / "spectra.png")) is not None:
-            exposures["How it vibrates there"] = vibrations
+        if (spectra := spectra_table(recording))["frequency"].size:
             written.append(directory / "spectra.csv")
             write_csv(spectra, written[-1])
         pictures += exposures.values()
-    page, title, rows = directory / "report.html", wound.title, wound.rows
+    page, title, verdict, rows, changed = directory / REPORT, wound.title, wound.verdict, wound.rows, wound.changed
     reports = [
-        write_report(directory / "report.md", title, rows, pictures, given),
-        run_report(result, hoist, winding, rows, title, page, given, rope.locked, rope.parameters, exposures),
+        write_report(directory / "report.md", title, verdict, rows, pictures, changed, given),
+        run_report(result, hoist, winding, verdict, rows, title, page, changed, given, rope, exposures),
     ]
     return [*written, data, *pictures, *reports]

@@ -7,22 +7,25 @@ from pathlib import Path
 
 import numpy as np
 
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.incidents import guard_trip, told_of_jams, told_of_slip
-from hoist_demo.recording.passages import FAR, PASSED, passages
+from hoist_demo.recording.incidents import guard_trip
+from hoist_demo.recording.passages import FAR
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.packing import along
-from hoist_demo.report.rows import WARNING, SummaryRow
+from hoist_demo.report.markdown import CHANGED
+from hoist_demo.report.rows import SummaryRow
+from hoist_demo.report.verdict import COLUMNS, Verdict
 from rope_model.texts import html_text
 
 MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
 
 MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 
-NONE_KNOWN: Mapping[str, object] = {}  #: Parameters of a rope of which none are known.
+NONE_KNOWN = RopeData({}, {}, {})  #: A rope of which nothing is known.
 
 NO_PICTURES: Mapping[str, Path] = {}
 
@@ -33,31 +36,21 @@ def run_report(
     result: Result,
     hoist: Hoist,
     winding: Winding,
+    verdict: Verdict,
     rows: Sequence[SummaryRow],
     title: str,
     path: Path,
+    changed: parameter_tables.Table = ("", []),
     given: Sequence[parameter_tables.Table] = (),
-    locked: Collection[str] = (),
-    parameters: Mapping[str, object] = NONE_KNOWN,
+    rope: RopeData = NONE_KNOWN,
     pictures: Mapping[str, Path] = NO_PICTURES,
 ) -> Path:
-    """Write the report of a run to `path`; `rows` are its summary, `given` are tables of its data.
+    """Write the report of a run to `path`: its verdict on top, `rows` of its summary, `given` tables of its data.
 
-    `locked` ends cannot turn; `parameters` of the rope by FMI name have the shaft that is drawn; `pictures` are PNG
-    files by what they show.
+    `changed` are the settings that differ from the case; `rope` has the shaft that is drawn; `pictures` are PNG files
+    by what they show.
     Same run, same bytes but the clock's.
     """
-    said = [] if result.completed else [("Stopped.", result.cause)]
-    if passed := passages(result.recording):
-        through = PASSED in passed
-        after = ": later results describe no real rope." if through else "."
-        said.insert(0, ("Passed through." if through else "Struck.", passed + after))
-    if trip := guard_trip(result.recording):
-        said.append(("Guard.", f"{trip.cause} tripped at t = {trip.t:.4g} s; the safety circuit opened."))
-    if incidents := (told_of_jams(result.recording) + told_of_slip(result.recording)).removeprefix("; "):
-        said.append(("Head ropes and guides.", f"{incidents[0].upper()}{incidents[1:]}."))
-    said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
-    note = "".join(f'<p class="note stopped"><strong>{w}</strong> {html_text(text)}</p>' for w, text in said)
     numbers = "".join(
         page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
         for group in dict.fromkeys(row.group for row in rows)
@@ -68,9 +61,27 @@ def run_report(
         pictures="".join(page.picture(*item) for item in pictures.items()),
         given="".join(page.table(name, rows) for name, rows in given),
     )
-    data = _data(result, hoist, winding, locked) | {"shaft": drawn_shaft(parameters, result.recording)}
+    data = _data(result, hoist, winding, rope.locked)
+    data |= {"shaft": drawn_shaft(rope.parameters, result.recording), "open": verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
-    return page.write(path, page.render("run", title, body, note, scripts))
+    return page.write(path, page.render("run", title, body, _verdict(verdict, changed), scripts))
+
+
+_NO = '<td class="tripped">NO</td>'
+
+
+def _verdict(verdict: Verdict, changed: parameter_tables.Table) -> str:
+    kind = "note good" if verdict.good else "note stopped"
+    parts = [f'<p class="{kind}"><strong>{html_text(verdict.words)}</strong></p>']
+    parts += [f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>' for text in verdict.remarks]
+    if verdict.rows:
+        rows = page.grid(COLUMNS, [row.cells for row in verdict.rows])
+        parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
+    if changed[1]:
+        parts.append(
+            f"<details open><summary>{html_text(changed[0])}</summary>{page.grid(CHANGED, changed[1])}</details>"
+        )
+    return "".join(parts)
 
 
 def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str]) -> dict[str, object]:
