@@ -19,6 +19,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.run import run_report
+from hoist_demo.report.rows import Report
 from hoist_demo.report.verdict import judge
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -113,7 +114,7 @@ def run(tmp_path: Path, **more: np.ndarray) -> Path:
         signals[f"shape.torsion[{i + 1}]"] = 0.0 * t
         signals[f"shape.tension[{i + 1}]"] = 80.0 * shapes[:, i, 1]
     wound = result(signals | shaped(shapes) | more, **{"left.fy": "N", "conveyance.left.y": "m"})
-    winding, path = Winding(emergency_at=5.0), tmp_path / "run.html"
+    wound.winding = Winding(emergency_at=5.0)
     rope = RopeData({}, {"right.swivel.mode": 0}, {})
-    verdict = judge(wound, Hoist(), rope)
-    return run_report(wound, Hoist(), winding, verdict, [], "A <trip> & its rope", path, rope=rope)
+    report = Report("A <trip> & its rope", judge(wound, Hoist(), rope))
+    return run_report(wound, Hoist(), report, tmp_path / "run.html", rope)

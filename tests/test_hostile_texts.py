@@ -34,7 +34,7 @@ from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
-from hoist_demo.report.rows import SummaryRow
+from hoist_demo.report.rows import Report, SummaryRow
 from hoist_demo.report.verdict import Judged, Verdict
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.study.definition import read_study
@@ -196,7 +196,8 @@ def test_markdown_has_no_element_of_a_text() -> None:
     for text in HOSTILE:
         tables = (text, [(text, text, text, text)])
         verdict = Verdict(text, (Judged(text, text, text, where=text),), (text,))
-        written = render_markdown(text, verdict, [SummaryRow(text, text, text)], [], tables, [tables])
+        report = Report(text, verdict, tables, [SummaryRow(text, text, text)], [tables])
+        written = render_markdown(report, [])
         assert "<" not in written, text
 
 

@@ -140,18 +140,15 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     # the report of an earlier run is worth more than that of one that failed
     spared = not result.completed and (options.out / REPORT).exists()
     out = results_folder(options.out / STOPPED) if spared else options.out
-    before = set(out.iterdir())
     with interruption(f"the run is over, its results are being written to {out}") as interrupted:
         written = write(wound, out, signals)
-    name, rows = wound.changed
+    report = wound.report
+    name, rows = report.changed
     settings_table = render([SummaryRow(name, key, f"{value} {unit}, not {own}") for key, value, unit, own in rows])
-    print("\n\n".join([wound.title, render_verdict(wound.verdict), *filter(None, [settings_table]), ASSUMED_DATA]))
-    for text in wound.verdict.remarks:
+    print("\n\n".join([report.title, render_verdict(report.verdict), *filter(None, [settings_table]), ASSUMED_DATA]))
+    for text in report.verdict.remarks:
         print(f"balance-rope: {text}", file=sys.stderr)
     print("written: " + ", ".join(str(path) for path in written))
-    if replaced := before.intersection(written):
-        names = ", ".join(sorted(path.name for path in replaced))
-        print(f"replaced in {out}: {names} of an earlier run; --out DIR keeps runs apart")
     print(f"open in a browser: {written[-1]}")
     if not result.completed:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)

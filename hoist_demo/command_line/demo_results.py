@@ -14,10 +14,10 @@ from hoist_demo.recording.fidelity import fidelities_of, without_remarked
 from hoist_demo.recording.passages import without_told
 from hoist_demo.recording.time_series import Recording, shape_rows, write_csv, write_shapes
 from hoist_demo.report.html.page import Row, unit_text
-from hoist_demo.report.html.parameter_tables import Table, word
-from hoist_demo.report.rows import SummaryRow, told
+from hoist_demo.report.html.parameter_tables import Table, rope_tables, tables, word
+from hoist_demo.report.rows import Report, told
 from hoist_demo.report.summary import exposure_rows, summarize
-from hoist_demo.report.verdict import Verdict, judge
+from hoist_demo.report.verdict import judge
 from hoist_demo.study.provenance import Known, of_host, statuses, write_data
 from hoist_demo.study.run import RunData, build
 
@@ -54,22 +54,17 @@ class WoundRun:
         return exposure(self.result.recording, self.rope.parameters)
 
     @cached_property
-    def rows(self) -> tuple[SummaryRow, ...]:
-        """The summary."""
-        run, exposed = self.run, self.exposed
+    def report(self) -> Report:
+        """What the reports say."""
+        run, recording, status = self.run, self.result.recording, statuses(self.known)
+        said = without_told(without_remarked(self.said, recording))
         rows = summarize(self.result, run.hoist, run.winding, run.coupling)
-        rows += () if exposed is None else exposure_rows(exposed)
-        return rows + tuple(told(self.known))
+        rows += (*(exposure_rows(self.exposed) if self.exposed else ()), *told(self.known))
+        host = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
+        given = [*tables(host, status), *rope_tables(self.rope, self.level, fidelities_of(recording), status)]
+        return Report(self.title, judge(self.result, run.hoist, self.rope, *said), self._changed(), rows, given)
 
-    @cached_property
-    def verdict(self) -> Verdict:
-        """What the reports begin with."""
-        said = without_told(without_remarked(self.said, self.result.recording))
-        return judge(self.result, self.run.hoist, self.rope, *said)
-
-    @cached_property
-    def changed(self) -> Table:
-        """Settings that differ from the case."""
+    def _changed(self) -> Table:
         own = build(self.run.case, {})
         before = {**{one.name: one.value for one in of_host(own, {})}, **own.fmu}
         rows: list[Row] = [
@@ -99,15 +94,12 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
     """
     # matplotlib loads slowly and is needed here only
     from hoist_demo.report.figures import write_exposure_figure, write_figures
-    from hoist_demo.report.html.parameter_tables import rope_tables, tables
     from hoist_demo.report.html.run import run_report
-    from hoist_demo.report.markdown import write_report
+    from hoist_demo.report.markdown import render_markdown
     from hoist_demo.report.panels import marks
 
-    run, result, rope, status = wound.run, wound.result, wound.rope, statuses(wound.known)
-    recording, hoist, winding = result.recording, run.hoist, run.winding
-    host = {"Hoist": hoist, "Winding": winding, "Coupling": run.coupling, "Gains": run.gains}
-    given = [*tables(host, status), *rope_tables(rope, wound.level, fidelities_of(recording), status)]
+    result, rope, hoist = wound.result, wound.rope, wound.run.hoist
+    recording = result.recording
     data = write_data(wound.known, directory / "data.csv")
     written: list[Path] = []
     pictures: list[Path] = []
@@ -118,7 +110,7 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
         if recording.shape_at(0) is not None:
             written.append(directory / "shapes.csv")
             write_shapes(recording, shape_rows(recording), written[1])
-        pictures = write_figures(recording, hoist, directory, marks(result, winding))
+        pictures = write_figures(recording, hoist, directory, marks(result))
     if (exposed := wound.exposed) is not None:
         written.append(directory / "exposure.csv")
         write_csv(exposed, written[-1])
@@ -128,9 +120,7 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
             written.append(directory / "spectra.csv")
             write_csv(spectra, written[-1])
         pictures += exposures.values()
-    page, title, verdict, rows, changed = directory / REPORT, wound.title, wound.verdict, wound.rows, wound.changed
-    reports = [
-        write_report(directory / "report.md", title, verdict, rows, pictures, changed, given),
-        run_report(result, hoist, winding, verdict, rows, title, page, changed, given, rope, exposures),
-    ]
-    return [*written, data, *pictures, *reports]
+    report = directory / "report.md"
+    report.write_text(render_markdown(wound.report, pictures), encoding="utf-8")
+    page = run_report(result, hoist, wound.report, directory / REPORT, rope, exposures)
+    return [*written, data, *pictures, report, page]

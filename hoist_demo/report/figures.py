@@ -87,8 +87,7 @@ def write_figures(recording: Recording, hoist: Hoist, directory: Path, marks: Se
 def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> None:
     for line in panel.lines:
         values = signals[line.signal] - (signals[line.signal][0] if line.from_start else 0.0)
-        steps = "steps-post" if panel.steps else "default"
-        ax.plot(time, line.factor * values, drawstyle=steps, label=line.label, **_STYLES[line.style])
+        ax.plot(time, line.factor * values, label=line.label, **_STYLES[line.style])
     if panel.limit is not None:
         ax.axhline(panel.limit[0], color=ACCENTS[2], lw=1.0, ls="--", label=panel.limit[1])
     ax.set_ylabel("" if panel.unit == "1" else f"[{panel.unit}]")

@@ -6,11 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.report.html.parameter_tables import Table
-from hoist_demo.report.rows import SummaryRow
-from hoist_demo.report.verdict import COLUMNS, Verdict
-
-CHANGED = ("parameter", "value", "unit", "of the case")  #: Head of the table of settings that differ.
+from hoist_demo.report.rows import CHANGED, Report
+from hoist_demo.report.verdict import COLUMNS
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",
@@ -23,30 +20,10 @@ CAPTIONS = {
 }
 
 
-def write_report(
-    path: Path,
-    title: str,
-    verdict: Verdict,
-    rows: Sequence[SummaryRow],
-    figures: Sequence[Path],
-    changed: Table,
-    tables: Sequence[Table] = (),
-) -> Path:
-    """Write the report; the figures lie next to it, `changed` and `tables` are the data the run was given."""
-    path.write_text(render_markdown(title, verdict, rows, figures, changed, tables), encoding="utf-8")
-    return path
-
-
-def render_markdown(
-    title: str,
-    verdict: Verdict,
-    rows: Sequence[SummaryRow],
-    figures: Sequence[Path],
-    changed: Table,
-    tables: Sequence[Table] = (),
-) -> str:
+def render_markdown(report: Report, figures: Sequence[Path]) -> str:
     """The report as Markdown: verdict, figures by file name, and the rest."""
-    parts = [f"# {_inline(title)}", f"**{_inline(verdict.words)}**"]
+    verdict, changed, rows = report.verdict, report.changed, report.rows
+    parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.words)}**"]
     parts += [f"**Warning.** {_inline(text)}" for text in verdict.remarks]
     parts += _table(COLUMNS, [row.cells for row in verdict.rows])
     parts += _table(CHANGED, changed[1], changed[0])
@@ -55,7 +32,7 @@ def render_markdown(
     for group in dict.fromkeys(row.group for row in rows):
         found = [(row.quantity, row.text, row.unit) for row in rows if row.group == group]
         parts += _table(("quantity", "value", "unit"), found, group)
-    for name, lines in tables:
+    for name, lines in report.given:
         parts += _table(("parameter", "value", "unit", "status"), lines, f"Data: {name}")
     return "\n\n".join(parts) + "\n"
 

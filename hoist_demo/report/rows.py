@@ -39,6 +39,20 @@ class SummaryRow:
         return self.value if isinstance(self.value, str) else number(self.value, WHOLE if whole else DIGITS)
 
 
+@dataclass(frozen=True)
+class Report:
+    """What a report says, in reading order; `changed` are the settings that differ, `given` all data of the run."""
+
+    title: str
+    verdict: Verdict
+    changed: Table = ("", [])
+    rows: Sequence[SummaryRow] = ()
+    given: Sequence[Table] = ()
+
+
+CHANGED = ("parameter", "value", "unit", "of the case")  #: Head of the table of settings that differ.
+
+
 def for_people(value: float, unit: str) -> tuple[float, str]:
     """Convert to a unit for people: angles to degrees, pure numbers to none."""
     return (math.degrees(value), "deg") if unit == "rad" else (value, unit_text(unit))

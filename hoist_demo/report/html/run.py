@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip
 from hoist_demo.recording.passages import FAR
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.packing import along
-from hoist_demo.report.markdown import CHANGED
-from hoist_demo.report.rows import SummaryRow
+from hoist_demo.report.rows import CHANGED, Report
 from hoist_demo.report.verdict import COLUMNS, Verdict
 from rope_model.texts import html_text
 
@@ -35,36 +34,31 @@ SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rop
 def run_report(
     result: Result,
     hoist: Hoist,
-    winding: Winding,
-    verdict: Verdict,
-    rows: Sequence[SummaryRow],
-    title: str,
+    report: Report,
     path: Path,
-    changed: parameter_tables.Table = ("", []),
-    given: Sequence[parameter_tables.Table] = (),
     rope: RopeData = NONE_KNOWN,
     pictures: Mapping[str, Path] = NO_PICTURES,
 ) -> Path:
-    """Write the report of a run to `path`: its verdict on top, `rows` of its summary, `given` tables of its data.
+    """Write the report of a run to `path`: verdict, pictures, and the rest.
 
-    `changed` are the settings that differ from the case; `rope` has the shaft that is drawn; `pictures` are PNG files
-    by what they show.
+    `rope` has the shaft that is drawn; `pictures` are PNG files by what they show.
     Same run, same bytes but the clock's.
     """
     numbers = "".join(
-        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
-        for group in dict.fromkeys(row.group for row in rows)
+        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in found])
+        for group in dict.fromkeys(row.group for row in report.rows)
+        for found in ([row for row in report.rows if row.group == group],)
     )
     body = page.fill(
         "run.html",
         numbers=numbers,
         pictures="".join(page.picture(*item) for item in pictures.items()),
-        given="".join(page.table(name, rows) for name, rows in given),
+        given="".join(page.table(*table) for table in report.given),
     )
-    data = _data(result, hoist, winding, rope.locked)
-    data |= {"shaft": drawn_shaft(rope.parameters, result.recording), "open": verdict.when}
+    data = _data(result, hoist, rope.locked)
+    data |= {"shaft": drawn_shaft(rope.parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
-    return page.write(path, page.render("run", title, body, _verdict(verdict, changed), scripts))
+    return page.write(path, page.render("run", report.title, body, _verdict(report.verdict, report.changed), scripts))
 
 
 _NO = '<td class="tripped">NO</td>'
@@ -84,7 +78,7 @@ def _verdict(verdict: Verdict, changed: parameter_tables.Table) -> str:
     return "".join(parts)
 
 
-def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str]) -> dict[str, object]:
+def _data(result: Result, hoist: Hoist, locked: Collection[str]) -> dict[str, object]:
     """All that the scripts read; a run without a recorded row leaves the numbers of its end only."""
     recording = result.recording
     if not recording.signals:
@@ -101,7 +95,7 @@ def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
         "panels": [_panel(panel, recording) for panel in shown],
-        "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result, winding)],
+        "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result)],
         "transformations": panels.transformations(recording),
         "slips": {end: panels.slips(recording, end) for end in ("left", "right")},
         "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
@@ -132,7 +126,6 @@ def _panel(panel: panels.Panel, recording: Recording) -> dict[str, object]:
         "unit": panel.unit,
         "lines": lines,
         "least": panel.least,
-        "steps": panel.steps,
         "limit": None if panel.limit is None else {"value": panel.limit[0], "label": panel.limit[1]},
         "quiet": panels.quiet(recording, panel),
     }
