@@ -108,7 +108,8 @@ def judge(result: Result, hoist: Hoist, rope: RopeData, *said: str) -> Verdict:
     if broken:
         words += f"Not kept: {', '.join(row.quantity for row in broken)}."
     elif rows:
-        words += f"All {sum(row.holds is True for row in rows)} bounds are kept."
+        until = "" if result.completed else " until then"
+        words += f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
     remarks = (*warnings(result, hoist), *said)
     when = _what_matters(run) if recording.signals else None
     return Verdict(words, rows, remarks, when, result.completed and not broken and not remarks)
