@@ -24,8 +24,8 @@ def render_markdown(report: Report, figures: Sequence[Path]) -> str:
     """The report as Markdown: verdict, figures by file name, and the rest."""
     verdict, changed, rows = report.verdict, report.changed, report.rows
     parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.words)}**"]
-    parts += [f"**Warning.** {_inline(text)}" for text in verdict.remarks]
     parts += _table(COLUMNS, [row.cells for row in verdict.rows])
+    parts += [f"**Warning.** {_inline(text)}" for text in verdict.remarks]
     parts += _table(CHANGED, changed[1], changed[0])
     parts.append(ASSUMED_DATA)
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
