@@ -122,7 +122,7 @@ def brushes() -> Table:
 
 #: m, of the divider: it meets the fitted mesh at four places of an element; elements, 0 for the fitted mesh; and the
 #: fine run's elements, step and end (s), behind the peak
-HEIGHTS, MESHES, FINEST = (-25.0, -25.2, -25.4, -25.6), (0, 360, 480), (960, 2e-3, 5.0)
+HEIGHTS, MESHES, FINEST = (-25.0, -25.2, -25.4, -25.6), (0, 270, 480), (960, 2e-3, 5.0)
 
 
 def heights() -> Table:
