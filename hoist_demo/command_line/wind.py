@@ -56,7 +56,7 @@ Wind a hoist once and write to --out: signals.csv (all signals with units), shap
 exposure.csv and spectra.csv (what each place in the rope went through), data.csv (where each number comes from), PNG
 figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
 The verdict is printed at the end: what matters, beside its bounds; the report has all other numbers. A hoist with
-several ropes gives ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv and ropes.png."""
+several ropes gives ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv, ropes.png."""
 
 _EPILOG = """\
 examples:
