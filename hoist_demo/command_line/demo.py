@@ -31,7 +31,7 @@ from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import CAUSE, WARNING, render
-from hoist_demo.report.slip import slip_warning
+from hoist_demo.study.slip import slip_warning
 from hoist_demo.files.catalogue import Catalogue, with_values
 from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.reading import GIVEN, file_statuses

@@ -15,6 +15,10 @@ from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable
 
 
+#: about the name of what tells the members of a union apart
+_QUOTES = "'"
+
+
 class FileError(ValueError):
     """All that is wrong with a file, one line each."""
 
@@ -80,14 +84,19 @@ def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Paramet
     return made
 
 
-def givens(table: BaseModel | None, prefix: str = "") -> Iterator[tuple[str, Given]]:
-    """Yield the values that a table of parameters sets, by dotted names."""
+def contents(table: BaseModel | None, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield all that a table and those in it set, by dotted names."""
     for name, field in () if table is None else type(table).model_fields.items():
         key, content = f"{prefix}{field.alias or name}", getattr(table, name)
-        if isinstance(content, Given):
+        if isinstance(content, BaseModel):
+            yield from contents(content, f"{key}.")
+        elif content is not None:
             yield key, content
-        elif isinstance(content, BaseModel):
-            yield from givens(content, f"{key}.")
+
+
+def givens(table: BaseModel | None, prefix: str = "") -> Iterator[tuple[str, Given]]:
+    """Yield the values that a table of parameters sets, by dotted names."""
+    return ((key, content) for key, content in contents(table, prefix) if isinstance(content, Given))
 
 
 def validated(path: Path, model: type[T], raw: Mapping[str, Any], cure: Callable[[str], str]) -> T:
@@ -109,6 +118,9 @@ def _problem(error: Any, cure: Callable[[str], str]) -> str:
         return f"{place} = {_short(content)} is not a key: {cure(place)}"
     if kind == "missing":
         return f"{place} is missing: give it"
+    if kind == "union_tag_invalid":
+        choice = error["ctx"]
+        return f"{place}.{choice['discriminator'].strip(_QUOTES)} = {choice['tag']!r} must be one of {choice['expected_tags']}: choose one"
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{place} = {_short(content)} must be one table: write [{place}] above it"
     if kind == "list_type":

@@ -30,7 +30,7 @@ from hoist_demo.recording.passages import BODIES, outcome_of, passages
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import CAUSE, OUTCOME, WARNING, SummaryRow
-from hoist_demo.report.slip import slip_warning
+from hoist_demo.study.slip import slip_warning
 
 SWING_WINDOW = 5.0  #: Length of the record's tail over which the residual swing is judged [s].
 

@@ -18,8 +18,8 @@ from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.files.catalogue import SECTIONS, leaves
+from hoist_demo.files.values import GIVEN, VARIED
 from hoist_demo.study.definition import Study
-from hoist_demo.study.reading import GIVEN, VARIED
 from hoist_demo.study.run import RunData, build
 from rope_model import Scene
 from rope_model.scene_names import named_parameters
@@ -32,6 +32,7 @@ STATUSES = (
     VARIED,
     GIVEN,
     "measured",
+    "data sheet",
     "calibrated",
     "derived",
     "published",
@@ -67,7 +68,7 @@ def of_host(run: RunData, given: Mapping[str, str]) -> list[Known]:
         elif value != of_case.get(name, value):
             status = GIVEN
         else:
-            status = "published" if name in case.stated else "assumed"
+            status = case.given.get(name, "assumed")
         found.append(Known(name, value, unit, status))
     return found
 
@@ -85,7 +86,7 @@ def of_study(study: Study) -> list[Known]:
     run, parameters = study.samples[0].data, read_parameters(study.fmu)
     values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
-    known = [*of_host(run, study.given), *of_rope(find_case(study.case), rope, study.given)]
+    known = [*of_host(run, study.given), *of_rope(find_case(study.hoist), rope, study.given)]
     return [one._replace(value=VARIED) if one.status == VARIED else one for one in known]
 
 
@@ -93,12 +94,12 @@ def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> s
     if name in given:
         return given[name]
     own = case.rope.get(name, _DEFAULTS.get(name))
-    is_datum = name in _ASSUMED or name in case.stated or (name in case.rope and name.startswith("rope."))
+    is_datum = name in _ASSUMED or name in case.given or (name in case.rope and name.startswith("rope."))
     if name.partition(".")[0] in _SETTINGS or not _is_number(value) or not (is_datum or value != own):
         return SETTING
     if value != own:
         return "exported"
-    return "published" if name in case.stated else "assumed"
+    return case.given.get(name, "assumed")
 
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:

@@ -76,6 +76,7 @@ class Store:
             "cause": outcome.cause,
             "fidelity": outcome.fidelity,
             "warnings": outcome.warnings,
+            "missing": outcome.missing,
             "passed": outcome.passed,
         }
         kept = {**said, "metrics": dict(outcome.metrics)}

@@ -7,7 +7,6 @@ import numpy as np
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.incidents import ALIKE, held_in_spite, jams, slack_ropes
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.html.page import number
 
 #: Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed].
 AT_REST, MOVING = 1.75, 1.25
@@ -39,8 +38,8 @@ def _margin_warning(time: Array, ratio: Array, until: float, hoist: Hoist) -> st
         safety = hoist.slip_safety(float(ratio[k]))
         if safety < asked:
             return (
-                f"the head ropes' slip safety {words} is {number(safety)} at t = {number(float(time[k]))} s (tension "
-                f"ratio {number(float(ratio[k]))}, limit {number(hoist.tension_ratio_limit)}), and {asked:g} is "
+                f"the head ropes' slip safety {words} is {safety:.5g} at t = {time[k]:.5g} s (tension ratio {ratio[k]:.5g}, "
+                f"limit {hoist.tension_ratio_limit:.5g}), and {asked:g} is "
                 f"usually asked for: {cure}"
             )
     return ""
