@@ -20,21 +20,22 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Component, export_ssp
     from hoist_demo.cases.case import Case
-    from hoist_demo.cases.table import CASES, find_case
-    from hoist_demo.command_line.demo import add_demo
+    from hoist_demo.cases.table import NAMED, find_case
     from hoist_demo.command_line.duty import add_duty
+    from hoist_demo.command_line.hoist import add_hoist_commands
     from hoist_demo.command_line.identify import add_identify
-    from hoist_demo.command_line.options import rope_values, settings
+    from hoist_demo.command_line.options import settings
     from hoist_demo.command_line.results import named, results_folder
-    from hoist_demo.command_line.ropes import add_ropes
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
+    from hoist_demo.command_line.wind import add_wind
     from hoist_demo.drive_fmu.description import drive_model, duration
     from hoist_demo.drive_fmu.interface import Tail
-    from hoist_demo.files.catalogue import Catalogue
+    from hoist_demo.files.catalogue import Catalogue, rope_parameters
+    from hoist_demo.files.rope_file import read_rope_file
     from hoist_demo.study.run import tail_rope
     from rope_model import __version__
-    from rope_model.parameters import LEVELS, Level, rope_120
+    from rope_model.parameters import LEVELS, rope_120
 
     if TYPE_CHECKING:
         from hoist_demo.ropes.definition import OneRope
@@ -64,12 +65,13 @@ first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
   balance-rope export --outputs all    with the points along the rope that the demo draws
   balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
-  balance-rope demo                    wind 90 m with it; figures, CSV and a report in out/demo
-  balance-rope demo --quick            wind 10 m only, to see that all is in place
-  balance-rope demo --in-process       the same rope without the FMU
+  balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/demo
+  balance-rope wind --quick            wind 10 m only, to see that all is in place
+  balance-rope new NAME --depth 870 --payload 22t --speed 16    the file of your own hoist, NAME.toml
+  balance-rope show NAME.toml          its values, and what follows from them
+  balance-rope wind NAME.toml          one trip of it, with one balance rope or several that differ
   balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
   balance-rope duty SCHEDULE.toml      wind many trips as one run, each from where the last has left the rope
-  balance-rope ropes ROPES.toml        wind several balance ropes that differ, in one hoist
   balance-rope identify MEASURED.toml  find the rope's properties from measurements
   balance-rope uncertain SCENE.toml    wind with all that is not known of the rope: spread, and what causes it
   balance-rope COMMAND --help          what a command can do
@@ -83,14 +85,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
     parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    add_hoist_commands(commands)
     _add_export(commands)
-    add_demo(commands, DEFAULT_FMU, _levels)
+    add_wind(commands, DEFAULT_FMU, _levels)
     add_study(commands)
     add_duty(commands)
-    add_ropes(commands)
     add_identify(commands)
     add_uncertain(commands)
-    for command in commands.choices.values():  # -v is understood behind the command as well
+    for command in {
+        id(made): made for made in commands.choices.values()
+    }.values():  # -v is understood behind the command as well
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
         )
@@ -130,11 +134,11 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built here)",
     )
     export.add_argument(
-        "--case",
-        choices=tuple(CASES),
+        "hoist",
+        nargs="?",
         default="rope-120",
-        metavar="NAME",
-        help=f"start values: the rope of {', '.join(CASES)}, see docs/howto/hoist.md (%(default)s)",
+        metavar="HOIST",
+        help=f"start values: the rope of a hoist's file, or of {', '.join(NAMED)} (%(default)s)",
     )
     export.add_argument(
         "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"
@@ -145,13 +149,10 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         default=[],
         metavar="NAME=VALUE",
         help="start value of a parameter by its name in docs/reference/variables.md, in SI units; may be repeated, and "
-        "overrides --case and --rope",
+        "overrides HOIST and --rope",
     )
     export.add_argument(
-        "--level",
-        choices=tuple(LEVELS),
-        default="standard",
-        help="accuracy against speed, see docs/howto/accuracy.md (%(default)s)",
+        "--level", choices=tuple(LEVELS), help="accuracy against speed, see docs/howto/accuracy.md (that of the hoist)"
     )
     export.add_argument(
         "--outputs",
@@ -167,12 +168,6 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     export.add_argument(
         "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
-    )
-    export.add_argument(
-        "--ropes",
-        type=Path,
-        metavar="FILE.toml",
-        help="of the system: these ropes, trip and hoist instead of the case's one rope, see docs/reference/files.md",
     )
     export.add_argument(
         "--out",
@@ -204,10 +199,9 @@ def _export(options: argparse.Namespace) -> int:
         wanted.insert(0, ("Python", 2))
     if options.scalar and ("native", 3) not in wanted:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
-    if options.ropes and not options.ssp:
-        raise ValueError(f"--ropes {options.ropes} is for systems, and an FMU has one rope: add --ssp")
     paths = _paths(options.out, wanted)
-    case, level, ropes = _hoist(options)
+    case, ropes = _hoist(options)
+    level = options.level or case.level
     start = {**case.rope, "right.y": abs(case.winding.travel)}
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar, stop=duration(case.winding))
@@ -235,13 +229,13 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
     """The case with the rope of a parameter file and of --set, for which its drive takes it."""
     if path is None and not texts:
         return case
-    from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 
-    parameters = rope_parameters()
-    catalogue = Catalogue(parameters)
-    own = {**rope_values(path, catalogue), **settings(texts, catalogue)}
-    if others := sorted(own.keys() - parameters.keys()):
-        raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to demo, or to a study or a duty")
+    catalogue = Catalogue()
+    identified = {} if path is None else read_rope_file(path, catalogue)
+    own = {**{key: one.value for key, one in identified.items()}, **settings(texts, catalogue)}
+    if others := sorted(own.keys() - rope_parameters().keys()):
+        raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
     rope_data({**case.rope, **own})  # what is wrong with the rope is told in its own names, not in the hoist's
     shared: dict[str, Any] = tail_rope(own)
     return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
@@ -263,26 +257,27 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     return paths
 
 
-def _hoist(options: argparse.Namespace) -> tuple[Case, Level, tuple[OneRope, ...]]:
-    """The case to export, the level of its rope, and its ropes where a file has several."""
-    if options.ropes is None:
-        return _with_rope(CASES[options.case], options.rope, options.set), options.level, ()
-    if options.rope is not None:
-        raise ValueError(f'--rope {options.rope} is one rope: in {options.ropes} give a rope from = "{options.rope}"')
-    if options.set:
-        raise ValueError(f"--set {options.set[0]} is for one rope: give it to a rope of {options.ropes}")
-    # a file of ropes is read with what winds them, which loads slowly
-    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
-    from hoist_demo.ropes.definition import read_ropes
+def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...]]:
+    """Return the hoist to export, and its ropes where it has several."""
+    case = find_case(options.hoist)
+    for remark in case.remarks:
+        print(f"balance-rope: {remark}", file=sys.stderr)
+    if not case.ropes:
+        return _with_rope(case, options.rope, options.set), ()
+    if options.rope or options.set:
+        raise ValueError(f"--rope and --set are for one rope: give their values to a [[rope]] of {options.hoist}")
+    if not options.ssp:
+        raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
+    from hoist_demo.ropes.definition import ropes_of
+    from hoist_demo.study.run import build_trip
 
-    file = read_ropes(options.ropes, rope_parameters())
-    if broken := [rope.name for rope in file.ropes if rope.breaks]:
+    ropes = ropes_of(case, build_trip(options.hoist, {}), {}, options.level or case.level)
+    if broken := [rope.name for rope in ropes.ropes if rope.breaks]:
         raise ValueError(f"breaks_at of {', '.join(broken)} must be left out: the rope of an FMU does not break")
-    if len(file.ropes) > 1 and file.touching:
+    if ropes.touching:
         told = "contact.rope_stiffness lets each rope of the system press itself alone: FMUs know no neighbours"
-        print(f"balance-rope: {told}; `balance-rope ropes {options.ropes}` has their contact", file=sys.stderr)
-    case = replace(find_case(file.case), hoist=file.hoist, winding=file.run.winding, gains=file.run.gains)
-    return case, file.level, file.ropes
+        print(f"balance-rope: {told}; `balance-rope wind {options.hoist}` has their contact", file=sys.stderr)
+    return replace(case, hoist=ropes.hoist), ropes.ropes
 
 
 def _system(rope: Path, case: Case, ropes: Sequence[OneRope], platforms: Sequence[str], fmi: int) -> Path:

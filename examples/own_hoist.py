@@ -8,10 +8,10 @@ Writes the recording to signals.csv beside the FMU.
 import sys
 from pathlib import Path
 
-from hoist_demo.cases.installed import round_rope
 from hoist_demo.control.controller import Gains
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.files.new import round_rope
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import write_csv

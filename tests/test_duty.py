@@ -7,13 +7,14 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import balance_rope
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.duty.schedule import Schedule, read_schedule
 from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, row, steady_from, table, worst
 from hoist_demo.duty.wind import Trip, read_state, wind, write_state
+from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.files.reading import FileError
 
 DUTY = """
 [duty]

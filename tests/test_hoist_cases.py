@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hoist_at_rest import wind
-
 from hoist_demo.cases.installed import INSTALLED, TAIL_SPARE, Case, round_rope
+
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.parameters import require_trip_fits
 from rope_model import EndMotion, Layout, Rope

@@ -9,10 +9,10 @@ from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.files.catalogue import Catalogue, rope_parameters
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals, read_csv
-from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.study.run import contradictions
 
 ROOT = Path(__file__).parents[1]

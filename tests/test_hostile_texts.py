@@ -28,9 +28,11 @@ from fmu_src.native.table import c_table
 from fmu_src.ssp import export_ssp
 from hoist_demo.calibration.definition import read_measured
 from hoist_demo.calibration.page import write_rope_file
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
+from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.reading import FileError
+from hoist_demo.files.values import LONGEST_TEXT
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
@@ -38,7 +40,6 @@ from hoist_demo.report.rows import SummaryRow
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import Known, write_data
-from hoist_demo.study.reading import LONGEST_TEXT, FileError
 from hoist_demo.study.store import Store
 from hoist_demo.uncertainty.definition import read_uncertain
 from rope_model import Datum

@@ -15,10 +15,11 @@ from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement
 from hoist_demo.cases.table import CASES
 from hoist_demo.command_line.options import rope_values
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.files.catalogue import Catalogue, rope_parameters
+from hoist_demo.files.reading import FileError
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.study.reading import Problems, FileError, file_statuses, read_values
+from hoist_demo.study.reading import Problems, file_statuses, read_values
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.page import too_few
 from hoist_demo.uncertainty.spread import Spread, draw

@@ -14,15 +14,15 @@ from rope_groups import CASE, KNOWN, Weight, rope
 from balance_rope import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
+from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.recording.time_series import read_csv
 from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.ropes.table import polygon_distance
-from hoist_demo.files.reading import FileError
 from rope_model import EndMotion, Neighbours
 
 HEIGHT = 90.0

@@ -26,8 +26,9 @@ from fmu_src.native.model_fmu import export_model
 from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process, rope_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive_fmu.description import drive_model, duration
+from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.parameters import Coupling
 from hoist_demo.ropes.definition import read_ropes
 
@@ -113,7 +114,7 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
         hosts.append(np.array([run.recording[name] for name in NAMES]).T[rows])
     assert np.ptp(found[:, 0]) > 0.99 * travel
     # held forces make the acceleration jump at the samples, by 3 mm/s2 here: the rope's ends draw in what that misses,
-    # in the tools from motions a step ahead. Both couplings are of first order: a step of H errs by twice what H/2 changes
+    # in the tools from motions a step ahead. Couplings of first order: a step of H errs by twice what H/2 changes
     error = 2.0 * np.abs(hosts[0] - hosts[1]).max(axis=0)
     assert (error < 2e-3 * np.abs(hosts[0]).max(axis=0)).all()
     assert (np.abs(found - hosts[0]).max(axis=0) < error).all()

@@ -22,15 +22,15 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import Stopwatch
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
+from hoist_demo.files.catalogue import leaves, with_values
+from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import Parameter, quantity
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.files.catalogue import leaves, with_values
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study, read_study
 from hoist_demo.study.metrics import Arrival, measure
 from hoist_demo.study.perform import perform
-from hoist_demo.files.reading import FileError
 from hoist_demo.study.run import Outcome, build
 from hoist_demo.study.store import Store, read_results
 from hoist_demo.study.tuning import Range, latin_hypercube

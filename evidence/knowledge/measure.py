@@ -21,7 +21,7 @@ from evidence.tables import Tables, table
 from hoist_demo.calibration.definition import Measured, read_measured
 from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.spread import spread

@@ -22,9 +22,10 @@ from typing import Any, TypeGuard, get_args
 
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.parameters.quantity import Parameter
 from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.study.reading import Problems, FileError, flat, read_statuses, read_tables, read_text, read_values
+from hoist_demo.files.reading import FileError, flat
+from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.study.reading import Problems, read_statuses, read_tables, read_text, read_values
 from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope
 from rope_model.texts import printable
 

@@ -12,8 +12,9 @@ from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, int
 from hoist_demo.calibration.measurements import Bench, Measurement, Numbers
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
+from hoist_demo.files.rope_file import following_statuses
+from hoist_demo.files.values import GIVEN
 from hoist_demo.study.provenance import Known, of_rope
-from hoist_demo.study.reading import GIVEN, following_statuses
 from rope_model import Datum, KnownRope
 
 #: half width of an interval, in shares, from which on the data are said not to tell: half that of a range

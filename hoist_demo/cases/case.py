@@ -19,6 +19,7 @@ class Tail:
     parameters: Mapping[str, Value]  # by FMI name, beside those of all ropes
     place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
     breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
+    given: Mapping[str, str] = field(default_factory=dict)  # status of each parameter
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Case:
     rope: Mapping[str, Value] = field(default_factory=dict)  # of the first, by FMI name; the rest is the rope's own
     settings: Mapping[str, Value] = field(default_factory=dict)  # controller, coupling.*, and others of a study
     ropes: tuple[Tail, ...] = ()  # where there are several, or one with a place or a break
+    shared: Mapping[str, Value] = field(default_factory=dict)  # parameters of all ropes, by FMI name
     given: Mapping[str, str] = field(default_factory=dict)  # status of what the file sets, by name
     sources: Mapping[str, str] = field(default_factory=dict)
     name: str = ""

@@ -61,9 +61,10 @@ def add_duty(commands: Commands) -> None:
 
 def _duty(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
-    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_parameters
+    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
+    from hoist_demo.files.catalogue import rope_parameters
     from hoist_demo.report.rows import told
     from hoist_demo.study.provenance import of_host, of_rope, write_data
     from hoist_demo.study.run import contradictions

@@ -7,10 +7,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.parameters import EmergencyLaw
-from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.study.reading import LEVELS, flat, strip_unit, with_file
+from hoist_demo.files.values import read_value
+from hoist_demo.parameters import EmergencyLaw
+from hoist_demo.parameters.quantity import Value
+from rope_model import Level
 from rope_model.scene_names import choices_of
 
 KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
@@ -50,7 +51,7 @@ def add_data(demo: argparse.ArgumentParser) -> None:
     )
     demo.add_argument(
         "--level",
-        choices=LEVELS,
+        choices=get_args(Level),
         help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
     )
     demo.add_argument(
@@ -73,6 +74,7 @@ def add_data(demo: argparse.ArgumentParser) -> None:
     )
 
 
+_BOOLEANS = {"true": True, "false": False}
 STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")  #: First parts of the names that only a study takes.
 
 
@@ -88,34 +90,7 @@ def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
         parameter = catalogue[name]
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
-        found[name] = parameter.read(_value(parameter, value))
+        found[name] = read_value(
+            parameter, _BOOLEANS.get(value.lower(), value) if parameter.kind == "Boolean" else value
+        )
     return found
-
-
-def rope_values(path: Path | None, catalogue: Catalogue) -> dict[str, Value]:
-    """The values of [fixed] of a parameter file, as --rope names it; none without a file."""
-    table = {} if path is None else with_file({"from": str(path)})
-    if path is not None and not table:
-        raise ValueError(f"--rope {path} has no [fixed]: {_ROPE_FILE}")
-    found: dict[str, Value] = {}
-    for name, content in flat(table):
-        if not name.startswith(("rope.", "air.")):
-            raise ValueError(f"--rope {path}: {name} is none of rope.* and air.*: {_ROPE_FILE}, or set it by --set")
-        parameter = catalogue[name]
-        found[name] = parameter.read(strip_unit(parameter, content))
-    return found
-
-
-_ROPE_FILE = "give a file that balance-rope identify has written"
-
-
-def _value(parameter: Parameter, text: str) -> Value:
-    """Return the parameter's value for a text; a meaningless text is left for the parameter's check."""
-    if parameter.kind == "Boolean":
-        return {"true": True, "false": False}.get(text.lower(), text)
-    if parameter.kind in ("Real", "Integer"):
-        try:
-            return float(text)
-        except ValueError:
-            return text
-    return text

@@ -16,11 +16,13 @@ Run = Callable[[argparse.Namespace], int]
 
 
 def add_command(
-    commands: Commands, name: str, run: Run, about: str, description: str, epilog: str
+    commands: Commands, name: str, run: Run, about: str, description: str, epilog: str, *others: str
 ) -> argparse.ArgumentParser:
-    """Add a subcommand; its options hold the function to run as `run`."""
+    """Add a subcommand, which may have other names; its options hold the function to run as `run`."""
     form = argparse.RawDescriptionHelpFormatter
-    made = commands.add_parser(name, help=about, description=description, epilog=epilog, formatter_class=form)
+    made = commands.add_parser(
+        name, help=about, description=description, epilog=epilog, formatter_class=form, aliases=others
+    )
     made.set_defaults(run=run)
     return made
 

@@ -40,7 +40,7 @@ def add_uncertain(commands: Commands) -> None:
 
 def _uncertain(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
-    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+    from hoist_demo.files.catalogue import rope_parameters
     from hoist_demo.study.provenance import write_data
     from hoist_demo.uncertainty.definition import read_uncertain
     from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table

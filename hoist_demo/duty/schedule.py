@@ -16,10 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.quantity import Parameter, Value
-from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.study.reading import Problems, FileError, read_head, read_statuses, read_tables, read_values
+from hoist_demo.study.reading import Problems, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
 
@@ -91,7 +92,7 @@ class _Reader:
         pattern: list[RunData] = []
         for k, values in enumerate(own, 1):
             with self._problems.collect(f"trip {k}"):
-                pattern.append(build(head["case"], {**fixed, **values}))
+                pattern.append(build(head["hoist"], {**fixed, **values}))
         self._stop_where_wrong()
         given = read_statuses(self._raw.get("fixed", {}))
         for trip in trips:

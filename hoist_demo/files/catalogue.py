@@ -91,12 +91,24 @@ RENAMED = {
     "mesh.leg_growth": ["mesh.grading_length"],
     **{f"hoist.shaft.{name}": [f"hoist.drive_shaft.{name}"] for name in ("motor_mass", "stiffness", "damping")},
 }
+_OF_PLACE = {
+    "x_left": "from the left conveyance's centre to where the rope hangs, to the right",
+    "x_right": "the same at the right conveyance",
+    "z": "from the conveyances' centres to where the rope hangs, out of their plane",
+    "breaks_at": "time of the rope's break; none without it",
+    "breaks_s": "place of the break, from the left end along the rope",
+}
+#: where a rope of several hangs and breaks
+PLACE_PARAMETERS = {
+    f"rope.{name}": Parameter(f"rope.{name}", "s" if name == "breaks_at" else "m", "Real", meaning=meaning)
+    for name, meaning in _OF_PLACE.items()
+}
 #: parts of a run that no file's table sets
 CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
 
 
 @cache
-def scene_parameters() -> dict[str, Parameter]:
+def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
     return {
         p.name: Parameter(
@@ -113,9 +125,9 @@ def host_parameters() -> dict[str, Parameter]:
 
 
 def of_run(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
-    """Return the fields of a model that has all parameters of a run by their names, each of the type `leaf` gives it."""
+    """Return the fields of a model with all parameters of a run by their names, each of the type that `leaf` gives."""
     groups: dict[str, list[Parameter]] = {}
-    for p in (*host_parameters().values(), *scene_parameters().values()):
+    for p in (*host_parameters().values(), *rope_parameters().values()):
         groups.setdefault(p.name.partition(".")[0], []).append(p)
     tables: dict[str, Any] = {group: (table_of(group, members, leaf) | None, None) for group, members in groups.items()}
     return tables | {"controller": (leaf(CONTROLLER) | None, None)}
@@ -126,7 +138,7 @@ class Catalogue:
 
     def __init__(self, rope: Mapping[str, Parameter] | None = None) -> None:
         """`rope` are the parameters of an FMU; those of a scene without it."""
-        own = scene_parameters() if rope is None else rope
+        own = rope_parameters() if rope is None else rope
         self._parameters = {"controller": CONTROLLER, **host_parameters()}
         self._parameters |= {name: p for name, p in own.items() if name not in RESERVED}
 
@@ -150,7 +162,7 @@ def cure_of(key: str, known: Iterable[str] = ()) -> str:
     """Return what may have been meant by an unknown key; `known` are the names there, else all parameters."""
     if key in RESERVED:
         return f"{RESERVED[key]}: leave it out"
-    names = tuple(known) or (*host_parameters(), *scene_parameters(), "controller")
+    names = tuple(known) or (*host_parameters(), *rope_parameters(), "controller")
     near = RENAMED.get(key) or [name for name in names if name.lower() == key.lower()]
     near = near or difflib.get_close_matches(key, names, n=3)
     near = near or [name for name in names if name.split(".")[-1] == key.split(".")[-1]][:3]

@@ -25,20 +25,22 @@ from pydantic import Field, create_model
 from hoist_demo.cases.case import Case, Tail
 from hoist_demo.cases.table import FOLDER, NAMED
 from hoist_demo.control.controller import Gains
+from hoist_demo.cosimulation.participants.rope_group import hoist_with
 from hoist_demo.files.catalogue import (
+    PLACE_PARAMETERS,
     SECTIONS,
     Catalogue,
     cure_of,
     host_parameters,
     of_run,
-    scene_parameters,
+    rope_parameters,
     with_values,
 )
 from hoist_demo.files.reading import FileError, Table, givens, nested, read_toml, table_of, validated
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import DERIVED, GIVEN, STATUSES, Given, Text, given
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 from rope_model import rope as catalogue_rope
 
@@ -95,18 +97,14 @@ def _losses(hoist: Hoist, winding: Winding) -> float:
 @cache
 def hoist_model() -> type[Table]:
     """The model of a hoist's file."""
-    scene = scene_parameters()
+    scene = rope_parameters()
     # what a rope has of its own; it presses another one with the same stiffness
     own = [p for p in scene.values() if not p.name.startswith("contact.")]
     named = [p if p.name.startswith("rope.") else replace(p, name=f"rope.{p.name}") for p in own]
     both = [replace(p, name=p.name.replace("left.swivel", "swivels")) for p in named if ".left.swivel." in p.name]
-    place = [
-        Parameter(f"rope.{name}", "s" if name == "breaks_at" else "m", "Real", meaning=meaning)
-        for name, meaning in _OF_PLACE.items()
-    ]
     rope = create_model(
         "RopeTable",
-        __base__=table_of("rope", (*named, *both, *place)),
+        __base__=table_of("rope", (*named, *both, *PLACE_PARAMETERS.values())),
         name=(str, Field(default="", pattern=f"^({_NAME})?$")),
         number=(int, Field(default=1, ge=1, le=20, description="equal ropes, of which one is computed")),
         file=(Text, Field(default="", alias="from", description="parameter file that balance-rope identify wrote")),
@@ -120,7 +118,10 @@ def hoist_model() -> type[Table]:
         name=(Text, Field(description="of the hoist, in titles")),
         source=(Text, Field(default="", description="where the data come from")),
         status=(str, Field(default=GIVEN, pattern=f"^({'|'.join(STATUSES)})$", description="of values without one")),
-        like=(Text, Field(default="", description="a hoist, by name or file, whose values count where these leave off")),
+        like=(
+            Text,
+            Field(default="", description="a hoist, by name or file, whose values count where these leave off"),
+        ),
         level=(Level, Field(default="standard", description="accuracy against speed of the rope")),
         signals=(list[Text], Field(default=[], description="time series to record, * for any letters")),
         rope=(list[rope], Field(min_length=1)),  # type: ignore[valid-type]
@@ -130,13 +131,6 @@ def hoist_model() -> type[Table]:
 
 
 _ENDS = ("left", "right")
-_OF_PLACE = {
-    "x_left": "from the left conveyance's centre to where the rope hangs, to the right",
-    "x_right": "the same at the right conveyance",
-    "z": "from the conveyances' centres to where the rope hangs, out of their plane",
-    "breaks_at": "time of the rope's break; none without it",
-    "breaks_s": "place of the break, from the left end along the rope",
-}
 
 
 def read_hoist(path: Path) -> Case:
@@ -149,7 +143,9 @@ def read_hoist(path: Path) -> Case:
     problems: list[str] = []
     ropes = [_rope(path, k, table, problems) for k, table in enumerate(file.rope, 1)]
     names = [tail.name for tail, _, _ in ropes]
-    problems += [f"rope name = {n!r} must be given once: name each rope" for n in sorted(set(names)) if names.count(n) > 1]
+    problems += [
+        f"rope name = {n!r} must be given once: name each rope" for n in sorted(set(names)) if names.count(n) > 1
+    ]
     if problems:
         raise FileError(path, problems)
     try:
@@ -183,8 +179,8 @@ def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         if isinstance(below, dict) and isinstance(content, dict) and "value" not in content:
             found[key] = _over(below, content)
         elif key == "rope" and isinstance(below, list) and isinstance(content, list):
-            pairs = zip(below, content, strict=False)
-            found[key] = [_over(one, other) for one, other in pairs] + content[len(below) :] or below
+            # ropes of another number go on from the first
+            found[key] = [_over(below[k if len(below) == len(content) else 0], one) for k, one in enumerate(content)]
         else:
             found[key] = content
     return found
@@ -196,7 +192,7 @@ _HEAD = {"name", "like", "source", "status", "level", "controller", "signals", "
 def _rope(path: Path, k: int, table: Any, problems: list[str]) -> tuple[Tail, int, dict[str, Given]]:
     """Return a rope, the number of equal ones, and its values by FMI name; add what is wrong to the problems."""
     where, found = f"rope {k}", dict[str, Given]()
-    own = {key: one for key, one in givens(table, "rope.")}
+    own = dict(givens(table, "rope."))
     place = {key: float(own.pop(f"rope.{key}").value) for key in (*PLACE, *BREAK) if f"rope.{key}" in own}
     if table.construction:
         try:
@@ -226,8 +222,11 @@ def _rope(path: Path, k: int, table: Any, problems: list[str]) -> tuple[Tail, in
     if len(breaks) == 1:
         problems.append(f"{where}: breaks_at and breaks_s must stand together: give both or none")
     if breaks and table.number > 1:
-        problems.append(f"{where}: number = {table.number} must be 1 for a rope that breaks: give each its own [[rope]]")
-    tail = Tail(table.name or f"rope{k}", {key: one.value for key, one in found.items()}, place, breaks)
+        problems.append(
+            f"{where}: number = {table.number} must be 1 for a rope that breaks: give each its own [[rope]]"
+        )
+    values, statuses = ({key: getattr(one, what) for key, one in found.items()} for what in ("value", "status"))
+    tail = Tail(table.name or f"rope{k}", values, place, breaks, statuses)
     return tail, table.number, found
 
 
@@ -247,15 +246,22 @@ def _case(
         if "rope.length" not in found:
             words = f"hoist.shaft_travel + {TAIL_SPARE:g} m"
             found["rope.length"] = Given(abs(travel) + TAIL_SPARE, DERIVED, words)
-            tail = replace(tail, parameters={**tail.parameters, "rope.length": abs(travel) + TAIL_SPARE})
-        mass = found.get("rope.mass_per_length", Given(scene_parameters()["rope.mass_per_length"].start))
+            tail = replace(
+                tail,
+                parameters={**tail.parameters, "rope.length": abs(travel) + TAIL_SPARE},
+                given={**tail.given, "rope.length": DERIVED},
+            )
+        mass = found.get("rope.mass_per_length", Given(rope_parameters()["rope.mass_per_length"].start))
         tails.append(tail)
         masses += [(float(mass.value), float(found["rope.length"].value))] * number
-    length = sum(length for _, length in masses) / len(masses)
+    several = len(tails) > 1 or bool(tails[0].place or tails[0].breaks)
+    if several and len(masses) > len(tails):
+        raise ValueError("number must be 1 where ropes hang at places of their own: give each its own [[rope]]")
+    whole = hoist_with(Hoist(), masses) if several else None
     for key, value in {
-        "hoist.tail_rope_number": len(masses),
-        "hoist.tail_rope_mass": sum(m * l for m, l in masses) / len(masses) / length,
-        "hoist.tail_rope_length": length,
+        "hoist.tail_rope_number": len(masses) if whole is None else whole.tail_rope_number,
+        "hoist.tail_rope_mass": masses[0][0] if whole is None else whole.tail_rope_mass,
+        "hoist.tail_rope_length": masses[0][1] if whole is None else whole.tail_rope_length,
     }.items():
         if key not in values:
             derived[key] = Given(value, DERIVED, "the balance ropes")
@@ -268,7 +274,6 @@ def _case(
     hoist, winding, gains = _data(values)
     everything = {**host, **shared, **derived, **ropes[0][2]}
     of_ropes = {key: one.value for key, one in shared.items()}
-    several = len(tails) > 1 or bool(tails[0].place or tails[0].breaks)
     return Case(
         hoist,
         winding,
@@ -276,6 +281,7 @@ def _case(
         rope={**of_ropes, **tails[0].parameters},
         settings={key: v for key, v in values.items() if key.partition(".")[0] not in ("hoist", "winding", "gains")},
         ropes=tuple(tails) if several else (),
+        shared=of_ropes,
         given={key: file.status if one.status == GIVEN else one.status for key, one in everything.items()},
         sources={key: one.source for key, one in everything.items() if one.source},
         name=file.name,
@@ -325,7 +331,7 @@ USUAL = {
 
 def remarks(values: Mapping[str, Value]) -> Iterable[str]:
     """Yield a line on each value that is far from what hoists have."""
-    units = {**scene_parameters(), **host_parameters()}
+    units = {**rope_parameters(), **host_parameters()}
     for key, (low, high) in USUAL.items():
         value = values.get(key)
         if isinstance(value, float) and value != 0.0 and math.isfinite(value) and not low <= abs(value) <= high:

@@ -47,7 +47,9 @@ def read_toml(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise FileError(path, [f"is not TOML: {_missing_comma(text, error) or f'{error}: correct it there'}"]) from error
+        raise FileError(
+            path, [f"is not TOML: {_missing_comma(text, error) or f'{error}: correct it there'}"]
+        ) from error
 
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:

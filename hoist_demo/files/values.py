@@ -101,7 +101,7 @@ def _factor(unit: str, to: str) -> tuple[float, float] | None:
     import pint  # loads slowly, and most files need it not
 
     powers = partial(re.sub, r"(?<=[A-Za-z])(-?\d)", r"**\1")
-    registry = pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry()
     try:
         one = registry.Quantity(1.0, registry.parse_units(powers(unit.replace(".", "*"))))
         factor = float(one.to(registry.parse_units(powers(to.replace(".", "*")) if to != "1" else "")).magnitude)
@@ -126,9 +126,7 @@ def read_text(content: Any, where: str = "") -> str:
             f"{what}{text[:20]!r}... has {len(text)} characters and must have at most {LONGEST_TEXT}: shorten it"
         )
     if printable(text) != text:
-        raise ValueError(
-            f"{what}{text!r} must be a line of printable characters: leave out the others"
-        )
+        raise ValueError(f"{what}{text!r} must be a line of printable characters: leave out the others")
     return text
 
 

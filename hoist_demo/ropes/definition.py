@@ -1,51 +1,27 @@
-"""A file of several balance ropes in one hoist (TOML), read and checked before anything runs.
-
-    [ropes]    title, case, level
-    [fixed]    values of hoist, trip and all ropes
-    [[rope]]   name; z, x_left, x_right = where it hangs; breaks_at, breaks_s = when and where it breaks; and its values
-
-Keys and values are those of a study's [fixed]. All errors of a file are told at once.
-"""
+"""Several balance ropes of one hoist, checked before anything is wound: its file has a [[rope]] for each."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from pathlib import Path
-from typing import Any
 
-from hoist_demo.cases.table import find_case
+from hoist_demo.cases.case import Case, Tail
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
+from hoist_demo.files.hoist_file import PLACE
 from hoist_demo.parameters import Hoist
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.ropes.table import READ
-from hoist_demo.files.catalogue import SECTIONS, Catalogue
 from hoist_demo.study.provenance import Known, of_host, of_rope
-from hoist_demo.study.reading import (
-    LONGEST_TEXT,
-    Problems,
-    FileError,
-    flat,
-    read_head,
-    read_statuses,
-    read_tables,
-    read_values,
-)
-from hoist_demo.study.run import RunData, build_trip
+from hoist_demo.study.run import RunData, fmu_part
 from rope_model import Level, Neighbours, Scene
 
-_TABLES = {"ropes": dict, "fixed": dict, "rope": list}
-_PLACE = ("x_left", "x_right", "z")
-_BREAK = ("breaks_at", "breaks_s")
-_NAME = "[A-Za-z][A-Za-z0-9_]{0,39}"
 _PRESSED = "contact.rope_stiffness"
 #: With what other signals begin, as a rope's begin with its name.
 _TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS)))
@@ -80,12 +56,10 @@ class OneRope:
 class Ropes:
     """Several ropes, and the trip on which they are wound."""
 
-    title: str
-    case: str
+    case: Case
     level: Level
     run: RunData
     ropes: tuple[OneRope, ...]
-    given: Mapping[str, str]  # where each value that is set for all comes from, by name
 
     def group(self) -> RopeGroup:
         """All ropes as one."""
@@ -107,62 +81,49 @@ class Ropes:
         data = [rope.scene.rope for rope in self.ropes]
         return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
 
-    def provenance(self) -> list[Known]:
-        """Sources of the numbers: those of the hoist, and those of each rope under its name."""
+    def provenance(self, given: Mapping[str, str]) -> list[Known]:
+        """Sources of the numbers: those of the hoist, and those of each rope under its name; `given` as `of_host`."""
         ropes = [
             one._replace(name=f"{rope.name}.{one.name}")
             for rope in self.ropes
-            for one in of_rope(find_case(self.case), scene_parameters(rope.scene), rope.given)
+            for one in of_rope(self.case, scene_parameters(rope.scene), {**rope.given, **given})
         ]
-        shared = dict.fromkeys(("hoist.tail_rope_mass", "hoist.tail_rope_length", "hoist.tail_rope_number"), "derived")
-        return [*of_host(replace(self.run, hoist=self.hoist), {**self.given, **shared}), *ropes]
+        return [*of_host(replace(self.run, hoist=self.hoist), given), *ropes]
 
 
-def read_ropes(path: Path, rope: Mapping[str, Parameter]) -> Ropes:
-    """The ropes of a file, which may have these parameters; raises FileError with all problems."""
-    catalogue, problems = Catalogue(rope), Problems()
-    raw = read_tables(path, "ropes", _TABLES, problems)
-    head = read_head(path, "ropes", raw.get("ropes", {}), {}, problems)
-    fixed = read_values(catalogue, "[fixed]", raw.get("fixed", {}), problems)
-    tables = raw.get("rope", [])
-    problems += [
-        f"{key} = {value!r} must be left out: guards of several ropes are not computed"
-        for table in [raw.get("fixed", {}), *tables]
-        for key, value in flat(table)
-        if key.startswith("guard.")
-    ]
-    if not tables:
-        problems.append("there must be ropes: give at least one [[rope]]")
+def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level) -> Ropes:
+    """Return the ropes of a hoist; `chosen` are values of all ropes, set beside its file.
+
+    ValueError with all problems.
+    """
+    problems: list[str] = []
+    shared = case.shared
+    if guards := sorted({key for key in run.fmu if key.startswith("guard.")}):
+        problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
+    ropes = []
+    for tail in case.ropes:
+        if tail.name in _TAKEN:
+            problems.append(
+                f"rope name = {tail.name!r} must be another: signals of the rope begin with it, and "
+                f"{', '.join(_TAKEN)} are taken"
+            )
+        try:
+            ropes.append(_rope(tail, {**shared, **tail.parameters, **fmu_part(chosen)}, level, case))
+        except ValueError as error:
+            problems.append(f"rope {tail.name}: {error}")
+    if not problems and ropes[0].scene.shaft.contact.rope_stiffness > 0.0:
+        problems += _obstacles_to_contact(ropes, f"{_PRESSED} = {ropes[0].scene.shaft.contact.rope_stiffness:g}")
     if problems:
-        raise FileError(path, problems)
-    try:
-        run = build_trip(head["case"], fixed)
-    except ValueError as error:
-        raise FileError(path, [str(error)]) from error
-    given = read_statuses(raw.get("fixed", {}))
-    ropes = [_read_rope(k, table, catalogue, run, head["level"], given, problems) for k, table in enumerate(tables, 1)]
-    found = tuple(rope for rope in ropes if rope is not None)
-    names = [rope.name for rope in found]
-    problems += [f"name = {name!r} must be given once: name each rope" for name in {*names} if names.count(name) > 1]
-    problems += [
-        f"name = {name!r} must be another: signals of the rope begin with its name, and {', '.join(_TAKEN)} are taken"
-        for name in names
-        if name in _TAKEN
-    ]
-    if found and found[0].scene.shaft.contact.rope_stiffness > 0.0:
-        whose = "" if _PRESSED in fixed else f", of the case {head['case']}"
-        problems += _obstacles_to_contact(found, f"{_PRESSED} = {found[0].scene.shaft.contact.rope_stiffness:g}{whose}")
-    if problems:
-        raise FileError(path, problems)
-    return Ropes(run=run, ropes=found, given=given, **head)
+        raise ValueError("\n".join(problems))
+    return Ropes(case, level, run, tuple(ropes))
 
 
 def _obstacles_to_contact(ropes: Sequence[OneRope], pressed: str) -> list[str]:
     """Return why ropes cannot press each other; `pressed` is the stiffness that asks for it."""
-    alone = f"or set {_PRESSED} = 0 in [fixed]: each rope is then alone"
+    alone = f"or set {_PRESSED} = 0: each rope is then alone"
     found = [
-        f"{rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with {pressed}, for "
-        f"ropes press each other out of plane: choose one, {alone}"
+        f"rope {rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
+        f"{pressed}, for ropes press each other out of plane: choose one, {alone}"
         for rope in ropes
         if rope.scene.model.fidelity not in ("torsional", "spatial")
     ]
@@ -170,55 +131,17 @@ def _obstacles_to_contact(ropes: Sequence[OneRope], pressed: str) -> list[str]:
         apart = min(math.dist(one.place.at(end), other.place.at(end)) for end in ENDS)
         if apart < (least := 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)):
             found.append(
-                f"{other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m away "
-                f"with {pressed}, or they touch where they hang: move it by z or x_left and x_right, {alone}"
+                f"rope {other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m "
+                f"away with {pressed}, or they touch where they hang: move it by z or x_left and x_right, {alone}"
             )
     return found
 
 
-def _read_rope(
-    number: int,
-    table: Mapping[str, Any],
-    catalogue: Catalogue,
-    run: RunData,
-    level: Level,
-    given: Mapping[str, str],
-    problems: Problems,
-) -> OneRope | None:
-    """A rope; None where something is wrong with it, which is added to the problems."""
-    before, name = len(problems), table.get("name", f"rope{number}")
-    if not isinstance(name, str) or not re.fullmatch(_NAME, name):
-        problems.append(
-            f"name = {str(name)[:LONGEST_TEXT]!r} must be of letters from A to z, digits and _, a letter first, at "
-            "most 40: signals of the rope begin with it, and a file of the system; name it anew"
-        )
-        return None
-    own = {key: value for key, value in table.items() if key not in ("name", *_PLACE, *_BREAK)}
-    values = read_values(catalogue, name, own, problems)
-    numbers = {key: table[key] for key in (*_PLACE, *_BREAK) if key in table}
-    for key, value in numbers.items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            problems.append(
-                f"{name}: {key} = {value!r} must be a number: give it in {'s' if key == 'breaks_at' else 'm'}"
-            )
-    for key in values:
-        if key.partition(".")[0] in (*SECTIONS, "controller", "contact"):
-            problems.append(f"{name}: {key} must be the same for all ropes: set it in [fixed]")
-    if len(numbers.keys() & set(_BREAK)) == 1:
-        problems.append(f"{name}: breaks_at and breaks_s must stand together: give both or none")
-    if len(problems) > before:
-        return None
-    with problems.collect(name):
-        return _rope(name, numbers, {**run.fmu, **values}, level, {**given, **read_statuses(own)})
-    return None
-
-
-def _rope(
-    name: str, numbers: Mapping[str, float], parameters: Mapping[str, Value], level: Level, given: Mapping[str, str]
-) -> OneRope:
+def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
-    place = Place(**{key: float(numbers.get(key, 0.0)) for key in _PLACE})
+    place = Place(**{key: float(tail.place.get(key, 0.0)) for key in PLACE})
     spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
     own = {**parameters, "layout.spacing": spacing}
-    breaks = Break(float(numbers["breaks_at"]), float(numbers["breaks_s"])) if "breaks_at" in numbers else None
-    return OneRope(name, own, rope_data(own, level), place, breaks, {"layout.spacing": "derived"} | dict(given))
+    breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
+    given = {**case.given, **tail.given, "layout.spacing": "derived"}
+    return OneRope(tail.name, own, rope_data(own, level), place, breaks, given)

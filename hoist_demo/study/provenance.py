@@ -16,9 +16,9 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.parameters.quantity import Value
 from hoist_demo.files.catalogue import SECTIONS, leaves
 from hoist_demo.files.values import GIVEN, VARIED
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
 from hoist_demo.study.run import RunData, build
 from rope_model import Scene
@@ -31,8 +31,8 @@ STATUSES = (
     "contradicted",
     VARIED,
     GIVEN,
-    "measured",
     "data sheet",
+    "measured",
     "calibrated",
     "derived",
     "published",

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
 from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.files.reading import FileError, flat, read_toml
+from hoist_demo.files.reading import flat, read_toml
 from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN, LONGEST_TEXT
+from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
 from rope_model import DatumStatus, Level
 from rope_model.texts import printable
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from hoist_demo.design.statics import AT_REST, MOVING
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.incidents import ALIKE, held_in_spite, jams, slack_ropes
 from hoist_demo.recording.time_series import Array, Recording
-
-#: Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed].
-AT_REST, MOVING = 1.75, 1.25
 
 _GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
 

@@ -20,22 +20,14 @@ from hoist_demo.calibration.definition import read_known
 from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.reading import FileError, read_toml
+from hoist_demo.files.rope_file import following_statuses
+from hoist_demo.files.values import GIVEN, VARIED
+from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope
-from hoist_demo.study.reading import (
-    GIVEN,
-    VARIED,
-    Problems,
-    FileError,
-    following_statuses,
-    read_head,
-    read_statuses,
-    read_tables,
-    read_toml,
-    read_values,
-)
+from hoist_demo.study.reading import Problems, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import BEARINGS, Datum, KnownRope, Level
 
@@ -111,7 +103,7 @@ def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain
     if "length" in both["rope"]:
         given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
     else:
-        length = find_case(head["case"]).rope["rope.length"]
+        length = find_case(head["hoist"]).rope["rope.length"]
         known = replace(known, length=float(length))
     asked = Uncertain(known=known, fixed=fixed, given=given, **{**head, "measures": tuple(head["measures"])})
     if not asked.data:

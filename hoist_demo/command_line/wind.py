@@ -1,4 +1,4 @@
-"""The command `balance-rope demo`."""
+"""The command `balance-rope wind`, also called `demo`."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hoist_demo.cases.scenarios import SCENARIOS
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import NAMED, SCENARIOS, find_case
 from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
-from hoist_demo.command_line.options import KERNELS, add_data, add_trip, rope_values, settings
+from hoist_demo.command_line.options import KERNELS, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
+from hoist_demo.command_line.wind_ropes import wind_ropes
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -25,16 +26,23 @@ from hoist_demo.cosimulation.progress import listen, progress_bar
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
-from hoist_demo.parameters import ASSUMED_DATA, Coupling
+from hoist_demo.files.catalogue import Catalogue, with_values
+from hoist_demo.files.rope_file import read_rope_file
+from hoist_demo.files.values import GIVEN
+from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import CAUSE, WARNING, render
+<<<<<<< HEAD:hoist_demo/command_line/demo.py
 from hoist_demo.study.slip import slip_warning
 from hoist_demo.files.catalogue import Catalogue, with_values
+=======
+from hoist_demo.study.slip import slip_warning
+from hoist_demo.ropes.definition import ropes_of
+>>>>>>> files:hoist_demo/command_line/wind.py
 from hoist_demo.study.provenance import of_host, of_rope
-from hoist_demo.study.reading import GIVEN, file_statuses
 from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part, tail_rope
 
 if TYPE_CHECKING:
@@ -42,82 +50,110 @@ if TYPE_CHECKING:
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
 
-_CASE = "rope-120"
+_HOIST = "rope-120"
 
 #: Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is.
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
-_DEMO_DESCRIPTION = """\
-Wind once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
+_DESCRIPTION = """\
+Wind a hoist once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
 exposure.csv and spectra.csv (what each place in the rope went through), data.csv (where each number comes from), PNG
 figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
-The summary table is printed at the end."""
+The summary table is printed at the end. A hoist with several ropes gives ropes.csv, one row per rope, neighbours.csv,
+one row per pair, signals.csv, data.csv and ropes.png."""
 
-_DEMO_EPILOG = """\
+_EPILOG = """\
 examples:
-  balance-rope demo --speed 4 --travel 60
-  balance-rope demo --case rope-240             240 m rope, swivels released at 20 s
-  balance-rope demo --case monopol-1000         a hoist of installed size: 1000 m, 16 m/s
-  balance-rope demo --case slack-rope           what goes wrong, also overwind, seized-swivel, caught-rope,
+  balance-rope wind hoist.toml                  your hoist: balance-rope new writes the file
+  balance-rope wind --speed 4 --travel 60       the hoist around the published rope of 120 m
+  balance-rope wind rope-240                    240 m rope, swivels released at 20 s
+  balance-rope wind monopol-1000                a hoist of installed size: 1000 m, 16 m/s
+  balance-rope wind slack-rope                  what goes wrong, also overwind, seized-swivel, caught-rope,
                                                 jammed-conveyance
-  balance-rope demo --case monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
-  balance-rope demo --travel -90                 lower the left conveyance instead
-  balance-rope demo --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
-  balance-rope demo --estop-at 12                emergency stop at 5 m/s^2 near full speed
-  balance-rope demo --step 0.005 --out out/fine  a finer coupling, to see whether the results change
-  balance-rope demo --scheme iterative-secant    each exchange iterated to convergence
-  balance-rope demo --set rope.EI=450 --set hoist.payload_left=4000    other data
-  balance-rope demo --rope out/identify/example/rope.toml              a rope that was identified
-  balance-rope demo --signals left.fy right.fy "loop.*"    these columns of signals.csv only
-  balance-rope demo --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
+  balance-rope wind monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
+  balance-rope wind --travel -90                 lower the left conveyance instead
+  balance-rope wind --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
+  balance-rope wind --estop-at 12                emergency stop at 5 m/s^2 near full speed
+  balance-rope wind --step 0.005 --out out/fine  a finer coupling, to see whether the results change
+  balance-rope wind --scheme iterative-secant    each exchange iterated to convergence
+  balance-rope wind --set rope.EI=450 --set hoist.payload_left=4000    other data
+  balance-rope wind --rope out/identify/example/rope.toml              a rope that was identified
+  balance-rope wind --signals left.fy right.fy "loop.*"    these columns of signals.csv only
+  balance-rope wind --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
 
 exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
 is written all the same), 2 wrong arguments, 130 interrupted while the results were written.
 """
 
 
-def add_demo(commands: Commands, fmu: Path, levels: Callable[[], Levels] = dict) -> None:
-    """Add the subcommand `demo`; `levels` name a rope's accuracy."""
+def add_wind(commands: Commands, fmu: Path, levels: Callable[[], Levels] = dict) -> None:
+    """Add the subcommand `wind`; `levels` name a rope's accuracy."""
+    run = partial(_wind, default=fmu, levels=levels)
     about = "wind once and write figures, CSV and a report"
-    demo = add_command(commands, "demo", partial(_demo, levels=levels), about, _DEMO_DESCRIPTION, _DEMO_EPILOG)
-    demo.add_argument(
-        "--case",
-        choices=tuple(NAMED),
-        metavar="NAME",
-        help=f"hoist, winding and rope, see docs/howto/hoist.md: {', '.join(NAMED)} ({_CASE}, or that of --resume)",
+    wind = add_command(commands, "wind", run, about, _DESCRIPTION, _EPILOG, "demo")
+    wind.add_argument(
+        "hoist",
+        nargs="?",
+        metavar="HOIST",
+        help=f"hoist, trip, controller and ropes: a file, or one of {', '.join(NAMED)} ({_HOIST}, or that of --resume)",
     )
-    rope = demo.add_mutually_exclusive_group()
-    rope.add_argument("--fmu", type=Path, default=fmu, metavar="PATH", help="the rope, FMI 2.0 or 3.0 (%(default)s)")
-    rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without the FMU")
-    demo.add_argument("--out", type=named, default=Path("out/demo"), metavar="DIR", help="results (%(default)s)")
-    demo.add_argument("--step", type=float, default=Coupling().step, metavar="H", help="communication step [s] (0.01)")
-    demo.add_argument(
+    wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
+    rope = wind.add_mutually_exclusive_group()
+    rope.add_argument("--fmu", type=Path, metavar="PATH", help=f"the rope, FMI 2.0 or 3.0 ({fmu}, if it is there)")
+    rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
+    wind.add_argument("--out", type=named, metavar="DIR", help="results (out/demo; of a file out/wind and its name)")
+    wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
+    wind.add_argument("--step", type=float, metavar="H", help="communication step [s] (that of the hoist)")
+    wind.add_argument(
         "--scheme",
         choices=tuple(SCHEMES),
-        default=Coupling().scheme,
         metavar="NAME",
-        help=f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (%(default)s)",
+        help=f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)",
     )
-    demo.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
-    add_trip(demo)
-    add_data(demo)
-    demo.add_argument(
+    wind.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
+    add_trip(wind)
+    add_data(wind)
+    wind.add_argument(
         "--quick",
         action="store_true",
-        help="10 m of travel, but of a case in which something goes wrong all of it, and 2 s of settling: a check, "
+        help="10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of settling: a check, "
         "not a result",
     )
 
 
-def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
+def _wind(options: argparse.Namespace, default: Path, levels: Callable[[], Levels]) -> int:
+    if options.case is not None:
+        if options.hoist is not None:
+            raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
+        options.hoist = options.case
+    if options.out is None:
+        is_file = options.hoist is not None and options.hoist not in NAMED
+        options.out = Path("out") / "wind" / Path(options.hoist).stem if is_file else Path("out") / "demo"
+    if options.fmu is None and not options.in_process:
+        options.fmu = default if default.is_file() else None
+        options.in_process = options.fmu is None
+        if options.in_process:
+            _tell(
+                f"{default} is not there: the rope runs in this process; `balance-rope export --outputs all` makes it"
+            )
     resume = Checkpoint.read(options.resume) if options.resume else None
     catalogue = Catalogue(_parameters(options))
     own = settings(options.set, catalogue)
-    identified = rope_values(options.rope, catalogue)
-    chosen = {f"hoist.{field}": value for field, value in tail_rope(identified).items()} | identified | own
+    identified = read_rope_file(options.rope, catalogue) if options.rope else {}
+    of_rope_file = {key: one.value for key, one in identified.items()}
+    chosen = {f"hoist.{field}": value for field, value in tail_rope(of_rope_file).items()} | of_rope_file | own
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
-    options.case = _case_of(resume, options.case, hoist_values) if resume else options.case or _CASE
-    run = build_trip(options.case, _winding(options) | chosen)
+    options.hoist = _hoist_of(resume, options.hoist, hoist_values) if resume else options.hoist or _HOIST
+    case = find_case(options.hoist)
+    run = build_trip(options.hoist, _winding(options, case) | chosen)
+    for remark in case.remarks:
+        _tell(remark)
+    statuses = {key: one.status for key, one in identified.items()} | dict.fromkeys(own, GIVEN)
+    if case.ropes:
+        return wind_ropes(options, ropes_of(case, run, of_rope_file | own, options.level or case.level), statuses)
+    if options.check:
+        print(f"{options.hoist}: nothing wrong")
+        return 0
     results_folder(options.out)
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     missing = missing_outputs(rope.units())
@@ -133,8 +169,7 @@ def _demo(options: argparse.Namespace, levels: Callable[[], Levels]) -> int:
     contradiction = contradictions(run.hoist, data.parameters)
     for text in (contradiction, slip_warning(result.recording, run.hoist, run.winding)):
         _tell(text)
-    given = (file_statuses(options.rope) if options.rope else {}) | dict.fromkeys(own, GIVEN)
-    known = [*of_host(run, given), *of_rope(find_case(options.case), data, given)]
+    known = [*of_host(run, statuses), *of_rope(case, data, statuses)]
     warned = [*filter(None, (missing, contradiction)), *said]
     wound = WoundRun(_title(options, run, data), run, result, data, data.level(levels()), known, warned)
     before = set(options.out.iterdir())
@@ -162,22 +197,23 @@ def _tell(warning: str) -> None:
         print(f"balance-rope: {warning}", file=sys.stderr)
 
 
-def _case_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
-    """Return the case of an interrupted run, found by its hoist; `hoist` is what is set of it."""
-    hoists = {name: with_values(case.hoist, hoist) for name, case in NAMED.items()}
+def _hoist_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
+    """Return the name of an interrupted run's hoist, found by its data; `hoist` is what is set of it."""
+    names = [*NAMED, *([] if asked is None or asked in NAMED else [asked])]
+    hoists = {name: with_values(find_case(name).hoist, hoist) for name in names}
     fitting = [name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")]
     found = asked if asked in fitting else next(iter(fitting), None)
     if found is None:
         raise ValueError(
-            "the run to go on with is of no case's hoist: repeat its --set hoist..., or go on with it where it was "
-            "begun"
+            "the run to go on with is of another hoist: give its file, repeat its --set hoist..., or go on with it "
+            "where it was begun"
         )
     if asked not in (None, found):
-        raise ValueError(f"--case {asked} must be {found}, that of the run to go on with: leave it out")
+        raise ValueError(f"the hoist {asked} must be {found}, that of the run to go on with: leave it out")
     return found
 
 
-def _winding(options: argparse.Namespace) -> dict[str, Value]:
+def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     """Trip and coupling by the names of a study; values given by hand count more than --quick."""
     if options.estop_law and options.estop_at is None:
         raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
@@ -192,19 +228,19 @@ def _winding(options: argparse.Namespace) -> dict[str, Value]:
     given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
     quick = dict[str, float]()
     if options.quick:
-        quick = {"settle": _QUICK["settle"]} if options.case in SCENARIOS else _QUICK
-    winding = replace(find_case(options.case).winding, **(quick | given))
+        quick = {"settle": _QUICK["settle"]} if options.hoist in SCENARIOS else _QUICK
+    winding = replace(case.winding, **(quick | given))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
     values = {f"winding.{name}": value for name, value in (quick | given).items()}
-    return values | {"coupling.step": options.step, "coupling.scheme": options.scheme}
+    coupling = {"coupling.step": options.step, "coupling.scheme": options.scheme}
+    return values | {name: value for name, value in coupling.items() if value is not None}
 
 
-def _parameters(options: argparse.Namespace) -> dict[str, Parameter]:
+def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
+    """Return the FMU's parameters, None of a rope in this process."""
     if options.in_process:
-        from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
-
-        return rope_parameters()
+        return None
     if not options.fmu.is_file():
         raise ValueError(
             f"FMU '{options.fmu}' is missing: export it with `balance-rope export --outputs all`, "
@@ -217,10 +253,9 @@ def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRo
     """The rope, and the signals to write (none: the usual); an FMU is `asked` whether it takes its parameters."""
     rope: FmuRope | InProcessRope
     if options.in_process:
-        # only this plant needs rope_model; the FMU brings its own
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 
-        rope = rope_in_process(options.case, options.kernels, options.level or "standard", run.fmu)
+        rope = rope_in_process(options.hoist, options.kernels, options.level or find_case(options.hoist).level, run.fmu)
         return rope, match_signals(options.signals, [*DRIVE_UNITS, *rope.units()])
     if options.level:
         raise ValueError(
@@ -246,5 +281,5 @@ def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
     kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
     at = run.winding.emergency_at
     stop = "" if at is None else f", emergency stop at {at:g} s"
-    trip = f"Winding {run.winding.travel:g} m{stop}: case {options.case}, balance rope {kind}"
+    trip = f"Winding {run.winding.travel:g} m{stop}: case {options.hoist}, balance rope {kind}"
     return ", ".join([trip, *options.set])

@@ -1,4 +1,4 @@
-"""The command `balance-rope ropes`."""
+"""Winding of several balance ropes: summary and files."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import argparse
 import csv
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hoist_demo.command_line.results import Commands, add_command, add_results, interruption, results_folder
+from hoist_demo.command_line.results import interruption, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.time_series import write_csv
@@ -24,20 +24,6 @@ if TYPE_CHECKING:
     from hoist_demo.ropes.definition import Ropes
     from hoist_demo.ropes.table import Neighbours
 
-_DESCRIPTION = """\
-Wind once with several balance ropes in this process, each with length, mass, stiffnesses, lay, swivels and place of its
-own; the drive feels their sum. One of them may break."""
-
-_EPILOG = """\
-examples:
-  balance-rope ropes docs/duties/four_ropes.toml
-  balance-rope ropes ROPES.toml --check      read and check the file, wind nothing
-
-Results in --out: ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv, where each
-number comes from, and ropes.png; interrupted, of the trip so far. The file is explained in docs/reference/files.md.
-exit code: 0 wound to the end, 1 a rope or the drive stopped the run, 2 wrong file or arguments, 130 interrupted.
-"""
-
 _SUMS = {
     "fy": ("largest pull", "N"),
     "mx": ("tilt about X", "N.m"),
@@ -46,30 +32,21 @@ _SUMS = {
 }
 
 
-def add_ropes(commands: Commands) -> None:
-    """Add the subcommand `ropes`."""
-    ropes = add_command(
-        commands, "ropes", _ropes, "wind once with several balance ropes that differ", _DESCRIPTION, _EPILOG
-    )
-    ropes.add_argument("ropes", type=Path, metavar="ROPES.toml", help="the ropes, see docs/reference/files.md")
-    add_results(ropes, "ropes")
-
-
-def _ropes(options: argparse.Namespace) -> int:
-    # ropes and figures load slowly and are needed here only
-    from hoist_demo.cosimulation.participants.inprocess_rope import rope_parameters
+def wind_ropes(options: argparse.Namespace, ropes: Ropes, given: Mapping[str, str]) -> int:
+    """Wind several balance ropes in this process, and write their results; `given` is where set values come from."""
+    # figures load slowly and are needed here only
     from hoist_demo.report.figures import write_ropes_figure
     from hoist_demo.report.rows import told
-    from hoist_demo.ropes.definition import read_ropes
     from hoist_demo.ropes.table import COLUMNS, neighbours, row, without_neglected
     from hoist_demo.study.provenance import write_data
     from hoist_demo.study.run import wind
 
-    ropes = read_ropes(options.ropes, rope_parameters())
+    if options.resume:
+        raise ValueError(f"--resume {options.resume} is for a hoist with one rope: wind this one anew")
     if options.check:
-        print(f"{options.ropes}: {len(ropes.ropes)} ropes, nothing wrong")
+        print(f"{options.hoist}: {len(ropes.ropes)} ropes, nothing wrong")
         return 0
-    out = results_folder(options.out or Path("out") / "ropes" / options.ropes.stem)
+    out = results_folder(options.out)
     group = ropes.group()
     with interruption() as interrupted, progress_bar() as bar:
         run = replace(ropes.run, hoist=ropes.hoist)
@@ -78,7 +55,7 @@ def _ropes(options: argparse.Namespace) -> int:
     if not recording.signals:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
         return 1
-    names, known = [rope.name for rope in ropes.ropes], ropes.provenance()
+    names, known = [rope.name for rope in ropes.ropes], ropes.provenance(given)
     with interruption(f"the run is over, its results are being written to {out}"):
         recording = without_neglected(recording, {rope.name: rope.torque_free for rope in ropes.ropes})
         result = replace(result, recording=recording)
@@ -95,7 +72,7 @@ def _ropes(options: argparse.Namespace) -> int:
         )
         write_ropes_figure(recording, names, out / "ropes.png")
         write_data(known, out / "data.csv")
-    print(f"{ropes.title}: case {ropes.case}, level {ropes.level}, {len(names)} ropes")
+    print(f"{ropes.case.name}: level {ropes.level}, {len(names)} ropes")
     print(render([*_summary(ropes, result, rows, pairs), *told(known)]))
     print(f"\n{ASSUMED_DATA}\n\nwritten: {out}/ropes.csv, neighbours.csv, signals.csv, data.csv, ropes.png")
     if result.completed:

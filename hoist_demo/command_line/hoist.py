@@ -1,0 +1,143 @@
+"""The commands `balance-rope new`, `show`, `check` and `rope`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.command_line.results import Commands, add_command
+from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.new import Wish, new_hoist
+from hoist_demo.files.values import read_value
+from hoist_demo.parameters.quantity import Parameter
+
+_NEW = """\
+Write a complete, commented file of a hoist from a few numbers. What you do not give follows by a rule, which the file
+states beside the value. Units may stand behind numbers: 22t, 52mm, 8kN."""
+_NEW_EXAMPLES = """\
+examples:
+  balance-rope new mine --depth 870 --payload 22t --speed 16 --rope 34x7 --diameter 52mm
+  balance-rope new mine --depth 870 --payload 22t --speed 16 --conveyance 18t --head-ropes 4 --ropes 2 --lay alternate
+then:
+  balance-rope show mine.toml      all values, where they come from, and what follows from them
+  balance-rope wind mine.toml      one trip
+"""
+_SHOW = """\
+Print every value of a hoist with its status, and what follows from them before anything is wound: pulls and slip safety
+at rest and in motion against usual bounds, the rope's shape, yaw and clearances at rest, its lowest frequencies, the
+fidelity and the mesh that a run takes."""
+
+#: options of `new`: name, parameter, and its help
+_NUMBERS = {
+    "depth": (Parameter("depth", "m", "Real", minimum=1.0, maximum=4000.0), "way between the landings", True),
+    "payload": (Parameter("payload", "kg", "Real", minimum=1.0), "in the left conveyance", True),
+    "speed": (Parameter("speed", "m/s", "Real", minimum=0.1, maximum=30.0), "limit of the trip", True),
+    "conveyance": (Parameter("conveyance", "kg", "Real", minimum=1.0), "each, with its attachments", False),
+    "diameter": (Parameter("diameter", "m", "Real", minimum=1e-3, maximum=1.0), "of a balance rope", False),
+    "acceleration": (Parameter("acceleration", "m/s2", "Real", minimum=0.01), "limit of the trip", False),
+    "jerk": (Parameter("jerk", "m/s3", "Real", minimum=0.01), "limit of the trip", False),
+    "spacing": (Parameter("spacing", "m", "Real", minimum=0.01), "between the rope's two ends", False),
+}
+
+
+def add_hoist_commands(commands: Commands) -> None:
+    """Add the subcommands `new`, `show`, `check` and `rope`."""
+    new = add_command(commands, "new", _new, "write the file of your hoist", _NEW, _NEW_EXAMPLES)
+    new.add_argument("name", metavar="NAME", help="of the hoist, and of the file NAME.toml")
+    for name, (parameter, text, needed) in _NUMBERS.items():
+        own = getattr(Wish, name, None)
+        default = "" if needed or own is None else f" ({own:g})"
+        new.add_argument(f"--{name}", required=needed, metavar="X", help=f"{text} [{parameter.unit}]{default}")
+    new.add_argument("--rope", metavar="KIND", help=f"the catalogue's construction ({Wish.construction})")
+    new.add_argument("--lay", choices=("right-hand", "left-hand", "alternate"), help="of the ropes (right-hand)")
+    new.add_argument("--ropes", type=int, metavar="N", help="balance ropes (1)")
+    new.add_argument("--head-ropes", type=int, metavar="N", help="(4)")
+    new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")
+    new.add_argument("--force", action="store_true", help="write over a file that is there")
+    for name, about in (("show", "print a hoist and what follows from it"), ("check", "only what is wrong with it")):
+        show = add_command(commands, name, partial(_show, everything=name == "show"), about, _SHOW, "")
+        show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(NAMED)}")
+    about = "the catalogue's ropes, or one as [[rope]] of a file"
+    rope = add_command(
+        commands, "rope", _rope, about, f"Print {about}.", "example: balance-rope rope 34x7 --diameter 52mm"
+    )
+    rope.add_argument("construction", nargs="?", metavar="KIND", help="one of the catalogue; all without it")
+    rope.add_argument("--diameter", default="44mm", metavar="D", help="[m] (%(default)s)")
+    rope.add_argument("--length", default="120", metavar="L", help="[m] (%(default)s)")
+    rope.add_argument("--lay", choices=("right-hand", "left-hand"), default="right-hand", help="(%(default)s)")
+
+
+def _new(options: argparse.Namespace) -> int:
+    chosen: dict[str, Any] = {
+        name: read_value(parameter, text)
+        for name, (parameter, _, _) in _NUMBERS.items()
+        if (text := getattr(options, name)) is not None
+    }
+    others = {
+        "construction": options.rope,
+        "lay": options.lay,
+        "ropes": options.ropes,
+        "head_ropes": options.head_ropes,
+    }
+    for name in ("ropes", "head_ropes"):
+        if others[name] is not None and not 1 <= others[name] <= 20:
+            raise ValueError(f"--{name.replace('_', '-')} {others[name]} must be within 1 and 20: count them")
+    chosen |= {name: value for name, value in others.items() if value is not None}
+    path = options.out or Path(f"{options.name}.toml")
+    if path.exists() and not options.force:
+        raise ValueError(f"{path} is there already: choose another name, or --force")
+    text = new_hoist(Wish(options.name, given=frozenset(chosen), **chosen))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8", newline="\n")
+    print(f"written: {path}\nnow: balance-rope show {path}; balance-rope wind {path}")
+    return 0
+
+
+def _rope(options: argparse.Namespace) -> int:
+    from rope_model import CONSTRUCTIONS
+    from rope_model import rope as known
+
+    p = rope_parameters()
+    diameter, length = (read_value(p[f"rope.{name}"], getattr(options, name)) for name in ("diameter", "length"))
+    if options.construction is None:
+        print(f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} m")
+        for kind in CONSTRUCTIONS:
+            data = known(kind, float(diameter)).data
+            cells = (data[name] for name in ("mass_per_length", "bending_stiffness", "torque_factor"))
+            print(f"{kind:<12} " + " ".join(f"{one.low:>9.3g} to {one.high:<8.3g}" for one in cells))
+        return 0
+    found = known(options.construction, float(diameter), float(length), options.lay)
+    print("[[rope]]")
+    for name, value in (("construction", options.construction), ("lay", options.lay)):
+        print(f'{name} = "{value}"')
+    for name in ("diameter", "length"):
+        print(f"{name} = {getattr(found, name)!r}  # m")
+    for name, value in vars(found.middle).items():
+        if name in ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ"):
+            print(f"# {name} = {value:.6g}  # {p[f'rope.{name}'].unit}, the middle of the catalogue's range")
+    for name, datum in found.data.items():
+        print(f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}")
+    return 0
+
+
+def _show(options: argparse.Namespace, everything: bool) -> int:
+    from hoist_demo.report.hoist import follows, problems, values
+
+    case: Case = find_case(options.hoist)
+    if everything:
+        print(f"{case.name or options.hoist}\n")
+        print(values(case, options.hoist))
+    text, found = follows(case, options.hoist)
+    if everything:
+        print(f"\n{text}\n")
+    told = [*case.remarks, *problems(case), *found]
+    for line in told:
+        print(f"balance-rope: {line}", file=sys.stderr)
+    if not told:
+        print(f"{options.hoist}: nothing is remarkable")
+    return 1 if told and not everything else 0

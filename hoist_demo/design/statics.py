@@ -1,0 +1,68 @@
+"""What follows from a hoist's data before anything is wound: pulls, hold on the sheave, and the rope at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hoist_demo.parameters import GRAVITY, Hoist, Winding
+from rope_model import BalanceRope, EndMotion
+
+#: Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed].
+AT_REST, MOVING = 1.75, 1.25
+#: what is read of a rope at rest
+READ = ("left.fy", "right.fy", "left.my", "loop.yaw", "loop.y", "loop.turns", "stress.bending_max")
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Head ropes on the sheave, at one instant."""
+
+    when: str
+    ratio: float  # of the tensions of both sides
+    safety: float  # friction that there is over friction asked for
+    asked: float
+
+
+def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float, float]:
+    """Return the tensions of all head ropes at the sheave, left and right [N].
+
+    `height` is that of the left conveyance [m], `acceleration` its own, upwards [m/s^2]; the balance ropes hang in two
+    legs, whose lengths differ by twice the conveyances' distance from the middle.
+    """
+    found = []
+    for mass, y, sign in ((hoist.mass_left, height, 1.0), (hoist.mass_right, hoist.shaft_travel - height, -1.0)):
+        leg = 0.5 * (hoist.tail_rope_length + 2.0 * y - hoist.shaft_travel)
+        moved = mass + hoist.rope_mass * (hoist.sheave_height - y) + hoist.tail_rope_number * hoist.tail_rope_mass * leg
+        found.append(moved * (GRAVITY + sign * acceleration))
+    return found[0], found[1]
+
+
+def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
+    """Return how the head ropes hold at rest, and while the trip speeds up and slows down, at both landings."""
+    found = []
+    up = 1.0 if winding.travel > 0.0 else -1.0
+    for when, acceleration, asked in (
+        ("at rest", 0.0, AT_REST),
+        ("speeding up", up * winding.acceleration, MOVING),
+        ("slowing down", -up * winding.acceleration, MOVING),
+        ("emergency stop", -up * winding.emergency_deceleration, 1.0),
+    ):
+        ratios = []
+        for height in (0.0, hoist.shaft_travel):
+            left, right = pulls(hoist, height, acceleration)
+            ratios.append(max(left, right) / min(left, right) if min(left, right) > 0.0 else np.inf)
+        ratio = max(ratios)
+        found.append(Hold(when, ratio, hoist.slip_safety(ratio), asked))
+    return found
+
+
+def at_rest(rope: BalanceRope, hoist: Hoist, heights: Sequence[float]) -> Iterator[tuple[float, Mapping[str, float]]]:
+    """Yield the rope's signals with the left conveyance at rest at each height [m]; RuntimeError where it cannot be."""
+    for height in heights:
+        status = rope.initialize(0.0, EndMotion(y=height), EndMotion(y=hoist.shaft_travel - height))
+        if not status.valid:
+            raise RuntimeError(f"at rest with the left conveyance at {height:g} m: {status.message}")
+        yield height, rope.signals()
