@@ -35,15 +35,10 @@ from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import CAUSE, WARNING, render
-<<<<<<< HEAD:hoist_demo/command_line/demo.py
-from hoist_demo.study.slip import slip_warning
-from hoist_demo.files.catalogue import Catalogue, with_values
-=======
-from hoist_demo.study.slip import slip_warning
 from hoist_demo.ropes.definition import ropes_of
->>>>>>> files:hoist_demo/command_line/wind.py
 from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part, tail_rope
+from hoist_demo.study.slip import slip_warning
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope

@@ -15,10 +15,6 @@ from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable
 
 
-#: about the name of what tells the members of a union apart
-_QUOTES = "'"
-
-
 class FileError(ValueError):
     """All that is wrong with a file, one line each."""
 
@@ -121,8 +117,10 @@ def _problem(error: Any, cure: Callable[[str], str]) -> str:
     if kind == "missing":
         return f"{place} is missing: give it"
     if kind == "union_tag_invalid":
-        choice = error["ctx"]
-        return f"{place}.{choice['discriminator'].strip(_QUOTES)} = {choice['tag']!r} must be one of {choice['expected_tags']}: choose one"
+        facts = {name: str(value).replace("'", "") for name, value in error["ctx"].items()}
+        return (
+            f"{place}.{facts['discriminator']} = {facts['tag']!r} must be one of {facts['expected_tags']}: choose one"
+        )
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{place} = {_short(content)} must be one table: write [{place}] above it"
     if kind == "list_type":

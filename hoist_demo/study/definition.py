@@ -8,8 +8,8 @@
                 and seed
     [vary]      lists, or ranges { low, high } to draw from; a search keeps every bound for all values of a list
 
-A value is that of a hoist's file. A list is [...] or { values, unit }; a range may have scale = "log". Later ones count:
-the hoist, fixed, variant, vary; in fixed and variant from = "FILE" takes the values of a rope's parameter file first.
+A value is that of a hoist's file. A list is [...] or { values, unit }; a range may have scale = "log". Later ones
+count: the hoist, fixed, variant, vary; in fixed and variant from = "FILE" takes a rope's parameter file first.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from __future__ import annotations
 import difflib
 import hashlib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -31,7 +31,7 @@ from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
 from hoist_demo.files.catalogue import Catalogue, of_run
 from hoist_demo.files.fixed import Head, cure, fixed_model, fixed_values, plain, statuses
-from hoist_demo.files.reading import FileError, Table, contents, read_toml, table_of, validated
+from hoist_demo.files.reading import FileError, Table, contents, flat, nested, read_toml, table_of, validated
 from hoist_demo.files.values import VARIED, Text
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
@@ -80,19 +80,25 @@ class Tune(Table):
         return plan
 
 
+#: a metric's table in subject_to
+_BOUNDS = table_of(
+    "subject_to", [Parameter(f"subject_to.{name}", unit, "Real") for name, unit in UNITS.items()], bounds_on
+)
+
+
 class _Study(Head):
     fmu: Text = "build/balance_rope.fmu"
-    signals: list[Text] = []
+    signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
-    subject_to: table_of("subject_to", [Parameter(f"subject_to.{m}", u, "Real") for m, u in UNITS.items()], bounds_on) | None = None  # type: ignore[valid-type]  # noqa: E501
+    subject_to: _BOUNDS | None = None  # type: ignore[valid-type]
     judge: Judge = "worst"
     over: list[Text] | None = None
 
     @model_validator(mode="after")
     def _is_one(self) -> _Study:
         if self.minimise and self.maximise:
-            raise ValueError(f"minimise = {self.minimise!r} must stand without maximise: keep one, with weights below 0")
+            raise ValueError(f"minimise = {self.minimise!r} must stand without maximise: keep one of them")
         if self.judge == "share" and not self.subject_to:
             raise ValueError("judge = 'share' must have bounds: give subject_to")
         if self.subject_to and not (self.minimise or self.maximise or self.judge == "share"):
@@ -115,11 +121,13 @@ def _with_method(raw: Any) -> Any:
 @cache
 def study_model() -> type[Table]:
     """Return the model of a study's file."""
-    chosen = Annotated[Annotated[Grid | LatinHypercube | Tune, Field(discriminator="method")], BeforeValidator(_with_method)]
-    variant = create_model("Variant", __base__=Table, name=(Text, ""), values=(fixed_model() | None, None))
+    one_of = Annotated[Grid | LatinHypercube | Tune, Field(discriminator="method")]
+    sample = Annotated[one_of, BeforeValidator(_with_method)]
+    values: Any = fixed_model() | None
+    variant = create_model("Variant", __base__=Table, name=(Text, ""), values=(values, None))
     vary = create_model("Vary", __base__=Table, **of_run(varied))
-    fields: dict[str, Any] = {"study": (_Study, _Study()), "fixed": (fixed_model() | None, None)}
-    fields |= {"variant": (list[variant], []), "sample": (chosen, Grid()), "vary": (vary | None, None)}  # type: ignore[valid-type]
+    fields: dict[str, Any] = {"study": (_Study, _Study()), "fixed": (values, None), "vary": (vary | None, None)}
+    fields |= {"variant": (list[variant], []), "sample": (sample, Grid())}  # type: ignore[valid-type]
     made: type[Table] = create_model("StudyFile", __base__=Table, **fields)
     return made
 
@@ -172,7 +180,8 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
-    file: Any = validated(path, study_model(), read_toml(path), _cure)
+    raw = nested(read_toml(path))
+    file: Any = validated(path, study_model(), raw, _cure)
     head, problems = file.study, dict[str, None]()
     rope = fmu or Path(head.fmu)
 
@@ -188,13 +197,19 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
     known = () if outputs is None else [*DRIVE_UNITS, *outputs]
     signals = asked or tried("study", lambda: match_signals(head.signals, known), ())
     if find_case(head.hoist).ropes:
-        problems[f"study: hoist = {head.hoist!r} must have one balance rope, hung at its middle: study it with one"] = None
+        problems[f"study.hoist = {head.hoist!r} must have one balance rope, in the middle: give a hoist with one"] = (
+            None
+        )
     given = tried("fixed", lambda: fixed_values(file.fixed), {})
-    each = [tried(f"variant {k}", lambda t=t: {**given, **fixed_values(t.values)}, {}) for k, t in enumerate(file.variant, 1)]
+    each = [
+        {**given, **tried(f"variant {k}", partial(fixed_values, table.values), {})}
+        for k, table in enumerate(file.variant, 1)
+    ]
     names = [t.name or str(k) for k, t in enumerate(file.variant, 1)]
     problems |= {f"variant: name = {n!r} must be given once: name another": None for n in names if names.count(n) > 1}
     variants = {n: plain(v) for n, v in zip(names, each, strict=True)} or {"": plain(given)}
-    vary: dict[str, tuple[Value, ...] | Range] = dict(contents(file.vary))
+    found = dict(contents(file.vary))
+    vary: dict[str, tuple[Value, ...] | Range] = {key: found[key] for key, _ in flat(raw.get("vary", {}))}
     chosen = tried("study", lambda: _chosen(head, file.sample, vary, len(names)), ())
     plan, points = tried("sample", lambda: _draw(file.sample, vary, head.goal), (None, [{}]))
     probe = None if outputs is None else Probe(rope)
@@ -246,7 +261,9 @@ def _draw(
         raise ValueError(f"method = {sample.method!r} must have ranges: give at least one {{ low, high }} in [vary]")
     if sample.method == "tune":
         if goal is None or goal.judge == "share":
-            raise ValueError("method = 'tune' must have a cost: give minimise or maximise in [study], judge worst or mean")
+            raise ValueError(
+                "method = 'tune' must have a cost: give minimise or maximise in [study], not judge = 'share'"
+            )
         corners = grid(lists | {key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()})
         return sample.plan(len(ranges)), corners
     if lists:

@@ -114,6 +114,11 @@ class Goal:
         return Standing(Judged(cost, excess), len(kept) / len(runs), self.judge == "share")
 
     @property
+    def metrics(self) -> dict[str, None]:
+        """The metrics that it names."""
+        return dict.fromkeys([*self.weights, *(bound.metric for bound in self.bounds)])
+
+    @property
     def words(self) -> str:
         """The goal's sum in words."""
         return " + ".join(name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items())

@@ -52,7 +52,7 @@ METRICS = {
     "loop_rise": ("m", "largest height of the loop's lowest point over its quasi-static place"),
     "loop_turns": ("1", "of one side of the rope about the other, largest magnitude; half a turn: the loop is over"),
     "clearance": ("m", "smallest, between the legs"),
-    **{f"clearance_{name}": ("m", f"smallest, from {words}; missing where there is none") for name, words in BODIES.items()},
+    **{f"clearance_{name}": ("m", f"smallest, from {words}, where there is one") for name, words in BODIES.items()},
     "left_slip": ("rad", "path of the left swivel's slip"),
     "right_slip": ("rad", "likewise, right"),
     "left_slip_time": ("s", "during which the left swivel slips"),
@@ -86,7 +86,16 @@ ROPE_SIGNALS = frozenset(
         for end in ENDS
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
-    | {"loop.x", "loop.z", "loop.yaw", "loop.clearance", *(f"loop.{name}" for name in ("rise", "sideways", "turns")), "stress.bending_max", "energy.work_ends", FIDELITY}
+    | {
+        "loop.x",
+        "loop.z",
+        "loop.yaw",
+        "loop.clearance",
+        *(f"loop.{name}" for name in ("rise", "sideways", "turns")),
+        "stress.bending_max",
+        "energy.work_ends",
+        FIDELITY,
+    }
     | PASSAGE_SIGNALS
     | GUARD_SIGNALS
 )

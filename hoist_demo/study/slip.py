@@ -36,8 +36,8 @@ def _margin_warning(time: Array, ratio: Array, until: float, hoist: Hoist) -> st
         safety = hoist.slip_safety(float(ratio[k]))
         if safety < asked:
             return (
-                f"the head ropes' slip safety {words} is {safety:.5g} at t = {time[k]:.5g} s (tension ratio {ratio[k]:.5g}, "
-                f"limit {hoist.tension_ratio_limit:.5g}), and {asked:g} is "
+                f"the head ropes' slip safety {words} is {safety:.5g} at t = {time[k]:.5g} s (tension ratio "
+                f"{ratio[k]:.5g}, limit {hoist.tension_ratio_limit:.5g}), and {asked:g} is "
                 f"usually asked for: {cure}"
             )
     return ""
