@@ -52,6 +52,6 @@ def fit_swing(time: Array, x: Array) -> SwingMode | str:
     # a fit that ends at its bounds has found a drift or a bump, not a mode
     bounded = not 0.51 * w0 < w_d < 1.49 * w0 or decay > 0.99 * w0
     if bounded or np.var(fit.fun) > 0.5 * np.var(rest):
-        return "no single damped mode fits the swing"
+        return "no single damped mode fits what swings"
     c = np.linalg.lstsq(basis(fit.x), x, rcond=None)[0]
     return SwingMode(w_d / (2.0 * math.pi), decay / math.hypot(w_d, decay), math.hypot(c[2], c[3]))

@@ -118,9 +118,7 @@ def _problem(error: Any, cure: Callable[[str], str]) -> str:
         return f"{place} is missing: give it"
     if kind == "union_tag_invalid":
         facts = {name: str(value).replace("'", "") for name, value in error["ctx"].items()}
-        return (
-            f"{place}.{facts['discriminator']} = {facts['tag']!r} must be one of {facts['expected_tags']}: choose one"
-        )
+        return f"{place}.{facts['discriminator']} = {facts['tag']} must be one of {facts['expected_tags']}: choose one"
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{place} = {_short(content)} must be one table: write [{place}] above it"
     if kind == "list_type":

@@ -197,9 +197,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
     known = () if outputs is None else [*DRIVE_UNITS, *outputs]
     signals = asked or tried("study", lambda: match_signals(head.signals, known), ())
     if find_case(head.hoist).ropes:
-        problems[f"study.hoist = {head.hoist!r} must have one balance rope, in the middle: give a hoist with one"] = (
-            None
-        )
+        problems[f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"] = None
     given = tried("fixed", lambda: fixed_values(file.fixed), {})
     each = [
         {**given, **tried(f"variant {k}", partial(fixed_values, table.values), {})}

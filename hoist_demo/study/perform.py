@@ -166,6 +166,8 @@ def _best(
     if goal is None or not finite:
         return None
     first = min(finite, key=lambda k: standings[k].rank)
+    if not standings[first].comparable:
+        first = min(finite, key=lambda k: standings[k].judged.rank)
     one, runs = standings[first], tuple(k for k, choice in enumerate(choices) if choice == first)
     variant, *values = study.choice(samples[runs[0]])
     shown = [str(variant)] if variant else []
@@ -174,8 +176,8 @@ def _best(
     if one.by_share:
         judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
     else:
-        word = f"the {goal.judge} of {len(runs)} runs, " if len(runs) > 1 else ""
-        judged = f"{goal.words} = {word}{_number(goal.sense * one.judged.cost)} {_unit(goal.unit)}".rstrip()
+        word = f", the {goal.judge} of {len(runs)} runs" if len(runs) > 1 else ""
+        judged = f"{goal.words} = {_number(goal.sense * one.judged.cost)} {_unit(goal.unit)}".rstrip() + word
     if not one.comparable:
         exceeded = goal.exceeded(one.judged)
         told = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"

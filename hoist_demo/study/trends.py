@@ -1,48 +1,49 @@
 """Sentences on results that do not rise or fall with what varies: what a reader of a few runs would take for granted.
 
 Along one varied number, all else equal: whether the rope struck, the run failed, or a bound was exceeded, where that
-comes and goes; and metrics with an extremum inside, which stands out by more than PROMINENCE of their range.
+comes and goes; and metrics with an extremum inside, which stands out.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.goal import Bound, Goal
 from hoist_demo.study.metrics import UNITS
 
-PROMINENCE = 0.1
-MOST = 12  #: Sentences of a study at most.
+#: of the range of a result, and of its size
+PROMINENCE, NOISE = 0.1, 0.01
 _WATCHED = ("slip_safety", "clearance", "loop_turns")  #: Metrics of a study that does not say what matters.
 
 Outcome = Mapping[str, Any]
 
 
 def not_monotonic(study: Study, samples: Sequence[Sample], outcomes: Sequence[Outcome]) -> list[str]:
-    """Return a sentence for each such result."""
-    found: dict[str, None] = {}
+    """Return a sentence for each such result, where it shows first."""
+    catalogue, found = Catalogue(), dict[tuple[str, str], list[str]]()
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
-    catalogue = Catalogue()
     if study.plan is None and len(lists) == len(study.varied):
         for key in (key for key in lists if not catalogue[key].choices):
-            for line in _lines(key, lists, samples, outcomes):
-                found |= dict.fromkeys(_along(study, key, line))
-    told = list(found)
-    return told[:MOST] + ([f"{len(told) - MOST} more results come and go with what varies"] if told[MOST:] else [])
+            for rest, runs in _lines(key, lists, samples, outcomes):
+                for what, words in _along(study.goal, key, runs):
+                    found.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)
+    return [said[0] + (f", and so in {len(said) - 1} more rows" if len(said) > 1 else "") for said in found.values()]
 
 
-Line = tuple[str, list[tuple[float, Outcome]]]
+Line = Sequence[tuple[float, Outcome]]
 
 
 def _lines(
     key: str, lists: Mapping[str, Sequence[Value]], samples: Sequence[Sample], outcomes: Sequence[Outcome]
-) -> Iterator[Line]:
-    """Yield the runs along a number, from its smallest value, by all else."""
+) -> Iterator[tuple[str, Line]]:
+    """Yield the runs along a number, from its smallest value, behind all else that was varied."""
     lines: dict[str, dict[float, Outcome]] = {}
     for sample, outcome in zip(samples, outcomes, strict=True):
         value = sample.values[key]
@@ -54,28 +55,35 @@ def _lines(
             yield rest, sorted(line.items(), key=lambda pair: pair[0])
 
 
-def _along(study: Study, key: str, line: Line) -> Iterable[str]:
-    rest, runs = line
-    where = f" ({rest})" if rest else ""
-    for words, happened in _events(study):
+def _along(goal: Goal | None, key: str, runs: Line) -> Iterator[tuple[str, str]]:
+    """Yield each result that is not monotonic, and the words on it."""
+    for what, happened in _events(goal):
         said = [happened(outcome) for _, outcome in runs]
+        # what happens at the lower end only is told, too: more is expected to be worse
         if any(said) and sum(a != b for a, b in pairwise(said)) > 1 - (said[0] and not said[-1]):
-            yield f"{words} at {key} = {_values(runs, said, True)}, not at {_values(runs, said, False)}{where}"
-    goal = study.goal
+            yield what, f"{what} at {key} = {_values(runs, said, True)}, not at {_values(runs, said, False)}"
     for metric in goal.metrics if goal else _WATCHED:
-        pairs = [(x, float(o["metrics"].get(metric, math.nan))) for x, o in runs if o["status"] == "completed"]
+        pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] == "completed"]
         if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
             x, y, word = turn
             shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
-            yield f"{metric} has its {word}, {shown}, at {key} = {x:g}, within what was varied{where}"
+            yield metric + word, f"{metric} has its {word}, {shown}, at {key} = {x:g}, inside its range"
 
 
-def _events(study: Study) -> Iterator[tuple[str, Callable[[Outcome], bool]]]:
+def _metric(outcome: Outcome, name: str) -> float:
+    return float(outcome["metrics"].get(name, math.nan))
+
+
+def _events(goal: Goal | None) -> Iterator[tuple[str, Callable[[Outcome], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
     yield "Runs stopped early", lambda outcome: outcome["status"] != "completed"
-    for bound in study.goal.bounds if study.goal else ():
-        name = f"{bound.metric} exceeded its bound {bound.value:g}"
-        yield name, lambda o, b=bound: b.excess({b.metric: float(o["metrics"].get(b.metric, math.nan))}) > 0.0  # type: ignore[misc]
+    for bound in goal.bounds if goal else ():
+        word = "above" if bound.sense > 0.0 else "below"
+        yield f"{bound.metric} is {word} {bound.value:g}", partial(_is_beyond, bound)
+
+
+def _is_beyond(bound: Bound, outcome: Outcome) -> bool:
+    return bound.excess({bound.metric: _metric(outcome, bound.metric)}) > 0.0
 
 
 def _values(runs: Sequence[tuple[float, Outcome]], said: Sequence[bool], wanted: bool) -> str:
@@ -94,7 +102,7 @@ def _turn(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, str] | No
     if len(pairs) < 3:
         return None
     y = [value for _, value in pairs]
-    least = PROMINENCE * (max(y) - min(y))
+    least = max(PROMINENCE * (max(y) - min(y)), NOISE * max(map(abs, y)))
     for word, sign in (("largest value", 1.0), ("smallest value", -1.0)):
         k = max(range(len(y)), key=lambda i: sign * y[i])
         if 0 < k < len(y) - 1 and sign * y[k] - max(sign * y[0], sign * y[-1]) > least > 0.0:

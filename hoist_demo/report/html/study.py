@@ -1,9 +1,9 @@
 """The report of a study: all runs in parallel coordinates, one column against another, and a sortable table.
 
-`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns are metrics). Whatever
-else it holds, a text or a number, is shown under Data, and so are parameters that are the same in all runs. Only what
-differs between runs has an axis. A run has failed when its `cause` is not empty. The page shows as many columns as it
-has room for: what varies, what the study judges by, what tells of danger, then the rest.
+`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns are metrics).
+Whatever else it holds, a text or a number, is shown under Data, and so are parameters that are the same in all runs.
+Only what differs between runs has an axis. A run has failed when its `cause` is not empty. The page shows as many
+columns as it has room for: what varies, what the study judges by, what tells of danger, then the rest.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from rope_model.texts import html_text
 
 STATUS, CAUSE = "status", "cause"
 WARNINGS, MISSING = "warnings", "missing"  # texts of runs, told by kind and no columns
+ROUNDING = 1e-9  # of a number, within which two are one
 RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
 _OWN = ("title", "parameters")
 #: columns that are shown first behind what varies and what is judged
@@ -61,7 +62,7 @@ def study_report(
         {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
     )
     names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY, WARNINGS, MISSING)]
-    varied = {name for name in names if len(set(values[name])) > 1}
+    varied = {name for name in names if _differ(values[name])}
     fixed = [name for name in parameters if name in names and name not in varied]
     nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
     first = [*parameters, *judged.metrics, *_FIRST]
@@ -106,6 +107,14 @@ def study_report(
         + "".join(page.table(title, rows) for title, rows in more),
     )
     return page.write(path, page.render("study", title, body, scripts=page.running(("study.js",), data)))
+
+
+def _differ(values: Sequence[float | str | None]) -> bool:
+    """Return True if the values differ by more than rounding does."""
+    numbers = [value for value in values if isinstance(value, float)]
+    if len(numbers) < len(values):
+        return len(set(values)) > 1
+    return max(numbers) - min(numbers) > ROUNDING * max(map(abs, numbers))
 
 
 def _place(name: str, order: Sequence[str]) -> int:
