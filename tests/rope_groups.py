@@ -3,14 +3,17 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.schemes.interface import Reader
+from hoist_demo.ropes.definition import Ropes, ropes_of
 from hoist_demo.ropes.table import READ
+from hoist_demo.study.run import build_trip
 from rope_model import EndMotion, Status
 
 CASE = CASES["rope-120"]
@@ -22,6 +25,12 @@ def rope(coupling: float = KNOWN, **more: float) -> InProcessRope:
     given = {name.replace("_", ".", 1): value for name, value in more.items()}
     values = {**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}
     return InProcessRope(rope_data(values, "draft"), READ)
+
+
+def ropes_in(path: Path) -> Ropes:
+    """Ropes of a hoist's file."""
+    case = find_case(str(path))
+    return ropes_of(case, build_trip(str(path), {}), {}, case.level)
 
 
 @dataclass

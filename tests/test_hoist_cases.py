@@ -6,12 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hoist_at_rest import wind
-from hoist_demo.cases.installed import INSTALLED, TAIL_SPARE, Case, round_rope
 
+from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
+from hoist_demo.files.hoist_file import TAIL_SPARE
+from hoist_demo.files.new import round_rope
 from hoist_demo.parameters import require_trip_fits
 from rope_model import EndMotion, Layout, Rope
 
+INSTALLED = {name: case for name, case in CASES.items() if not name.startswith("rope-")}
 cases = pytest.mark.parametrize("case", INSTALLED.values(), ids=INSTALLED.keys())
 
 #: ropes must not slip: twice the friction at rest and a quarter more than the moving hoist asks for

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from rope_groups import CASE, KNOWN, Weight, rope
+from rope_groups import CASE, KNOWN, Weight, rope, ropes_in
 
 from balance_rope import main
 from hoist_demo.cosimulation.host import Host
@@ -17,11 +17,8 @@ from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRo
 from hoist_demo.cosimulation.participants.rope_group import Member, Place, RopeGroup, hoist_with
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.files.catalogue import rope_parameters
-from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY, Coupling
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.ropes.table import polygon_distance
 from rope_model import EndMotion, Neighbours
 
@@ -195,15 +192,22 @@ def test_a_snapshot_leads_back_to_before_the_break() -> None:
 
 
 ROPES = """
-[ropes]
-case = "rope-120"
+name = "Two ropes"
+like = "rope-120"
 level = "draft"
 
-[fixed]
-winding.travel = 4
-winding.settle = 0.5
-model.fidelity = "torsional"
-coupling.step = 0.02
+[hoist]
+friction_coefficient = 0.25
+
+[winding]
+travel = 4
+settle = 0.5
+
+[model]
+fidelity = "torsional"
+
+[coupling]
+step = 0.02
 
 [[rope]]
 name = "one"
@@ -212,14 +216,14 @@ z = -0.2
 [[rope]]
 name = "two"
 z = 0.2
-rope.length = 118.8
+length = 118.8
 """
 
 
 def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "ropes.toml"
-    path.write_text(ROPES.replace("[[rope]]", "hoist.friction_coefficient = 0.05\n[[rope]]", 1), encoding="utf-8")
-    assert main(["ropes", str(path), "--out", str(tmp_path)]) == 0
+    path.write_text(ROPES.replace("0.25", "0.05", 1), encoding="utf-8")
+    assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "warning: the head ropes would slip at t = 0 s" in said
     told = [line.split() for line in said.splitlines()]
@@ -243,7 +247,7 @@ def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: p
 def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
     path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
-    assert main(["ropes", str(path), "--out", str(tmp_path)]) == 0
+    assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "warning: rope two ran as its planar model, which does not compute yaw and all else out of the plane" in said
     assert "rope one ran as" not in said
@@ -270,10 +274,10 @@ def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsy
 def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:
     path, near = tmp_path / "ropes.toml", ROPES.replace("z = 0.2", "z = -0.16")
     path.write_text(near, encoding="utf-8")
-    assert not read_ropes(path, rope_parameters()).touching
-    path.write_text(near.replace("[fixed]", "[fixed]\ncontact.rope_stiffness = 1e6"), encoding="utf-8")
-    with pytest.raises(FileError, match=r"two: an end that is 0\.04 m from that of one must be at least 0\.044 m"):
-        read_ropes(path, rope_parameters())
+    assert not ropes_in(path).touching
+    path.write_text(near.replace("[model]", "[contact]\nrope_stiffness = 1e6\n[model]"), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"two: an end that is 0\.04 m from that of one must be at least 0\.044 m"):
+        ropes_in(path)
 
 
 @pytest.mark.parametrize(
@@ -281,24 +285,24 @@ def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path
     [
         ('name = "two"', 'name = "one"', "name = 'one' must be given once"),
         ('name = "two"', 'name = "left"', "name = 'left' must be another: .*, and left, right, .*drive.* are taken"),
-        ('name = "two"', 'name = "one.b"', r"name = 'one\.b' must be of letters from A to z, .*: .*name it anew"),
-        ("rope.length = 118.8", "winding.travel = 3", r"two: winding.travel must be the same for all ropes"),
+        ('name = "two"', 'name = "one.b"', r"rope 2 name = 'one\.b' must be .*: correct it"),
+        ("length = 118.8", "winding.travel = 3", r"rope 2 winding = .* is not a key"),
         ("z = 0.2", "breaks_at = 3.0", r"breaks_at and breaks_s must stand together"),
-        ("z = 0.2", 'z = "left"', r"two: z = 'left' must be a number"),
-        ("rope.length = 118.8", "contact.rope_stiffness = 1e6", "two: contact.rope_stiffness must be the same"),
-        ('"torsional"', '"planar"\ncontact.rope_stiffness = 1e6', "one: model.fidelity = 'planar' must be torsional"),
-        ("rope.length = 118.8", "rope.lenght = 118.8", r"did you mean rope.length"),
-        ("rope.length = 118.8", "rope.length = -1", r"two: rope"),
-        ("rope.length = 118.8", "guard.torque = 5", r"guard.torque = 5 must be left out"),
-        ('level = "draft"', 'level = "quick"', r"level = 'quick' must be one of"),
+        ("z = 0.2", 'z = "left"', r"rope 2: rope.z = 'left' must be a finite number, .* in m"),
+        ("length = 118.8", "contact.rope_stiffness = 1e6", "rope 2 contact = .* is not a key"),
+        ('"torsional"', '"planar"\n[contact]\nrope_stiffness = 1e6', "one: model.fidelity = 'planar' must be"),
+        ("length = 118.8", "lenght = 118.8", r"rope 2 lenght = 118.8 is not a key: did you mean rope.length"),
+        ("length = 118.8", "length = -1", r"rope 2: rope.length = -1 must be"),
+        ("length = 118.8", "guard.torque = 5", r"guard.torque must be left out"),
+        ('level = "draft"', 'level = "quick"', r"level = 'quick' must be 'draft'"),
     ],
 )
 def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: str, right: str, told: str) -> None:
     path = tmp_path / "ropes.toml"
     assert wrong in ROPES
     path.write_text(ROPES.replace(wrong, right), encoding="utf-8")
-    with pytest.raises(FileError, match=told):
-        read_ropes(path, rope_parameters())
+    with pytest.raises(ValueError, match=told):
+        ropes_in(path)
 
 
 def test_a_break_beyond_the_rope_is_refused() -> None:
@@ -307,7 +311,6 @@ def test_a_break_beyond_the_rope_is_refused() -> None:
 
 
 def test_the_four_ropes_of_the_documents_can_be_wound() -> None:
-    path = Path(__file__).parents[1] / "docs" / "duties" / "four_ropes.toml"
-    ropes = read_ropes(path, rope_parameters())
+    ropes = ropes_in(Path(__file__).parents[1] / "docs" / "hoists" / "four_ropes.toml")
     assert [one.name for one in ropes.ropes] == ["sound", "short", "lively", "breaking"]
     assert ropes.hoist.tail_mass == 32.0

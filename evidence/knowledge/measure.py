@@ -21,7 +21,6 @@ from evidence.tables import Tables, table
 from hoist_demo.calibration.definition import Measured, read_measured
 from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
-from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.spread import spread
@@ -62,7 +61,7 @@ def cover(plan: Measured, which: str, sets: int, seed: int) -> Iterator[tuple[ob
 
 def coverage() -> Tables:
     """Measure the coverage of judged and unseen sets, and without the measurements of a hanging rope."""
-    plan = read_measured(PLAN, rope_parameters())
+    plan = read_measured(PLAN)
     samples = replace(plan, measurements=tuple(m for m in plan.measurements if m.what not in HANGING))
     rows = [*cover(plan, "judged", SETS, SEED), *cover(plan, "unseen", SETS, UNSEEN)]
     rows += cover(samples, "without a hanging rope", MORE_SETS, SEED)
@@ -73,7 +72,7 @@ def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
     results, causes = [], []
     for scene in SCENES:
-        found = spread(read_uncertain(DOCS / "uncertain" / f"{scene}.toml", rope_parameters()), os.cpu_count() or 1)
+        found = spread(read_uncertain(DOCS / "uncertain" / f"{scene}.toml"), os.cpu_count() or 1)
         for name in found.asked.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]

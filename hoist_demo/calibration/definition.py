@@ -1,53 +1,52 @@
 """A file of measurements (TOML), read and checked before anything is computed.
 
     [rope]        construction, diameter, length, lay: what the catalogue is asked for
-    [known]       properties that are known better than the catalogue does: a number, or { low, high }
+    [known]       properties that are known better than the catalogue does: a number, or { low, high, status, source }
     [sought]      parameters of rope and air that are looked for beside the properties: { low, high }
     [fixed]       values of rope and shaft, as in a study
     [[measured]]  what, value, sigma (its standard error), and the numbers of its kind; a list of values is a series
     [wanted]      signal, left_y, right_y: the output at rest that is to be known better
 
-All numbers in SI units. All errors of a file are told at once. [rope] and [known] are those of the parameter file that
-the fit writes, too.
+All errors of a file are told at once. [rope] and [known] are those of the parameter file that the fit writes, too.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import product
 from pathlib import Path
-from typing import Any, TypeGuard, get_args
+from typing import Annotated, Any, Literal, Union
+
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.files.reading import FileError, flat
-from hoist_demo.parameters.quantity import Parameter
-from hoist_demo.study.reading import Problems, read_statuses, read_tables, read_text, read_values
+from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.fixed import cure, fixed_model, fixed_values, plain, statuses
+from hoist_demo.files.reading import FileError, Table, flat, optional, read_toml, validated
+from hoist_demo.files.values import Given, Text, given
 from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope
+from rope_model.catalogue import Lay
 from rope_model.texts import printable
 
-_TABLES = {"rope": dict, "known": dict, "sought": dict, "fixed": dict, "measured": list, "wanted": dict}
-_ROPE = {"construction": "word", "diameter": "number", "length": "number", "lay": "word"}
 #: groups of parameters that may be looked for beside the properties
 SOUGHT = ("rope.", "air.")
 #: s: longer than any swing after a trip lasts, and a track takes its time to compute
 LONGEST = 3600.0
 #: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
 FAR_OFF = 10.0
-#: kept in the file, for commands that need no fit
-_FACTS = ("status", "source")
 
-
-@dataclass(frozen=True)
-class Wanted:
-    """An output at rest that is to be known."""
-
-    signal: str
-    left: float  # m
-    right: float  # m
+#: bounds of a measurement's circumstances
+_BOUNDS: dict[str, Any] = {
+    **dict.fromkeys(("load", "length", "speed", "acceleration", "jerk"), Field(gt=0.0, allow_inf_nan=False)),
+    **dict.fromkeys(("t", "until"), Field(ge=0.0, le=LONGEST)),
+    "number": Field(ge=1.0, multiple_of=1.0),
+}
+_ANY = Field(allow_inf_nan=False)
+#: an output, docs/reference/variables.md
+Signal: Any = Literal[tuple(SIGNALS)]
 
 
 @dataclass(frozen=True)
@@ -61,174 +60,190 @@ class Measured:
     given: Mapping[str, str]  # where each value of [fixed] comes from
 
 
-def read_measured(path: Path, parameters: Mapping[str, Parameter]) -> Measured:
-    """Return the contents of a file for a rope with these parameters; raise FileError with all problems."""
-    problems = Problems()
-    raw = read_tables(path, "measurements", _TABLES, problems)
-    known = read_known(path, raw, problems)
-    fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
-    for key in fixed.keys() & {f"rope.{name}" for name in FOLLOWING}:
-        problems.append(f"[fixed] {key} follows from the properties: give [known] or [rope] instead")
-    sought = _sought(path, Catalogue(parameters), raw.get("sought", {}), problems)
-    tables = raw.get("measured", [])
-    if not tables:
-        problems.append("nothing is measured: give at least one [[measured]]")
-    found = [_measurement(number, table, problems) for number, table in enumerate(tables, 1)]
-    if known is not None:
-        for number, m in enumerate(found, 1):
-            problems += [f"measured {number}: {problem}" for problem in _out_of_reach(m, known.length)]
-    wanted = _wanted(raw.get("wanted", {}), problems)
-    if problems or known is None or wanted is None:
+class Wanted(Table):
+    """An output at rest that is to be known."""
+
+    signal: Signal = "loop.yaw"
+    left_y: float = Field(default=0.0, allow_inf_nan=False)  # m
+    right_y: float = Field(default=0.0, allow_inf_nan=False)  # m
+
+
+class RopeAsked(Table):
+    """What the catalogue is asked for."""
+
+    file: Text = Field(default="", alias="from")
+    construction: Text = ""
+    diameter: given(rope_parameters()["rope.diameter"]) = None  # type: ignore[valid-type]
+    length: given(rope_parameters()["rope.length"]) = None  # type: ignore[valid-type]
+    lay: Lay = "right-hand"
+
+
+class Range(Table):
+    """A property that is known better than the catalogue does, or a parameter that is looked for."""
+
+    low: float = Field(ge=0.0, allow_inf_nan=False)
+    high: float = Field(ge=0.0, allow_inf_nan=False)
+    status: DatumStatus = "measured"
+    source: Text = ""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Range:
+        if self.low > self.high:
+            raise ValueError(f"low = {self.low:g} must be at most high = {self.high:g}: exchange them")
+        return self
+
+
+def _both_ends(content: Any) -> Any:
+    return content if isinstance(content, dict) else {"low": content, "high": content}
+
+
+#: ranges by property
+Properties = dict[str, Annotated[Range, BeforeValidator(_both_ends)]]
+
+
+class _Measured(Table):
+    """One of the measurements."""
+
+    name: Text = ""
+    sigma: float = Field(gt=0.0, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _belong_together(self) -> _Measured:
+        values: Any = vars(self)
+        many = len(values["value"])
+        for name in KINDS[values["what"]].numbers:
+            if len(values[name]) not in (1, many):
+                raise ValueError(f"{name} has {len(values[name])} numbers, value {many}: give one or as many")
+        t, until = values.get("t", ()), values.get("until", ())
+        for start, end in zip(t, until, strict=True) if len(t) == len(until) else product(t, until):
+            if end <= start:
+                raise ValueError(f"until = {end:g} must be above t = {start:g}: give times in s")
+        if 0.0 in values.get("travel", ()):
+            raise ValueError("travel = 0 must not be 0: give the way of the left end in m")
+        return self
+
+
+def _listed(content: Any) -> Any:
+    return content if isinstance(content, list) else [content]
+
+
+def _numbers(one: Any) -> Any:
+    number = Annotated[float, one]
+    return Annotated[tuple[number, ...], BeforeValidator(_listed), Field(min_length=1)]
+
+
+@cache
+def _model() -> type[Table]:
+    kinds = []
+    for what, kind in KINDS.items():
+        of_value = Field(gt=0.0) if what in MAGNITUDES else Field(ge=0.0) if what == "swept" else _ANY
+        fields: dict[str, Any] = {"what": (Literal[what], ...), "value": (_numbers(of_value), ...)}
+        for name, unit in kind.numbers.items():
+            default = (DEFAULTS[name],) if name in DEFAULTS else ...
+            fields[name] = (_numbers(_BOUNDS.get(name, _ANY)), Field(default, description=unit))
+        for name in kind.texts:
+            fields[name] = (Signal if name == "signal" else Literal[PLANES], ...)
+        kinds.append(create_model(what.title().replace(" ", ""), __base__=_Measured, **fields))
+    union: Any = Annotated[Union[tuple(kinds)], Field(discriminator="what")]  # noqa: UP007 (of a tuple)
+    made: type[Table] = create_model(
+        "MeasurementsFile",
+        __base__=Table,
+        rope=(RopeAsked, ...),
+        known=(Properties, {}),
+        sought=(dict[str, Any], {}),
+        fixed=optional(fixed_model()),
+        measured=(Annotated[list[union], Field(min_length=1)], ...),
+        wanted=(Wanted, Wanted()),
+    )
+    return made
+
+
+def read_measured(path: Path) -> Measured:
+    """Return the contents of a file; raise FileError with all problems."""
+    file: Any = validated(path, _model(), read_toml(path), cure)
+    problems: list[str] = []
+    known = known_rope(path, file.rope, file.known, problems)
+    fixed = fixed_values(file.fixed)
+    problems += follows_from_properties(fixed)
+    sought = _sought(path, file.sought, problems)
+    found = [_measurement(one) for one in file.measured]
+    for number, m in enumerate(found, 1):
+        problems += [f"measured {number}: {problem}" for problem in _out_of_reach(m, known.length if known else 0.0)]
+    if problems or known is None:
         raise FileError(path, problems)
     try:
-        bench = Bench(known, rope_data(fixed), sought)
+        bench = Bench(known, rope_data(plain(fixed)), sought)
     except ValueError as error:
         raise FileError(path, [str(error)]) from error
-    given = read_statuses(raw.get("fixed", {}))
-    return Measured(path, bench, tuple(m for m in found if m is not None), wanted, given)
+    return Measured(path, bench, tuple(found), file.wanted, statuses(fixed))
 
 
-def _sought(path: Path, catalogue: Catalogue, table: Mapping[str, Any], problems: Problems) -> dict[str, Datum]:
-    """The ranges of what is looked for beside the properties; what is wrong is added to the problems."""
-    found = {}
-    for name, content in flat(table):
-        if not name.startswith(SOUGHT):
-            problems.append(f"[sought] {name} must be a parameter of {' or '.join(SOUGHT)}: give it in [fixed]")
-            continue
-        if name in {f"rope.{one}" for one in FOLLOWING}:
-            problems.append(f"[sought] {name} follows from the properties, which are all sought: give [known] instead")
-            continue
-        if not isinstance(content, dict) or content.keys() != {"low", "high"}:
-            problems.append(f"[sought] {name} = {content!r} must be {{ low, high }}: give both")
-            continue
-        try:
-            ends = [catalogue[name].read(content[end]) for end in ("low", "high")]
-        except ValueError as error:
-            problems.append(f"[sought] {error}")
-            continue
-        low, high = (float(end) for end in ends)
-        if not 0.0 <= low < high:
-            problems.append(f"[sought] {name} = {content!r} must be {{ low, high }} in order, from 0 on: exchange them")
-            continue
-        found[name] = Datum(low, high, catalogue[name].unit, "assumed", f"range of [sought], {path.name}")
-    return found
+def follows_from_properties(fixed: Mapping[str, Given]) -> list[str]:
+    """Return a line on each value of [fixed] that the properties decide."""
+    names = sorted(fixed.keys() & {f"rope.{name}" for name in FOLLOWING})
+    return [f"[fixed] {name} follows from the properties: give [known] or [rope] instead" for name in names]
 
 
-def read_known(path: Path, raw: Mapping[str, Any], problems: Problems) -> KnownRope | None:
-    """The rope of [rope] with the ranges of [known]; None where something is wrong, which is added to the problems."""
-    head, before = raw.get("rope", {}), len(problems)
-    for key, content in head.items():
-        if key not in _ROPE:
-            problems.append(f"[rope] {key} = {content!r} is not a key: it has {', '.join(_ROPE)}")
-        elif not (_is_number(content) if _ROPE[key] == "number" else isinstance(content, str)):
-            problems.append(f"[rope] {key} = {content!r} must be a {_ROPE[key]}: {_CURES[_ROPE[key]]}")
-    for key in ("construction", "diameter"):
-        if key not in head:
-            problems.append(f"[rope] {key} is missing: the catalogue needs construction and diameter")
-    if len(problems) > before:
+def known_rope(path: Path, asked: RopeAsked, known: Mapping[str, Range], problems: list[str]) -> KnownRope | None:
+    """Return the catalogue's rope with the ranges of [known]; None where something is wrong, as the problems say."""
+    diameter, length = (None if one is None else float(one.value) for one in (asked.diameter, asked.length))
+    if not asked.construction or diameter is None:
+        problems.append("[rope] construction or diameter is missing: the catalogue needs both")
         return None
     try:
-        found = rope(**head)
+        found = rope(asked.construction, diameter, lay=asked.lay, **({} if length is None else {"length": length}))
     except ValueError as error:
         problems.append(f"[rope] {error}")
         return None
     data = dict(found.data)
-    for name, content in raw.get("known", {}).items():
-        _check_facts(f"[known] {name}", content if isinstance(content, dict) else {}, problems)
+    for name, one in known.items():
         if name not in data:
-            problems.append(f"[known] {name} = {content!r} is not a property: they are {', '.join(data)}")
-        elif (datum := _datum(path, data[name], content)) is None:
+            problems.append(f"[known] {name} is not a property: they are {', '.join(data)}")
+        elif not (data[name].low <= FAR_OFF * one.low and one.high <= FAR_OFF * data[name].high):
             problems.append(
-                f"[known] {name} = {content!r} must be a number, or {{ low, high }} in order: give it in SI"
-            )
-        elif not (data[name].low <= FAR_OFF * datum.low and datum.high <= FAR_OFF * data[name].high):
-            problems.append(
-                f"[known] {name} = {content!r} must be within {data[name].low / FAR_OFF:.3g} and "
-                f"{FAR_OFF * data[name].high:.3g} {datum.unit}, {FAR_OFF:g} times less and more than the catalogue "
-                "has: check its unit"
+                f"[known] {name} = {one.low:g} to {one.high:g} must be within {data[name].low / FAR_OFF:.3g} and "
+                f"{FAR_OFF * data[name].high:.3g} {data[name].unit}, {FAR_OFF:g} times less and more than the "
+                "catalogue has: check its unit"
             )
         else:
-            data[name] = datum
+            source = one.source or printable(path.name)
+            data[name] = Datum(one.low, one.high, data[name].unit, one.status, source)
     return replace(found, data=data)
 
 
-def _check_facts(where: str, table: Mapping[str, Any], problems: Problems) -> None:
-    """What is wrong with status and source of a property is added to the problems."""
-    if (status := table.get("status", "measured")) not in get_args(DatumStatus):
-        known = ", ".join(get_args(DatumStatus))
-        problems.append(f"{where} status = {status!r} must be one of {known}: choose one")
-    read_text(f"{where} source", table.get("source", ""), problems)
+def _sought(path: Path, table: Mapping[str, Any], problems: list[str]) -> dict[str, Datum]:
+    """The ranges of what is looked for beside the properties; what is wrong is added to the problems."""
+    found, parameters = {}, rope_parameters()
+    for name, content in flat(table):
+        try:
+            if not name.startswith(SOUGHT) or name not in parameters:
+                raise ValueError(f"must be a parameter of {' or '.join(SOUGHT)}: give it in [fixed]")
+            if name in {f"rope.{one}" for one in FOLLOWING}:
+                raise ValueError("follows from the properties, which are all sought: give [known] instead")
+            if not isinstance(content, dict) or content.keys() != {"low", "high"}:
+                raise ValueError(f"= {content!r} must be {{ low, high }}: give both")
+            low, high = (float(parameters[name].read(content[end])) for end in ("low", "high"))
+            if not 0.0 <= low < high:
+                raise ValueError(f"= {content!r} must be {{ low, high }} in order, from 0 on: exchange them")
+            found[name] = Datum(low, high, parameters[name].unit, "assumed", f"range of [sought], {path.name}")
+        except ValueError as error:
+            problems.append(f"[sought] {name} {error}")
+    return found
 
 
-_CURES = {"number": "give it in m, without quotation marks", "word": "put it in quotation marks"}
-
-
-def _is_number(content: Any) -> TypeGuard[float]:
-    return isinstance(content, int | float) and not isinstance(content, bool) and math.isfinite(content)
-
-
-def _datum(path: Path, before: Datum, content: Any) -> Datum | None:
-    table = content if isinstance(content, dict) else {"low": content, "high": content}
-    low, high = table.get("low"), table.get("high")
-    numbers = [x for x in (low, high) if _is_number(x)]
-    if len(numbers) < 2 or not 0 <= numbers[0] <= numbers[1] or table.keys() - {"low", "high", *_FACTS}:
-        return None
-    return Datum(
-        float(numbers[0]),
-        float(numbers[1]),
-        before.unit,
-        table.get("status", "measured"),
-        str(table.get("source", printable(path.name))),
-    )
-
-
-def _measurement(number: int, table: Mapping[str, Any], problems: Problems) -> Measurement | None:
-    """One of the measurements; None where something is wrong with it, which is added to the problems."""
-    what, before = table.get("what"), len(problems)
-    where = f"measured {number}"
-    if not isinstance(what, str) or what not in KINDS:
-        problems.append(f"{where}: what = {what!r} must be one of {', '.join(KINDS)}: choose one")
-        return None
-    kind = KINDS[what]
-    allowed = {"name", "what", "value", "sigma", *kind.numbers, *kind.texts}
-    for key in table.keys() - allowed:
-        problems.append(f"{where}: {key} = {table[key]!r} is not a key of {what}: it has {', '.join(sorted(allowed))}")
-    values = _numbers(where, "value", table.get("value"), "", problems)
-    if what in MAGNITUDES:
-        problems += [f"{where}: value = {x:g} must be above 0: give its magnitude" for x in values if x <= 0.0]
-    if what == "swept":
-        problems += [f"{where}: value = {x:g} must not be below 0: give its magnitude" for x in values if x < 0.0]
-    numbers = {}
-    for name, unit in kind.numbers.items():
-        numbers[name] = _numbers(where, name, table.get(name, DEFAULTS.get(name)), unit, problems)
-        if problem := _out_of_range(name, numbers[name]):
-            problems.append(f"{where}: {problem}")
-        if values and len(numbers[name]) not in (0, 1, len(values)):
-            problems.append(
-                f"{where}: {name} has {len(numbers[name])} numbers, value {len(values)}: give one or as many"
-            )
-    if "sigma" not in table:
-        problems.append(f"{where}: sigma is missing: give the standard error of the value")
-    elif not _is_number(sigma := table["sigma"]) or sigma <= 0:
-        problems.append(f"{where}: sigma = {sigma!r} must be a number above 0: give the standard error of the value")
-    problems += [f"{where}: {problem}" for problem in _empty_windows(numbers.get("t", ()), numbers.get("until", ()))]
-    texts = {name: _text(where, name, table.get(name), problems) for name in kind.texts}
-    name = read_text(f"{where}: name", table.get("name", texts.get("signal", what)), problems)
-    if len(problems) > before:
-        return None
+def _measurement(table: Any) -> Measurement:
+    """One of the measurements."""
+    kind = KINDS[table.what]
+    texts = {name: getattr(table, name) for name in kind.texts}
+    name = table.name or texts.get("signal", table.what)
     unit = kind.unit or SIGNALS[texts["signal"]].unit
-    return Measurement(name, what, unit, values, float(table["sigma"]), numbers, texts)
+    numbers = {name: getattr(table, name) for name in kind.numbers}
+    return Measurement(name, table.what, unit, table.value, table.sigma, numbers, texts)
 
 
-def _empty_windows(t: Sequence[float], until: Sequence[float]) -> list[str]:
-    """Return the problems of times between which something is measured."""
-    pairs = zip(t, until, strict=True) if len(t) == len(until) else product(t, until)
-    return [f"until = {end:g} must be above t = {start:g}: give times in s" for start, end in pairs if end <= start]
-
-
-def _out_of_reach(m: Measurement | None, length: float) -> list[str]:
+def _out_of_reach(m: Measurement, length: float) -> list[str]:
     """Return the problems of end heights, at rest or after a trip, for a rope of this length."""
-    if m is None or "left_y" not in m.numbers:
+    if "left_y" not in m.numbers or not length:
         return []
     apart = [(left, right, left - right) for left, right in m.each("left_y", "right_y")]
     if "travel" in m.numbers:
@@ -240,50 +255,3 @@ def _out_of_reach(m: Measurement | None, length: float) -> list[str]:
         for left, right, gap in apart
         if abs(gap) >= length
     ]
-
-
-def _out_of_range(name: str, numbers: tuple[float, ...]) -> str:
-    """Return the problems of a measurement's circumstances; "" for none."""
-    for x in numbers:
-        if name in ("load", "length") and x <= 0.0:
-            return f"{name} = {x:g} must be above 0: give it in {'N' if name == 'load' else 'm'}"
-        if name in ("t", "until") and not 0.0 <= x <= LONGEST:
-            return f"{name} = {x:g} must be in [0, {LONGEST:g}] s: count it from the start of the trip"
-        if name == "travel" and x == 0.0:
-            return f"travel = {x:g} must not be 0: give the way of the left end in m"
-        if name in ("speed", "acceleration", "jerk") and x <= 0.0:
-            return f"{name} = {x:g} must be above 0: give the limit's magnitude"
-        if name == "number" and (x < 1.0 or x % 1.0):
-            return f"number = {x:g} must be a whole number from 1 on: count the modes of the plane"
-    return ""
-
-
-def _numbers(where: str, name: str, content: Any, unit: str, problems: Problems) -> tuple[float, ...]:
-    """A number, or a list of them."""
-    found = content if isinstance(content, list) else [content]
-    if content is None:
-        problems.append(f"{where}: {name} is missing: give it in {unit or 'SI'}")
-        return ()
-    if not found or not all(map(_is_number, found)):
-        problems.append(
-            f"{where}: {name} = {content!r} must be a number or a list of numbers: give it in {unit or 'SI'}"
-        )
-        return ()
-    return tuple(float(x) for x in found)
-
-
-def _text(where: str, name: str, content: Any, problems: Problems) -> str:
-    known = tuple(SIGNALS) if name == "signal" else PLANES
-    if content not in known:
-        hint = "one of docs/reference/variables.md, outputs" if name == "signal" else f"one of {', '.join(PLANES)}"
-        problems.append(f"{where}: {name} = {content!r} must be {hint}: correct it")
-    return str(content)
-
-
-def _wanted(table: Mapping[str, Any], problems: Problems) -> Wanted | None:
-    before = len(problems)
-    for key in table.keys() - {"signal", "left_y", "right_y"}:
-        problems.append(f"[wanted] {key} = {table[key]!r} is not a key: it has signal, left_y, right_y")
-    signal = _text("[wanted]", "signal", table.get("signal", "loop.yaw"), problems)
-    left, right = (_numbers("[wanted]", key, table.get(key, 0.0), "m", problems) for key in ("left_y", "right_y"))
-    return Wanted(signal, left[0], right[0]) if len(problems) == before else None

@@ -103,7 +103,7 @@ def identify(measured: Measured) -> Identified:
         "",
         (0.0,),
         1.0,
-        {"left_y": (measured.wanted.left,), "right_y": (measured.wanted.right,)},
+        {"left_y": (measured.wanted.left_y,), "right_y": (measured.wanted.right_y,)},
         {"signal": measured.wanted.signal},
     )
     possible = candidates(bench, found.shares)

@@ -64,12 +64,11 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
-    from hoist_demo.files.catalogue import rope_parameters
     from hoist_demo.report.rows import told
     from hoist_demo.study.provenance import of_host, of_rope, write_data
     from hoist_demo.study.run import contradictions
 
-    schedule = read_schedule(options.schedule, rope_parameters(), options.repeat)
+    schedule = read_schedule(options.schedule, options.repeat)
     if options.check:
         print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
         return 0
@@ -85,7 +84,7 @@ def _duty(options: argparse.Namespace) -> int:
     run = schedule.pattern[0]
     known = [*of_host(run, schedule.given), *of_rope(find_case(run.case), rope.data(), schedule.given)]
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
-    print(f"{schedule.title}: case {schedule.case}, level {schedule.level}, {trips['trip'].size} trips\n")
+    print(f"{schedule.title}: hoist {schedule.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows(exposed) if exposed else ()
     contradiction = contradictions(run.hoist, rope.data().parameters)
     missing = remark(_as_it_is(rope) if last is None else last.result.recording)

@@ -42,10 +42,9 @@ def _identify(options: argparse.Namespace) -> int:
     from hoist_demo.calibration.definition import read_measured
     from hoist_demo.calibration.identify import identify
     from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
-    from hoist_demo.files.catalogue import rope_parameters
     from hoist_demo.study.provenance import write_data
 
-    measured = read_measured(options.measured, rope_parameters())
+    measured = read_measured(options.measured)
     if options.check:
         print(f"{options.measured}: {sum(len(m.values) for m in measured.measurements)} values, nothing wrong")
         return 0

@@ -40,7 +40,6 @@ def add_uncertain(commands: Commands) -> None:
 
 def _uncertain(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
-    from hoist_demo.files.catalogue import rope_parameters
     from hoist_demo.study.provenance import write_data
     from hoist_demo.uncertainty.definition import read_uncertain
     from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table
@@ -49,7 +48,7 @@ def _uncertain(options: argparse.Namespace) -> int:
     workers = os.cpu_count() or 1 if options.workers is None else options.workers
     if workers < 1:
         raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
-    asked = read_uncertain(options.scene, rope_parameters())
+    asked = read_uncertain(options.scene)
     if options.check:
         print(f"{options.scene}: {asked.samples} windings over {', '.join(asked.data)}, nothing wrong")
         return 0

@@ -1,6 +1,6 @@
 """A duty's file (TOML), read and checked before anything runs.
 
-    [duty]     title, case, level, and repeat = how often the trips are wound one after the other
+    [duty]     title, hoist, level, and repeat = how often the trips are wound one after the other
     [fixed]    values of all trips
     [[trip]]   values of one trip: winding.* and the payloads, hoist.payload_left and hoist.payload_right
 
@@ -13,18 +13,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.files.reading import FileError
+from pydantic import Field, create_model
+
+from hoist_demo.cases.table import find_case
+from hoist_demo.files.catalogue import host_parameters
+from hoist_demo.files.fixed import Head, cure, fixed_model, fixed_values, plain, statuses
+from hoist_demo.files.reading import FileError, Table, givens, optional, read_toml, table_of, validated
 from hoist_demo.parameters import start_heights
-from hoist_demo.parameters.quantity import Parameter, Value
-from hoist_demo.study.reading import Problems, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build
 from rope_model import Level
+from rope_model.texts import printable
 
-_TABLES = {"duty": dict, "fixed": dict, "trip": list}
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
 _ROUNDING = 1e-9  #: Of heights [m].
 
@@ -34,7 +37,7 @@ class Schedule:
     """Trips that are wound one after the other, again and again."""
 
     title: str
-    case: str
+    hoist: str  # name or file
     level: Level
     pattern: tuple[RunData, ...]
     repeat: int
@@ -57,64 +60,53 @@ class Schedule:
     @property
     def data(self) -> str:
         """Data that a duty and its continuation must share: all but the number of repetitions."""
-        return repr((self.case, self.level, self.pattern))
+        return repr((self.hoist, self.level, self.pattern))
 
 
-def read_schedule(path: Path, rope: Mapping[str, Parameter], repeat: int | None = None) -> Schedule:
-    """The schedule of a file for a rope with these parameters; `repeat` replaces the file's.
-
-    Raises FileError with all problems.
-    """
-    return _Reader(path, Catalogue(rope)).schedule({} if repeat is None else {"repeat": repeat})
+class _Duty(Head):
+    level: Level | None = None
+    repeat: int = Field(default=1, ge=1)
 
 
-class _Reader:
-    """Collects the problems while it reads."""
+@cache
+def _model() -> type[Table]:
+    parameters = host_parameters()
+    winding = table_of("winding", (p for name, p in parameters.items() if name.startswith("winding.")))
+    payloads = table_of("hoist", (parameters[name] for name in _PAYLOADS))
+    trip = create_model("Trip", __base__=Table, winding=optional(winding), hoist=optional(payloads))
+    made: type[Table] = create_model(
+        "DutyFile",
+        __base__=Table,
+        duty=(_Duty, Field(default_factory=_Duty)),
+        fixed=optional(fixed_model()),
+        trip=(list[trip], Field(min_length=1)),  # type: ignore[valid-type]
+    )
+    return made
 
-    def __init__(self, path: Path, catalogue: Catalogue) -> None:
-        self._path, self._catalogue, self._problems = path, catalogue, Problems()
-        self._raw = read_tables(path, "a duty", _TABLES, self._problems)
 
-    def schedule(self, given: Mapping[str, Value]) -> Schedule:
-        """The schedule, where nothing is wrong; what is given replaces the file's."""
-        head = self._head(given)
-        fixed = read_values(self._catalogue, "[fixed]", self._raw.get("fixed", {}), self._problems)
-        trips = self._raw.get("trip", [])
-        if not trips:
-            self._problems.append("a duty needs trips: give at least one [[trip]]")
-        own = [read_values(self._catalogue, f"trip {k}", trip, self._problems) for k, trip in enumerate(trips, 1)]
-        for k, values in enumerate(own, 1):
-            for key in values:
-                if not (key.startswith("winding.") or key in _PAYLOADS):
-                    known = f"winding.* and {' and '.join(_PAYLOADS)}"
-                    self._problems.append(f"trip {k}: {key} must be the same in all trips: a trip has {known}")
-        self._stop_where_wrong()
-        pattern: list[RunData] = []
-        for k, values in enumerate(own, 1):
-            with self._problems.collect(f"trip {k}"):
-                pattern.append(build(head["hoist"], {**fixed, **values}))
-        self._stop_where_wrong()
-        given = read_statuses(self._raw.get("fixed", {}))
-        for trip in trips:
-            given |= read_statuses(trip)
-        schedule = Schedule(pattern=tuple(pattern), given=given, **head)
-        if problem := _impossible(schedule):
-            raise FileError(self._path, [problem])
-        return schedule
-
-    def _stop_where_wrong(self) -> None:
-        if self._problems:
-            raise FileError(self._path, self._problems)
-
-    def _head(self, given: Mapping[str, Value]) -> dict[str, Any]:
-        """Title, case, level and repeat."""
-        table = {**self._raw.get("duty", {}), **given}
-        head = read_head(self._path, "duty", table, {"repeat": 1}, self._problems)
-        if type(head["repeat"]) is not int or head["repeat"] < 1:
-            self._problems.append(
-                f"[duty] repeat = {head['repeat']!r} must be a whole number from 1 on: count the cycles"
-            )
-        return head
+def read_schedule(path: Path, repeat: int | None = None) -> Schedule:
+    """Return the schedule of a file; `repeat` replaces the file's. Raises FileError with all problems."""
+    raw = read_toml(path)
+    if repeat is not None and isinstance(duty := raw.setdefault("duty", {}), dict):
+        duty["repeat"] = repeat
+    file: Any = validated(path, _model(), raw, cure)
+    head, problems, pattern = file.duty, list[str](), list[RunData]()
+    fixed = fixed_values(file.fixed)
+    given = statuses(fixed)
+    for k, trip in enumerate(file.trip, 1):
+        own = dict(givens(trip))
+        given |= statuses(own)
+        try:
+            pattern.append(build(head.hoist, plain({**fixed, **own})))
+        except ValueError as error:
+            problems.append(f"trip {k}: {error}")
+    if problems:
+        raise FileError(path, problems)
+    title, level = head.title or printable(path.stem), head.level or find_case(head.hoist).level
+    schedule = Schedule(title, head.hoist, level, tuple(pattern), head.repeat, given)
+    if problem := _impossible(schedule):
+        raise FileError(path, [problem])
+    return schedule
 
 
 def _impossible(schedule: Schedule) -> str:

@@ -82,6 +82,11 @@ def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Paramet
     return made
 
 
+def optional(kind: Any) -> Any:
+    """Return the field of a model that may be left out, for `create_model`."""
+    return kind | None, None
+
+
 def contents(table: BaseModel | None, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield all that a table and those in it set, by dotted names."""
     for name, field in () if table is None else type(table).model_fields.items():
@@ -110,7 +115,8 @@ def _problem(error: Any, cure: Callable[[str], str]) -> str:
     place, kind, content = _place_of(error["loc"]), error["type"], error["input"]
     if kind == "value_error":
         text = str(error["ctx"]["error"])
-        table = place.removesuffix(text.partition(" ")[0]).rstrip(" .")
+        name = text.partition(" ")[0]
+        table = place.removesuffix(name).removesuffix(name.removeprefix("rope.")).rstrip(" .")
         return f"{table}: {text}" if table else text
     if kind == "extra_forbidden":
         return f"{place} = {_short(content)} is not a key: {cure(place)}"

@@ -98,7 +98,8 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
     """
     problems: list[str] = []
     shared = case.shared
-    if guards := sorted({key for key in run.fmu if key.startswith("guard.")}):
+    keys = {*run.fmu, *(key for tail in case.ropes for key in tail.parameters)}
+    if guards := sorted(key for key in keys if key.startswith("guard.")):
         problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
     ropes = []
     for tail in case.ropes:

@@ -1,7 +1,7 @@
 """A file that asks how uncertain a winding is (TOML), read and checked before anything runs.
 
-    [uncertain]  title, case, level, samples, seed, measures, and bearing = that of the swivels, in the catalogue
-    [rope]       construction, diameter, length (else the case's), lay: what the catalogue is asked for
+    [uncertain]  title, hoist, level, samples, seed, measures, and bearing = that of the swivels, in the catalogue
+    [rope]       construction, diameter, length (else the hoist's), lay: what the catalogue is asked for
     [known]      properties that are known better than the catalogue does: a number, or { low, high }
     [fixed]      values of all windings, as in a study
 
@@ -13,27 +13,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from hoist_demo.calibration.definition import read_known
+from pydantic import Field, create_model, field_validator
+
+from hoist_demo.calibration.definition import Properties, RopeAsked, follows_from_properties, known_rope
 from hoist_demo.calibration.measurements import FOLLOWING
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.files.reading import FileError, read_toml
+from hoist_demo.files.fixed import Head, cure, fixed_model, fixed_values, plain, statuses
+from hoist_demo.files.reading import FileError, Table, optional, read_toml, validated
 from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN, VARIED
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope
-from hoist_demo.study.reading import Problems, read_head, read_statuses, read_tables, read_values
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import BEARINGS, Datum, KnownRope, Level
+from rope_model.texts import printable
 
-_TABLES = {"uncertain": dict, "rope": dict, "known": dict, "fixed": dict}
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
-_OWN: dict[str, Any] = {"samples": 64, "seed": 1, "measures": list(MEASURES), "bearing": ""}
 SWIVELS = ("left", "right")
 
 
@@ -42,7 +43,7 @@ class Uncertain:
     """A checked file."""
 
     title: str
-    case: str
+    hoist: str  # name or file
     level: Level
     samples: int
     seed: int
@@ -66,7 +67,7 @@ class Uncertain:
         if self.bearing:
             given |= {f"{side}.swivel.{name}": VARIED for side in SWIVELS for name in ("mu_kinetic", "mu_static")}
         rope = scene_parameters(rope_data(run.fmu, self.level))
-        return [*of_host(run, given), *of_rope(find_case(self.case), rope, given)]
+        return [*of_host(run, given), *of_rope(find_case(self.hoist), rope, given)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
         """The winding with these values of what varies; the drive takes the rope for what it is."""
@@ -83,29 +84,63 @@ class Uncertain:
             for side in SWIVELS:
                 chosen[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 chosen[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
-        return build_trip(self.case, chosen)
+        return build_trip(self.hoist, chosen)
 
 
-def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain:
-    """Return the questions of a file about a rope with these parameters; raise FileError with all problems."""
-    problems = Problems()
-    raw = read_tables(path, "an uncertain winding", _TABLES, problems)
-    head = read_head(path, "uncertain", raw.get("uncertain", {}), _OWN, problems)
-    _check(head, problems)
-    fixed = read_values(Catalogue(parameters), "[fixed]", raw.get("fixed", {}), problems)
-    for key in fixed.keys() & {f"rope.{name}" for name in FOLLOWING}:
-        problems.append(f"[fixed] {key} follows from the properties: give [known] or [rope] instead")
-    both = _with_file(raw, problems)
-    known = None if both is None else read_known(path, both, problems)
-    if problems or both is None or known is None:
+class _Head(Head):
+    level: Level | None = None
+    samples: int = Field(default=64, ge=8, description="a power of two")
+    seed: int = Field(default=1, ge=0)
+    measures: tuple[Literal[tuple(UNITS)], ...] = Field(default=MEASURES, min_length=1)  # type: ignore[valid-type]
+    bearing: Literal["", *BEARINGS] = ""  # type: ignore[valid-type]
+
+    @field_validator("samples")
+    @classmethod
+    def _power_of_two(cls, samples: int) -> int:
+        if samples & (samples - 1):
+            raise ValueError(f"samples = {samples} must be a power of two from 8 on: 64 suits a first look")
+        return samples
+
+
+@cache
+def _model() -> type[Table]:
+    made: type[Table] = create_model(
+        "UncertainFile",
+        __base__=Table,
+        uncertain=(_Head, _Head()),
+        rope=(RopeAsked, RopeAsked()),
+        known=(Properties, {}),
+        fixed=optional(fixed_model()),
+    )
+    return made
+
+
+def read_uncertain(path: Path) -> Uncertain:
+    """Return the questions of a file; raise FileError with all problems."""
+    file: Any = validated(path, _model(), _with_file(path, read_toml(path)), cure)
+    head, problems = file.uncertain, list[str]()
+    known, fixed = known_rope(path, file.rope, file.known, problems), fixed_values(file.fixed)
+    problems += follows_from_properties(fixed)
+    if problems or known is None:
         raise FileError(path, problems)
-    given = read_statuses(raw.get("fixed", {}))
-    if "length" in both["rope"]:
+    given, case = statuses(fixed), find_case(head.hoist)
+    if file.rope.length is not None:
         given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
     else:
-        length = find_case(head["hoist"]).rope["rope.length"]
-        known = replace(known, length=float(length))
-    asked = Uncertain(known=known, fixed=fixed, given=given, **{**head, "measures": tuple(head["measures"])})
+        known = replace(known, length=case.hoist.tail_rope_length)
+    title, level = head.title or printable(path.stem), head.level or case.level
+    asked = Uncertain(
+        title,
+        head.hoist,
+        level,
+        head.samples,
+        head.seed,
+        tuple(head.measures),
+        head.bearing,
+        known,
+        plain(fixed),
+        given,
+    )
     if not asked.data:
         raise FileError(path, ["nothing varies: give a property of [known] a range, { low, high }"])
     try:
@@ -115,31 +150,15 @@ def read_uncertain(path: Path, parameters: Mapping[str, Parameter]) -> Uncertain
     return asked
 
 
-def _with_file(raw: Mapping[str, Any], problems: Problems) -> Mapping[str, Any] | None:
-    """[rope] and [known] over those of the file that `from` names; None where that cannot be read."""
+def _with_file(path: Path, raw: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables, [rope] and [known] over those of the file that `from` names."""
     table = raw.get("rope", {})
-    if "from" not in table:
-        return {"rope": table, "known": raw.get("known", {})}
+    if not isinstance(table, dict) or "from" not in table:
+        return raw
     try:
         other = read_toml(Path(str(table["from"])))
     except FileError as error:
-        problems.append(f"[rope] {error}")
-        return None
-    own = {key: value for key, value in table.items() if key != "from"}
-    return {"rope": other.get("rope", {}) | own, "known": other.get("known", {}) | raw.get("known", {})}
-
-
-def _check(head: Mapping[str, Any], problems: Problems) -> None:
-    samples, seed, bearing = head["samples"], head["seed"], head["bearing"]
-    if type(samples) is not int or samples < 8 or samples & (samples - 1):
-        problems.append(f"[uncertain] samples = {samples!r} must be a power of two from 8 on: 64 suits a first look")
-    if type(seed) is not int or seed < 0:
-        problems.append(f"[uncertain] seed = {seed!r} must be a whole number from 0 on: take 1")
-    if bearing and bearing not in tuple(BEARINGS):
-        problems.append(f"[uncertain] bearing = {bearing!r} must be one of {', '.join(BEARINGS)}: choose one")
-    if not isinstance(head["measures"], list) or not head["measures"]:
-        problems.append(f"[uncertain] measures = {head['measures']!r} must be a list: write {list(MEASURES)}")
-        return
-    for name in head["measures"]:
-        if name not in tuple(UNITS):
-            problems.append(f"[uncertain] measures: {name!r} is not a metric: choose of {', '.join(UNITS)}")
+        raise FileError(path, [f"[rope] {error}"]) from error
+    own, known = {key: one for key, one in table.items() if key != "from"}, raw.get("known", {})
+    below = {name: part if isinstance(part := other.get(name, {}), dict) else {} for name in ("rope", "known")}
+    return {**raw, "rope": below["rope"] | own, "known": below["known"] | known if isinstance(known, dict) else known}

@@ -104,7 +104,7 @@ def write_page(found: Spread, path: Path) -> Path:
         for name, datum in asked.data.items()
         for bounds, unit in [_for_people((datum.low, datum.high), datum.unit)]
     ]
-    wound = f"{found.completed} of {asked.samples} windings wound to the end: case {asked.case}, level {asked.level}."
+    wound = f"{found.completed} of {asked.samples} windings wound to the end: hoist {asked.hoist}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [
