@@ -97,7 +97,7 @@ def _study(options: argparse.Namespace) -> int:
     for remark in performed.remarks:
         print(f"not monotonic: {remark}")
     if performed.best is not None:
-        print(f"best: {performed.best.told}", file=sys.stdout if performed.best.found else sys.stderr)
+        print(performed.best.told, file=sys.stdout if performed.best.found else sys.stderr)
     results = read_results(performed.table)
     parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
     meta: dict[str, Any] = {

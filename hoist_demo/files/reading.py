@@ -123,8 +123,10 @@ def _problem(error: Any, cure: Callable[[str], str]) -> str:
     if kind == "missing":
         return f"{place} is missing: give it"
     if kind == "union_tag_invalid":
-        facts = {name: str(value).replace("'", "") for name, value in error["ctx"].items()}
-        return f"{place}.{facts['discriminator']} = {facts['tag']} must be one of {facts['expected_tags']}: choose one"
+        key = error["ctx"]["discriminator"].strip("'")
+        return f"{place}: {key} = {error['ctx']['tag']!r} must be one of {error['ctx']['expected_tags']}: choose one"
+    if kind == "union_tag_not_found":
+        return f"{place}: {error['ctx']['discriminator'].strip(chr(39))} is missing: give it"
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{place} = {_short(content)} must be one table: write [{place}] above it"
     if kind == "list_type":

@@ -21,6 +21,7 @@ from hoist_demo.study.tuning import Range
 #: Columns where a study says what is best, each of all runs of a choice: the sum by which it is judged, the share of
 #: its runs that keep the bounds, and the largest excess over a bound as a part of it.
 JUDGED, WITHIN, EXCESS = "judged", "within", "excess"
+MOST = 3  #: Warnings that are told with the best choice.
 WARNINGS, MISSING = "warnings", "missing"  #: Columns with what a run has warned of, and why a metric is missing.
 
 #: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
@@ -163,8 +164,10 @@ def _best(
     """Return the best choice in words, with what its runs warn of."""
     goal = study.goal
     finite = [k for k, one in standings.items() if one.judged.finite or (one.by_share and one.within > 0.0)]
-    if goal is None or not finite:
+    if goal is None:
         return None
+    if not finite:
+        return Best((), "no choice can be compared: each has a run that stopped, or misses a metric", found=False)
     first = min(finite, key=lambda k: standings[k].rank)
     if not standings[first].comparable:
         first = min(finite, key=lambda k: standings[k].judged.rank)
@@ -181,11 +184,13 @@ def _best(
     if not one.comparable:
         exceeded = goal.exceeded(one.judged)
         told = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
-        return Best(runs, told, found=False)
-    equal = sum(standings[k].rank == one.rank for k in finite) - 1
-    told = f"{what}: {judged}" + (f", the first of {equal + 1} equal choices" if equal else "")
+    else:
+        equal = sum(standings[k].rank == one.rank for k in finite)
+        told = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
     warned = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
-    return Best(runs, told + "".join(f". Warning: {text}" for text in list(warned)[:3]), found=True)
+    told += "".join(f". Warning: {text}" for text in list(warned)[:MOST])
+    told += f". {len(warned) - MOST} more warnings of its runs" if len(warned) > MOST else ""
+    return Best(runs, told, one.comparable)
 
 
 def _valued(key: str, value: Value, unit: str) -> str:

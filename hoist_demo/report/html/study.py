@@ -92,7 +92,7 @@ def study_report(
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
     told = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
-    told += [judged.told and f"Best choice: {judged.told}."]
+    told += [judged.told and f"{judged.told[:1].upper()}{judged.told[1:]}."]
     body = page.fill(
         "study.html",
         outcome="</p><p>".join(html_text(text.strip()) for text in told if text),
