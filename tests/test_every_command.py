@@ -8,8 +8,9 @@ import pytest
 from balance_rope import main
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
+from hoist_demo.files.fixed import fixed_model, fixed_values
+from hoist_demo.files.fixed import statuses as file_statuses
 from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses
-from hoist_demo.study.reading import read_statuses
 from hoist_demo.study.run import build
 
 SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2\n"
@@ -26,8 +27,9 @@ def test_every_number_of_a_case_has_a_status(name: str) -> None:
     assert {one.status for one in data} <= {*STATUSES}
     found = statuses(data)
     assert len(found) == len(data)
-    # what a case's source states are numbers of the case
-    assert {key for key, status in found.items() if status == "published"} == {*find_case(name).stated}
+    # what a hoist's source states are numbers of the hoist
+    stated = {key for key, status in find_case(name).given.items() if status == "published"}
+    assert {key for key, status in found.items() if status == "published"} == stated
 
 
 def test_the_published_pair_is_published_and_what_is_ours_is_assumed() -> None:
@@ -45,7 +47,7 @@ def test_what_is_set_is_given_or_what_its_file_says(tmp_path: Path) -> None:
     file = tmp_path / "rope.toml"
     file.write_text('[known]\nbending_stiffness = { low = 1, high = 2, status = "calibrated" }\n[fixed]\nrope.EI = 1\n')
     table = {"from": str(file), "rope": {"Qd": 900.0}, "hoist": {"payload_left": {"value": 1e3, "status": "measured"}}}
-    found = read_statuses(table)
+    found = file_statuses(fixed_values(fixed_model().model_validate(table)))
     wanted = {"rope.EI": "calibrated", "rope.Qd": "given", "hoist.payload_left": "measured"}
     assert found == wanted
     data = statuses(known("rope-120", found))
@@ -54,14 +56,15 @@ def test_what_is_set_is_given_or_what_its_file_says(tmp_path: Path) -> None:
 
 _FILES = {
     "duty": f"[duty]\nlevel = 'draft'\n{SHORT}[[trip]]\nwinding.travel = 1.0\n[[trip]]\nwinding.travel = -1.0\n",
-    "ropes": f"[ropes]\nlevel = 'draft'\n{SHORT}[[rope]]\nz = 0.5\n[[rope]]\nz = -0.5\nrope.EI = 80.0\n",
+    "wind": "name = 'two'\nlike = 'rope-120'\nlevel = 'draft'\nwinding.travel = 1.0\nwinding.settle = 0.5\n"
+    "[[rope]]\nz = 0.5\n[[rope]]\nz = -0.5\nEI = 80.0\n",
     "uncertain": "[uncertain]\nlevel = 'draft'\nsamples = 8\nmeasures = ['rope_force_ripple']\n"
     "[rope]\nconstruction = '34x7'\ndiameter = 0.044\n[known]\nmass_per_length = 7.7\n"
     f"axial_stiffness = 9e7\ntorsional_stiffness = 40.0\ntorque_factor = 0.0\n{SHORT}",
     "identify": "[rope]\nconstruction = '34x7'\ndiameter = 0.046\nlength = 120.0\n"
     "[[measured]]\nwhat = 'loop width'\nvalue = 3.05\nsigma = 0.05\n",
 }
-_SAID = {"duty": "winding.travel", "ropes": "rope2.rope.EI", "uncertain": "rope.EI", "identify": "rope.EI"}
+_SAID = {"duty": "winding.travel", "wind": "rope2.rope.EI", "uncertain": "rope.EI", "identify": "rope.EI"}
 
 
 @pytest.mark.parametrize("command", _FILES)
@@ -81,9 +84,9 @@ def test_commands_say_whence_numbers_are(command: str, tmp_path: Path, capsys: p
 
 DOCS = Path(__file__).parents[1] / "docs"
 COMMANDS = {
-    "demo": ["demo", "--in-process"],
+    "wind": ["wind", "--in-process"],
     "duty": ["duty", str(DOCS / "duties" / "day.toml")],
-    "ropes": ["ropes", str(DOCS / "duties" / "four_ropes.toml")],
+    "several": ["wind", str(DOCS / "hoists" / "four_ropes.toml")],
     "identify": ["identify", str(DOCS / "measurements" / "example.toml")],
     "uncertain": ["uncertain", str(DOCS / "uncertain" / "rope-120.toml")],
 }

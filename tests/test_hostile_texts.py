@@ -31,13 +31,13 @@ from hoist_demo.calibration.page import write_rope_file
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.hoist_file import read_hoist
 from hoist_demo.files.reading import FileError
 from hoist_demo.files.values import LONGEST_TEXT
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import SummaryRow
-from hoist_demo.ropes.definition import read_ropes
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import Known, write_data
 from hoist_demo.study.store import Store
@@ -220,14 +220,15 @@ FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", 
 MEASURED = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 60.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
 READERS: dict[str, tuple[Callable[[Path], object], str]] = {
-    "ropes title": (lambda path: read_ropes(path, PARAMETERS).title, "[ropes]\ntitle = {}\n[[rope]]\n"),
+    "hoist name": (lambda path: read_hoist(path).name, "name = {}\n[[rope]]\n"),
+    "hoist source": (lambda path: read_hoist(path).source, 'name = "a"\nsource = {}\n[[rope]]\n'),
     "duty title": (
-        lambda path: read_schedule(path, PARAMETERS).title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
-    "uncertain title": (lambda path: read_uncertain(path, PARAMETERS).title, "[uncertain]\ntitle = {}\n" + MEASURED),
+        lambda path: read_schedule(path).title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
+    "uncertain title": (lambda path: read_uncertain(path).title, "[uncertain]\ntitle = {}\n" + MEASURED),
     "measured name": (
-        lambda path: read_measured(path, PARAMETERS).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
+        lambda path: read_measured(path).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
     "known source": (
-        lambda path: read_measured(path, PARAMETERS).bench.known.data["torque_factor"].source,
+        lambda path: read_measured(path).bench.known.data["torque_factor"].source,
         MEASURED + "[known]\ntorque_factor = {{ low = 0.1, high = 0.1, source = {} }}\n" + WIDTH),
 }  # fmt: skip
 
@@ -247,14 +248,14 @@ def test_texts_of_files_are_kept_or_refused_with_a_cure(kind: str, tmp_path: Pat
 
 #: what reads the files of each folder of the documents, which have all keys but these
 FILES: dict[str, Callable[[Path], object]] = {
-    "duties": lambda path: read_schedule(path, PARAMETERS),
-    "ropes": lambda path: read_ropes(path, PARAMETERS),
-    "measurements": lambda path: read_measured(path, PARAMETERS),
+    "duties": lambda path: read_schedule(path),
+    "hoists": read_hoist,
+    "measurements": lambda path: read_measured(path),
     "studies": lambda path: read_study(path, path.with_name("none.fmu")),
-    "uncertain": lambda path: read_uncertain(path, PARAMETERS),
+    "uncertain": lambda path: read_uncertain(path),
 }
 MORE = {
-    "ropes": "[fixed]\nrope.EI = { value = 300.0, unit = 'N.m2', status = 'assumed' }\n[[rope]]\nname = 'a'\n",
+    "hoists": "name = 'a'\n[[rope]]\nEI = { value = 300.0, unit = 'N.m2', status = 'assumed', source = 'b' }\n",
     "duties": "[duty]\n[fixed]\nfrom = 'rope.toml'\n[[trip]]\nwinding.travel = 10.0\n",
     "studies": "[study]\nsubject_to = { swing_right = 1.0 }\nover = ['rope.EI']\n[sample]\nmethod = 'grid'\nruns = 3\n",
     "measurements": MEASURED
@@ -269,7 +270,7 @@ WORD = re.compile(r"#.*|\"[^\"\n]*\"|'[^'\n]*'|[\w.+-]+")
 def example_files() -> list[tuple[str, str]]:
     paths = [(kind, path) for kind in FILES for path in sorted((ROOT / "docs" / kind).glob("*.toml"))]
     texts = [(kind, path.read_text(encoding="utf-8")) for kind, path in paths]
-    return [("ropes" if "[[rope]]" in text else kind, text) for kind, text in texts] + [*MORE.items()]
+    return [*texts, *MORE.items()]
 
 
 @pytest.mark.parametrize(("kind", "example"), example_files())

@@ -7,19 +7,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
+from pydantic import TypeAdapter
 
 from balance_rope import _with_rope, main
-from hoist_demo.calibration.definition import read_known, read_measured
+from hoist_demo.calibration.definition import Properties, RopeAsked, known_rope, read_measured
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line.options import rope_values
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.files.catalogue import Catalogue, rope_parameters
+from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.fixed import fixed_model, fixed_values, plain, statuses
 from hoist_demo.files.reading import FileError
+from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.recording.time_series import read_csv
-from hoist_demo.study.reading import Problems, file_statuses, read_values
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.page import too_few
 from hoist_demo.uncertainty.spread import Spread, draw
@@ -28,7 +29,6 @@ from rope_model import KnownRope, Rope, Scene, rope
 ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
 TRACK = '[[measured]]\nwhat = "track"\nsignal = "loop.x"\nt = 9.0\nspeed = 8.0\nvalue = 0.1\nsigma = 0.01\n'
-PARAMETERS_KNOWN = rope_parameters()
 
 
 def written(folder: Path, text: str) -> Path:
@@ -111,7 +111,7 @@ def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
 
 
 def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = identify(read_measured(written(tmp_path, ROPE + WIDTH), PARAMETERS_KNOWN))
+    found = identify(read_measured(written(tmp_path, ROPE + WIDTH)))
     assert [name for name in found.names if found.told(name)] == ["bending_stiffness"]
     assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
     width, error = 3.05, 0.05
@@ -134,25 +134,29 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert "loop width" in report
     assert "<script" not in report
 
-    catalogue = Catalogue(PARAMETERS_KNOWN)
-    values = rope_values(made, catalogue)
+    found = read_rope_file(made, Catalogue())
+    values = plain(found)
     assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
-    problems = Problems()
-    given = {"from": str(made), "rope": {"EI": 99.0}}
-    assert read_values(catalogue, "[fixed]", given, problems) == values | {"rope.EI": 99.0}
-    statuses = file_statuses(made)
-    wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.Qa": "assumed"}
-    assert wanted.items() <= statuses.items()
-    assert [statuses[name] for name in ("hoist.tail_rope_mass", "rope.length")] == ["published", "given"]
+    given = fixed_model().model_validate({"from": str(made), "rope": {"EI": 99.0}})
+    assert plain(fixed_values(given)) == values | {"rope.EI": 99.0}
+    wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
+    assert wanted.items() <= statuses(found).items()
     exported = _with_rope(CASES["rope-120"], made, [])
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
-    again = read_known(made, tomllib.loads(made.read_text(encoding="utf-8")), problems)
-    assert not problems
+    again = read_back(made)
     assert isinstance(again, KnownRope)
     assert again.data["bending_stiffness"].status == "calibrated"
     assert again.data["mass_per_length"].status == "published"
     assert isinstance(rope_data(values).rope, Rope)
+
+
+def read_back(path: Path) -> KnownRope | None:
+    raw, problems = tomllib.loads(path.read_text(encoding="utf-8")), list[str]()
+    properties = TypeAdapter(Properties).validate_python(raw["known"])
+    found = known_rope(path, RopeAsked.model_validate(raw["rope"]), properties, problems)
+    assert not problems
+    return found
 
 
 def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -163,8 +167,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
     assert "contradicted: " in told.out
     made = tmp_path / "rope.toml"
     assert "# the measurements contradict the model" in made.read_text(encoding="utf-8")
-    problems = Problems()
-    again = read_known(made, tomllib.loads(made.read_text(encoding="utf-8")), problems)
+    again = read_back(made)
     assert isinstance(again, KnownRope)
     bending = again.data["bending_stiffness"]
     assert bending.status == "contradicted"
@@ -177,25 +180,25 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
     ("text", "problem"),
     [
         (ROPE.replace("34x7", "7x7") + WIDTH, "construction = '7x7' is out of range"),
-        (ROPE, r"nothing is measured: give at least one \[\[measured\]\]"),
-        (ROPE + WIDTH.replace("loop width", "colour"), "what = 'colour' must be one of loop width, mass"),
-        (ROPE + WIDTH.replace("0.05", "0"), "sigma = 0 must be a number above 0"),
-        (ROPE + "[known]\nbending_stiffness = { low = 3.0, high = 2.0 }\n" + WIDTH, "in order"),
+        (ROPE, r"measured is missing: give it"),
+        (ROPE + WIDTH.replace("loop width", "colour"), "what = 'colour' must be one of 'loop width', 'mass'"),
+        (ROPE + WIDTH.replace("0.05", "0"), "sigma = 0 must be greater than 0"),
+        (ROPE + "[known]\nbending_stiffness = { low = 3.0, high = 2.0 }\n" + WIDTH, "low = 3 must be at most"),
         (ROPE + "[fixed]\nrope.EI = 3.0\n" + WIDTH, r"rope.EI follows from the properties: give \[known\]"),
         (ROPE + '[[measured]]\nwhat = "sample torque"\nload = [1, 2, 3]\nvalue = [1, 2]\nsigma = 1\n', "load has 3"),
         (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }: give both"),
         (ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n", "must be less than .* = 120 m apart"),
-        (ROPE + WIDTH + "[want]\n", r"\[want\] is not a table of measurements"),
+        (ROPE + WIDTH + "[want]\n", r"want = {} is not a key"),
     ],
 )
 def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
     with pytest.raises(FileError, match=problem):
-        read_measured(written(tmp_path, text), PARAMETERS_KNOWN)
+        read_measured(written(tmp_path, text))
 
 
 SCENE = """
 [uncertain]
-case = "rope-120"
+hoist = "rope-120"
 level = "draft"
 samples = 8
 measures = ["left_swivel_torque", "rope_force_ripple"]
@@ -211,7 +214,7 @@ TRIP = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\n"
 
 
 def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
-    asked = read_uncertain(written(tmp_path, SCENE), PARAMETERS_KNOWN)
+    asked = read_uncertain(written(tmp_path, SCENE))
     assert [*asked.data] == ["torque_factor", "bending_stiffness"]
     samples = draw(asked)
     shares = np.array([[asked.data[name].share(x) for name, x in values.items()] for values in samples])
@@ -225,7 +228,7 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
 
 
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
-    asked = read_uncertain(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), PARAMETERS_KNOWN)
+    asked = read_uncertain(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")))
     samples = draw(asked)
     columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
     u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
@@ -252,24 +255,24 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     ("change", "problem"),
     [
         (("samples = 8", "samples = 100"), "samples = 100 must be a power of two from 8 on"),
-        (("samples = 8", 'samples = 8\nbearing = "air"'), "bearing = 'air' must be one of rolling, plain"),
-        (("samples = 8", 'samples = 8\nbearing = ["plain"]'), r"bearing = \['plain'\] must be one of rolling, plain"),
-        (("left_swivel_torque", "yaw"), "'yaw' is not a metric: choose of cycle_time"),
-        (('"rope-120"', '"rope"'), "case = 'rope' must be one of rope-120"),
+        (("samples = 8", 'samples = 8\nbearing = "air"'), "bearing = 'air' must be '', 'rolling' or 'plain'"),
+        (("samples = 8", 'samples = 8\nbearing = ["plain"]'), r"bearing = \['plain'\] must be '', 'rolling'"),
+        (("left_swivel_torque", "yaw"), "measures 1 = 'yaw' must be 'cycle_time'"),
+        (('"rope-120"', '"rope"'), "hoist = 'rope' must be a file, NAME.toml, or one of rope-120"),
         (('"34x7"', '"7"'), "construction = '7' is out of range"),
         (("[known]", "[fixed]\nrope.EI = 3\n[known]"), "rope.EI follows from the properties"),
         (('construction = "34x7"', 'from = "nowhere.toml"'), r"nowhere.toml: cannot be read"),
-        (("= 7.7", "= 7700.0"), r"mass_per_length = 7700\.0 must be within 0\.755 and 77\.6 kg/m, .*: check its unit"),
+        (("= 7.7", "= 7700.0"), r"mass_per_length = 7700 must be within 0\.755 and 77\.6 kg/m, .*: check its unit"),
         (("= 7.7", "= { low = 0.007, high = 7.7 }"), r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m"),
         (("[known]", "[known]\ntorque_factor = 0.01\nbending_stiffness = 180.0"), "nothing varies"),
     ],
 )
 def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
     with pytest.raises(FileError, match=problem):
-        read_uncertain(written(tmp_path, SCENE.replace(*change)), PARAMETERS_KNOWN)
+        read_uncertain(written(tmp_path, SCENE.replace(*change)))
 
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
 def test_the_worked_files_are_right(name: str) -> None:
-    asked = read_uncertain(Path(__file__).parents[1] / "docs" / "uncertain" / f"{name}.toml", PARAMETERS_KNOWN)
+    asked = read_uncertain(Path(__file__).parents[1] / "docs" / "uncertain" / f"{name}.toml")
     assert len(asked.data) >= 4

@@ -17,6 +17,7 @@ from exports import FLAVOURS
 from fmpy.ssp.ssd import read_ssd
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
+from rope_groups import ropes_in
 from test_tools import IMPORTS, INPUTS, environment, require
 
 from balance_rope import main
@@ -28,9 +29,7 @@ from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.parameters import Coupling
-from hoist_demo.ropes.definition import read_ropes
 
 STOP = duration(CASES["rope-120"].winding)
 STEPS = 2600  # the trip of 90 m and its arrival
@@ -137,12 +136,9 @@ def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
 
 
 ROPES = """
-[ropes]
-title = "Two ropes of which one is short"
-case = "rope-120"
+name = "Two ropes of which one is short"
+like = "rope-120"
 level = "draft"
-
-[fixed]
 model.fidelity = "torsional"
 winding.travel = 20.0
 
@@ -153,16 +149,16 @@ z = -0.2
 [[rope]]
 name = "short"
 z = 0.2
-rope.length = 118.8
-rope.Qb = -2.336e5
-rope.Qc = -2.336e5
+length = 118.8
+Qb = -2.336e5
+Qc = -2.336e5
 """
 SIGNALS = ("drive:left.y", "drive:right.y", "drive:drive.torque", "sound:left.fy", "short:left.fy", "short:right.fy")
 
 
 def export(folder: Path, text: str, *more: str) -> int:
     (folder / "ropes.toml").write_text(text, encoding="utf-8")
-    arguments = ["--native", "--platform", "host", "--ropes", str(folder / "ropes.toml"), *more]
+    arguments = [str(folder / "ropes.toml"), "--native", "--platform", "host", *more]
     return main(["export", *arguments, "--out", str(folder / "rope.fmu")])
 
 
@@ -189,7 +185,7 @@ def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(r
 
 def test_system_of_ropes_moves_as_their_group_in_process(ropes: Path) -> None:
     found = wind("fmpy_adding", ropes, FEW, *SIGNALS)
-    read = read_ropes(ropes.with_name("ropes.toml"), rope_parameters())
+    read = ropes_in(ropes.with_name("ropes.toml"))
     host = Host(read.group(), read.hoist, read.run.winding, Coupling(scheme="impulse-preserving"), read.run.gains)
     recording = host.run().recording
     names = ["conveyance.left.y", "conveyance.right.y", "drive.torque"]

@@ -200,8 +200,9 @@ def known_rope(path: Path, asked: RopeAsked, known: Mapping[str, Range], problem
         if name not in data:
             problems.append(f"[known] {name} is not a property: they are {', '.join(data)}")
         elif not (data[name].low <= FAR_OFF * one.low and one.high <= FAR_OFF * data[name].high):
+            said = f"{one.low:g} to {one.high:g}" if one.low < one.high else f"{one.high:g}"
             problems.append(
-                f"[known] {name} = {one.low:g} to {one.high:g} must be within {data[name].low / FAR_OFF:.3g} and "
+                f"[known] {name} = {said} must be within {data[name].low / FAR_OFF:.3g} and "
                 f"{FAR_OFF * data[name].high:.3g} {data[name].unit}, {FAR_OFF:g} times less and more than the "
                 "catalogue has: check its unit"
             )

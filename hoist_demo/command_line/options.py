@@ -10,7 +10,7 @@ from typing import get_args
 from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
-from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from rope_model import Level
 from rope_model.scene_names import choices_of
 
@@ -74,7 +74,6 @@ def add_data(demo: argparse.ArgumentParser) -> None:
     )
 
 
-_BOOLEANS = {"true": True, "false": False}
 STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")  #: First parts of the names that only a study takes.
 
 
@@ -90,7 +89,14 @@ def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
         parameter = catalogue[name]
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
-        found[name] = read_value(
-            parameter, _BOOLEANS.get(value.lower(), value) if parameter.kind == "Boolean" else value
-        )
+        found[name] = read_value(parameter, _plain(parameter, value))
     return found
+
+
+def _plain(parameter: Parameter, text: str) -> bool | float | str:
+    """Return the code of a choice, or truth, for its text; another text is left for its reader."""
+    if parameter.kind == "Boolean":
+        return {"true": True, "false": False}.get(text.lower(), text)
+    if parameter.choices and parameter.kind == "Integer" and text.lstrip("+-").isdigit():
+        return int(text)
+    return text

@@ -84,12 +84,22 @@ def _model() -> type[Table]:
     return made
 
 
+def _cure(place: str) -> str:
+    """Return what may have been meant by an unknown key; what a trip has not may be a key of all."""
+    key = place.rpartition(" ")[2]
+    if place.startswith("trip") and key in host_parameters():
+        return (
+            f"it must be the same in all trips: set it in [fixed]; a trip has winding.* and {' and '.join(_PAYLOADS)}"
+        )
+    return cure(place)
+
+
 def read_schedule(path: Path, repeat: int | None = None) -> Schedule:
     """Return the schedule of a file; `repeat` replaces the file's. Raises FileError with all problems."""
     raw = read_toml(path)
     if repeat is not None and isinstance(duty := raw.setdefault("duty", {}), dict):
         duty["repeat"] = repeat
-    file: Any = validated(path, _model(), raw, cure)
+    file: Any = validated(path, _model(), raw, _cure)
     head, problems, pattern = file.duty, list[str](), list[RunData]()
     fixed = fixed_values(file.fixed)
     given = statuses(fixed)
