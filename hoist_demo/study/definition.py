@@ -16,14 +16,13 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, Field, PlainValidator, create_model, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, create_model, model_validator
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
@@ -32,7 +31,7 @@ from hoist_demo.design.tuning import Plan
 from hoist_demo.files.catalogue import Catalogue, of_run
 from hoist_demo.files.fixed import Head, cure, fixed_model, fixed_values, plain, statuses
 from hoist_demo.files.reading import FileError, Table, contents, flat, nested, read_toml, table_of, validated
-from hoist_demo.files.values import VARIED, Text
+from hoist_demo.files.values import VARIED, Given, Text
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.goal import Goal, Judge, bounds_on, read_weights
@@ -44,7 +43,8 @@ from rope_model.texts import printable
 #: what a study without variants compares its choices over
 LOADS = ("hoist.payload_left", "hoist.payload_right")
 Count = Annotated[int, Field(ge=1, strict=True)]
-Weights = Annotated[Any, PlainValidator(read_weights)]
+Varied = tuple[Value, ...] | Range
+Weights = Annotated[Any, PlainValidator(read_weights), WithJsonSchema({"type": ["string", "object"]})]
 
 
 class Grid(Table):
@@ -80,10 +80,7 @@ class Tune(Table):
         return plan
 
 
-#: a metric's table in subject_to
-_BOUNDS = table_of(
-    "subject_to", [Parameter(f"subject_to.{name}", unit, "Real") for name, unit in UNITS.items()], bounds_on
-)
+_BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for m, unit in UNITS.items()], bounds_on)
 
 
 class _Study(Head):
@@ -114,15 +111,11 @@ class _Study(Head):
         return Goal(self.minimise or self.maximise or {}, -1.0 if self.maximise else 1.0, bounds, self.judge)
 
 
-def _with_method(raw: Any) -> Any:
-    return {"method": "grid", **raw} if isinstance(raw, dict) else raw
-
-
 @cache
 def study_model() -> type[Table]:
     """Return the model of a study's file."""
     one_of = Annotated[Grid | LatinHypercube | Tune, Field(discriminator="method")]
-    sample = Annotated[one_of, BeforeValidator(_with_method)]
+    sample = Annotated[one_of, BeforeValidator(lambda t: {"method": "grid", **t} if isinstance(t, dict) else t)]
     values: Any = fixed_model() | None
     variant = create_model("Variant", __base__=Table, name=(Text, ""), values=(values, None))
     vary = create_model("Vary", __base__=Table, **of_run(varied))
@@ -154,7 +147,7 @@ class Study:
     given: Mapping[str, str]  # where each of them comes from; varied where it differs between runs
     samples: tuple[Sample, ...]  # all runs; for a search the corners of its ranges
     variants: Mapping[str, Mapping[str, Value]]  # fixed values of each variant
-    varied: Mapping[str, tuple[Value, ...] | Range]
+    varied: Mapping[str, Varied]
     chosen: tuple[str, ...]  # of these, what tells one choice from another; the rest is what they are compared over
     goal: Goal | None
     plan: Plan | None  # of a search
@@ -182,62 +175,58 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     raw = nested(read_toml(path))
     file: Any = validated(path, study_model(), raw, _cure)
-    head, problems = file.study, dict[str, None]()
+    head, problems = file.study, list[str]()
     rope = fmu or Path(head.fmu)
 
     def tried(where: str, make: Callable[[], Any], otherwise: Any) -> Any:
         try:
             return make()
         except ValueError as error:
-            problems[f"{where}: {error}"] = None
+            problems.append(f"{where}: {error}")
             return otherwise
 
     outputs = tried("study.fmu" if fmu is None else "--fmu", lambda: read_outputs(rope), None)
-    asked = head.signals if outputs is None else ()
-    known = () if outputs is None else [*DRIVE_UNITS, *outputs]
-    signals = asked or tried("study", lambda: match_signals(head.signals, known), ())
+    known = [*DRIVE_UNITS, *(outputs or ())]
+    signals = head.signals if outputs is None else tried("study", lambda: match_signals(head.signals, known), ())
     if find_case(head.hoist).ropes:
-        problems[f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"] = None
+        problems.append(f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out")
     given = tried("fixed", lambda: fixed_values(file.fixed), {})
-    each = [
-        {**given, **tried(f"variant {k}", partial(fixed_values, table.values), {})}
-        for k, table in enumerate(file.variant, 1)
-    ]
-    names = [t.name or str(k) for k, t in enumerate(file.variant, 1)]
-    problems |= {f"variant: name = {n!r} must be given once: name another": None for n in names if names.count(n) > 1}
-    variants = {n: plain(v) for n, v in zip(names, each, strict=True)} or {"": plain(given)}
+    variants: dict[str, dict[str, Given]] = {} if file.variant else {"": given}
+    for k, table in enumerate(file.variant, 1):
+        if (name := table.name or str(k)) in variants:
+            problems.append(f"variant {k}: name = {name!r} must be given once: name another")
+        variants[name] = {**given, **tried(f"variant {k}", partial(fixed_values, table.values), {})}
     found = dict(contents(file.vary))
-    vary: dict[str, tuple[Value, ...] | Range] = {key: found[key] for key, _ in flat(raw.get("vary", {}))}
-    chosen = tried("study", lambda: _chosen(head, file.sample, vary, len(names)), ())
+    vary: dict[str, Varied] = {key: found[key] for key, _ in flat(raw.get("vary", {}))}
+    chosen = tried("study", lambda: _chosen(head, file.sample, vary, len(variants)), ())
     plan, points = tried("sample", lambda: _draw(file.sample, vary, head.goal), (None, [{}]))
     probe = None if outputs is None else Probe(rope)
     samples: dict[str, list[Sample]] = {name: [] for name in variants}
     for values in progress(points):
         for name, fixed in variants.items():
-            run = {**fixed, **values}
+            run = {**plain(fixed), **values}
             try:
-                data = build_trip(head.hoist, run, tuple(signals))
-                samples[name].append(Sample(name, run, data))
-                rejected = [] if probe is None else probe.rejection(data)
+                sample = Sample(name, run, build_trip(head.hoist, run, tuple(signals)))
+                samples[name].append(sample)
+                rejected = [] if probe is None else probe.rejection(sample.data)
             except ValueError as error:
                 rejected = [str(error)]
-            problems |= {f"variant {name}: {text}" if name else text: None for text in rejected}
+            problems += [f"variant {name}: {text}" if name else text for text in rejected]
     if problems:
         raise FileError(path, problems)
     everything = tuple(sample for found in samples.values() for sample in found)
-    stated = {key: status for values in (given, *each) for key, status in statuses(values).items()}
-    keys = {**stated, **dict.fromkeys(vary)}
-    differing = {k for k in keys if k in vary or len({s.values.get(k) for s in everything}) > 1}
+    stated = {key: status for values in variants.values() for key, status in statuses(values).items()}
+    differing = {k for k in stated if len({sample.values.get(k) for sample in everything}) > 1}
     return Study(
         title=head.title or printable(path.stem),
         fmu=rope,
         fmu_hash=hashlib.sha256(rope.read_bytes()).hexdigest(),
         hoist=head.hoist,
         signals=tuple(signals),
-        units=Catalogue().units(keys),
-        given=stated | dict.fromkeys(differing, VARIED),
+        units=Catalogue().units({**stated, **vary}),
+        given=stated | dict.fromkeys([*differing, *vary], VARIED),
         samples=everything,
-        variants=variants,
+        variants={name: plain(values) for name, values in variants.items()},
         varied=vary,
         chosen=chosen,
         goal=head.goal,
@@ -245,9 +234,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
     )
 
 
-def _draw(
-    sample: Any, vary: Mapping[str, tuple[Value, ...] | Range], goal: Goal | None
-) -> tuple[Plan | None, list[dict[str, Value]]]:
+def _draw(sample: Any, vary: Mapping[str, Varied], goal: Goal | None) -> tuple[Plan | None, list[dict[str, Value]]]:
     """Return the plan of a search, and the samples of [vary]: of a search the corners of its ranges, to be checked."""
     lists = {key: v for key, v in vary.items() if isinstance(v, tuple)}
     ranges = {key: v for key, v in vary.items() if isinstance(v, Range)}
@@ -259,9 +246,7 @@ def _draw(
         raise ValueError(f"method = {sample.method!r} must have ranges: give at least one {{ low, high }} in [vary]")
     if sample.method == "tune":
         if goal is None or goal.judge == "share":
-            raise ValueError(
-                "method = 'tune' must have a cost: give minimise or maximise in [study], not judge = 'share'"
-            )
+            raise ValueError("method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'")
         corners = grid(lists | {key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()})
         return sample.plan(len(ranges)), corners
     if lists:
@@ -287,8 +272,7 @@ def _chosen(head: Any, sample: Any, vary: Mapping[str, Any], variants: int) -> t
     return chosen
 
 
-_MODELS: dict[str, type[BaseModel]] = {"study": _Study, "sample": Tune}
-_OLD = {"tune": '[sample] method = "tune", and minimise and subject_to in [study]', "tune.sample": "points in [sample]"}
+_OLD = {"tune": '[sample] method = "tune", and minimise and subject_to in [study]'}
 
 
 def _cure(place: str) -> str:
@@ -296,7 +280,8 @@ def _cure(place: str) -> str:
     table, _, key = place.rpartition(".")
     if table.endswith("subject_to"):
         return f"metrics are {', '.join(difflib.get_close_matches(key, UNITS, n=3) or UNITS)}"
-    model = {**_MODELS, "": study_model()}.get(re.sub(r"\..*", "", table))
-    if model is None or key == "case" or place in _OLD:
-        return f"write {_OLD[place]}" if place in _OLD else cure(place)
-    return f"the keys are {', '.join(model.model_fields)}"
+    if place in _OLD:
+        return f"write {_OLD[place]}"
+    models: dict[str, type[Table]] = {"study": _Study, "sample": Tune, "": study_model()}
+    model = models.get(table.partition(".")[0])
+    return cure(place) if model is None or key == "case" else f"the keys are {', '.join(model.model_fields)}"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, Literal
 
-from pydantic import PlainValidator
+from pydantic import PlainValidator, WithJsonSchema
 
 from hoist_demo.design.tuning import Judged
 from hoist_demo.files.values import read_value
@@ -38,7 +38,7 @@ class Bound:
 
 def bounds_on(parameter: Parameter) -> Any:
     """Return the type of a metric in subject_to for pydantic: what it holds is a tuple of Bounds."""
-    return Annotated[Any, PlainValidator(partial(_read_bounds, parameter))]
+    return Annotated[Any, PlainValidator(partial(_read_bounds, parameter)), WithJsonSchema({"type": "object"})]
 
 
 def _read_bounds(parameter: Parameter, content: Any) -> tuple[Bound, ...]:

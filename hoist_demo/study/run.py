@@ -139,7 +139,7 @@ def execute(run: RunData, fmu: Path) -> Outcome:
     """Design, wind and measure; whatever goes wrong is an outcome, with its cause."""
     with warnings_of("hoist_demo") as warnings:
         outcome = _outcome(run, fmu)
-    return replace(outcome, warnings=(*warnings, *outcome.warnings))
+    return replace(outcome, warnings=(*outcome.warnings, *warnings))
 
 
 def _outcome(run: RunData, fmu: Path) -> Outcome:

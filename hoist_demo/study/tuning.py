@@ -13,7 +13,7 @@ from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import PlainValidator
+from pydantic import PlainValidator, WithJsonSchema
 
 from hoist_demo.files.values import read_facts, read_value
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -52,7 +52,9 @@ def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[d
 
 def varied(parameter: Parameter) -> Any:
     """Return the type of a key of [vary] for pydantic: what it holds is a tuple of values, or a Range."""
-    return Annotated[Any, PlainValidator(partial(read_varied, parameter))]
+    unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
+    schema = {"type": ["array", "object"], "description": f"{parameter.meaning or parameter.name}{unit}"}
+    return Annotated[Any, PlainValidator(partial(read_varied, parameter)), WithJsonSchema(schema)]
 
 
 def read_varied(parameter: Parameter, content: Any) -> tuple[Value, ...] | Range:
