@@ -9,16 +9,13 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from shutil import copyfile
 from typing import TYPE_CHECKING, Any
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
-    from fmu_src.export import export_fmu
     from fmu_src.interface import variables
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
-    from fmu_src.native.export import export_native
-    from fmu_src.native.model_fmu import export_model
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
-    from fmu_src.ssp import Component, export_ssp
     from hoist_demo.cases.case import Case
     from hoist_demo.cases.table import NAMED, find_case
     from hoist_demo.command_line.duty import add_duty
@@ -29,15 +26,15 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.drive_fmu.description import drive_model, duration
-    from hoist_demo.drive_fmu.interface import Tail
-    from hoist_demo.files.catalogue import Catalogue, rope_parameters
+    from hoist_demo.files.catalogue import CONTROLLER, Catalogue, rope_parameters
     from hoist_demo.files.rope_file import read_rope_file
     from hoist_demo.study.run import tail_rope
+    from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
     from rope_model.parameters import LEVELS, rope_120
 
     if TYPE_CHECKING:
+        from hoist_demo.control.trajectory import Trajectory
         from hoist_demo.ropes.definition import OneRope
 except KeyboardInterrupt:
     print("balance-rope: interrupted", file=sys.stderr)
@@ -50,8 +47,6 @@ NAMES = {
     ("native", 2): "balance_rope_native.fmu",
     ("native", 3): "balance_rope_native_fmi3.fmu",
 }
-#: name of the hoist in a system of FMUs
-DRIVE = "drive"
 DEFAULT_FMU = BUILD / NAMES["Python", 2]
 
 DESCRIPTION = """\
@@ -170,6 +165,14 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
     )
     export.add_argument(
+        "--without",
+        nargs="+",
+        choices=WITHOUT,
+        default=[],
+        metavar="NAME",
+        help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system cannot hold is refused",
+    )
+    export.add_argument(
         "--out",
         type=named,
         help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)",
@@ -199,30 +202,37 @@ def _export(options: argparse.Namespace) -> int:
         wanted.insert(0, ("Python", 2))
     if options.scalar and ("native", 3) not in wanted:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
+    if options.without and not options.ssp:
+        raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
     paths = _paths(options.out, wanted)
-    case, ropes = _hoist(options)
+    case, ropes, trajectory = _hoist(options)
     level = options.level or case.level
-    start = {**case.rope, "right.y": abs(case.winding.travel)}
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
-    profile = Profile(groups, arrays=not options.scalar, stop=duration(case.winding))
+    profile = Profile(groups, arrays=not options.scalar)
     asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
-        if flavour == "native":
-            export_native(path, level=level, fmi=fmi, platforms=asked, start=start, profile=profile)
-        else:
-            export_fmu(path, level=level, start=start, profile=profile, platforms=asked)
-        rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), f"{path.stat().st_size / 1e6:.2f} MB"))
+        made = flavour, fmi, level, asked, profile
         if options.ssp:
-            ssp = _system(path, case, ropes, asked, fmi)
+            ssp = path.with_suffix(".ssp")
+            with tempfile.TemporaryDirectory() as folder:
+                more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
+                copyfile(export_hoist(Path(folder), case, ropes, *made, **more).system, ssp)
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
-            rows.append((str(ssp), what, f"{fmi}.0", "", f"{ssp.stat().st_size / 1e6:.2f} MB"))
+            rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
+        if not ropes:
+            export_rope(path, case, case.rope, *made)
+            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), _size(path)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     if (options.native or options.ssp) and not options.platform and (missing := missing_platforms()):
         print(f"left out: {missing}")
     return 0
+
+
+def _size(path: Path) -> str:
+    return f"{path.stat().st_size / 1e6:.2f} MB"
 
 
 def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
@@ -257,43 +267,29 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     return paths
 
 
-def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...]]:
-    """Return the hoist to export, and its ropes where it has several."""
+def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
+    """Return the hoist to export, its ropes where it has several, and the trip of a controller that makes its own."""
     case = find_case(options.hoist)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
-    if not case.ropes:
-        return _with_rope(case, options.rope, options.set), ()
-    if options.rope or options.set:
+    if case.ropes and (options.rope or options.set):
         raise ValueError(f"--rope and --set are for one rope: give their values to a [[rope]] of {options.hoist}")
-    if not options.ssp:
+    if case.ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
+    # what winds loads slowly
+    from hoist_demo.design.controllers import drive
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build_trip
 
-    ropes = ropes_of(case, build_trip(options.hoist, {}), {}, options.level or case.level)
-    if broken := [rope.name for rope in ropes.ropes if rope.breaks]:
-        raise ValueError(f"breaks_at of {', '.join(broken)} must be left out: the rope of an FMU does not break")
-    if ropes.touching:
-        told = "contact.rope_stiffness lets each rope of the system press itself alone: FMUs know no neighbours"
-        print(f"balance-rope: {told}; `balance-rope wind {options.hoist}` has their contact", file=sys.stderr)
-    return replace(case, hoist=ropes.hoist), ropes.ropes
-
-
-def _system(rope: Path, case: Case, ropes: Sequence[OneRope], platforms: Sequence[str], fmi: int) -> Path:
-    """The FMU of the rope, or of each of several, and the case's drive as one system: ``rope`` with the ending .ssp."""
-    tails = [Tail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length) for one in ropes]
-    drive = drive_model(case, tails)
-    kinds = {v.name: v.kind for v in variables(rope_120())}
-    with tempfile.TemporaryDirectory() as folder:
-        fmu = export_model(Path(folder) / "drive.fmu", drive, platforms, fmi)
-        components = [Component(DRIVE, fmu, {})]
-        for name, values in [(one.name, one.parameters) for one in ropes] or [("rope", {})]:
-            typed = {key: float(x) if kinds[key] == "Real" else x for key, x in values.items()}
-            # drive and rope step at the same time: the rope extrapolates the motion
-            components.append(Component(name, rope, {**typed, "inputs_at_step_end": False}))
-        name, text = "FrictionHoist", drive.description
-        return export_ssp(rope.with_suffix(".ssp"), name, components, drive.duration, 0.01, text)
+    run, members, trajectory = build_trip(options.hoist, {}), (), None
+    if options.ssp and run.controller != CONTROLLER.start:
+        at_once = replace(run.winding, start_delay=0.0)
+        followed = drive(run.controller, run.hoist, at_once, run.gains, run.shaper, run.trajectory)
+        case, trajectory = replace(case, gains=followed.gains), followed.trajectory
+    if not case.ropes:
+        return _with_rope(case, options.rope, options.set), members, trajectory
+    ropes = ropes_of(case, run, {}, options.level or case.level)
+    return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory
 
 
 if __name__ == "__main__":

@@ -66,7 +66,7 @@ def export_fmu(
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
-        write_bundle(elements, kernels, kernels_needed(scene, (EndMotion(), EndMotion(y=data.travel))))
+        write_bundle(elements, kernels, kernels_needed(scene, (EndMotion(y=data.start), EndMotion(y=data.travel))))
         key = _build_key(f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)

@@ -45,16 +45,17 @@ RATES = {
 
 def variables(case: RopeCase) -> tuple[Variable, ...]:
     """The table with the start values of ``case``; a variable's place is its value reference."""
-    return (*_parameters(case.scene), *_inputs(case.travel), *_outputs())
+    return (*_parameters(case.scene), *_inputs(case), *_outputs())
 
 
 def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
-    """The case ``name`` at a level of accuracy, but with these parameters and ``right.y``, by name."""
+    """The case ``name`` at a level of accuracy, but with these parameters, ``left.y`` and ``right.y``, by name."""
     if name not in ROPE_CASES:
         raise ValueError(f"there is no case {name!r}; choose one of {', '.join(ROPE_CASES)}")
     case = ROPE_CASES[name](level)
-    scene = with_values(case.scene, {key: value for key, value in start.items() if key != "right.y"})
-    return dataclasses.replace(case, scene=scene, travel=float(start.get("right.y", case.travel)))
+    scene = with_values(case.scene, {key: value for key, value in start.items() if key not in ("left.y", "right.y")})
+    heights = {"start": float(start.get("left.y", case.start)), "travel": float(start.get("right.y", case.travel))}
+    return dataclasses.replace(case, scene=scene, **heights)
 
 
 def _parameters(scene: Scene) -> Iterator[Variable]:
@@ -75,10 +76,10 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
     )
 
 
-def _inputs(travel: float) -> Iterator[Variable]:
-    for side in SIDES:
+def _inputs(case: RopeCase) -> Iterator[Variable]:
+    for side, height in zip(SIDES, (case.start, case.travel), strict=True):
         for name, p in parameters_of(EndMotion).items():
-            start = travel if (side, name) == ("right", "y") else 0.0
+            start = height if name == "y" else 0.0
             text = p.description.format(side=side)
             bounds = numeric_bounds(EndMotion, name)
             yield Variable(f"{side}.{name}", "input", "continuous", "Real", p.unit, start, text, *bounds)

@@ -24,6 +24,7 @@ _KINDS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String":
 _ENUMERATIONS = {
     "inputs.given": "InputsGiven",
     "swivel.mode": "SwivelMode",
+    "swivel.start": "SwivelStart",
     "mesh.kind": "MeshKind",
     "solver.kernels": "KernelForm",
     "model.fidelity": "Fidelity",

@@ -46,7 +46,7 @@ def _run(case: RopeCase) -> tuple[Rows, Rows]:
             status = rope.advance_to(k * H, *_ends(motion), (k - 1) * H)
         if not status.valid:
             raise RuntimeError(f"the reference run fails: {status.message}")
-        motion = start | _motion(k * H, start["right.y"])
+        motion = start | _motion(k * H, start["left.y"], start["right.y"])
         inputs.append({"time": k * H} | motion)
         results.append({"time": k * H} | rope.signals(_OUTPUTS))
     return inputs, results
@@ -57,13 +57,14 @@ def _ends(motion: dict[str, float]) -> tuple[EndMotion, EndMotion]:
     return left, right
 
 
-def _motion(t: float, height: float) -> dict[str, float]:
-    s = t / DURATION
-    x = TRAVEL * s**3 * (10 - 15 * s + 6 * s**2)
-    v = TRAVEL / DURATION * 30 * s**2 * (1 - s) ** 2
-    a = TRAVEL / DURATION**2 * 60 * s * (1 - s) * (1 - 2 * s)
+def _motion(t: float, left: float, right: float) -> dict[str, float]:
+    """The lower end rises."""
+    s, way = t / DURATION, TRAVEL if left <= right else -TRAVEL
+    x = way * s**3 * (10 - 15 * s + 6 * s**2)
+    v = way / DURATION * 30 * s**2 * (1 - s) ** 2
+    a = way / DURATION**2 * 60 * s * (1 - s) * (1 - 2 * s)
     names = ("left.y", "left.vy", "left.ay", "right.y", "right.vy", "right.ay")
-    return dict(zip(names, (x, v, a, height - x, -v, -a), strict=True))
+    return dict(zip(names, (left + x, v, a, right - x, -v, -a), strict=True))
 
 
 def _text(x: float) -> str:

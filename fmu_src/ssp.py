@@ -1,8 +1,9 @@
 """A system of FMUs as an SSP archive (System Structure and Parameterization 1.0, ssp-standard.org).
 
-An output and an input of the same name in two different FMUs are connected, and an input with an output of which it has
-the name behind that of the output's component, as `lively.left.fy_mean` with `left.fy_mean` of `lively`. The FMUs
-themselves answer for their files: their model descriptions are read, nothing else.
+An output and an input of the same name in two different FMUs are connected. So are two of which one has the other's
+name behind that of the other's component, as the input `lively.left.fy_mean` and `left.fy_mean` of `lively`, or the
+output `lively.left.x` and its `left.x`, which then listens to no other. The FMUs themselves answer for their files:
+their model descriptions are read, nothing else.
 """
 
 from __future__ import annotations
@@ -122,15 +123,12 @@ def _ports(component: str, description: Element) -> list[_Port]:
 
 
 def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
-    """Output and input of one name in two components, the component's own name before it or not."""
-    pairs = [
-        (start, end)
-        for end in ports
-        for start in ports
-        if (start.causality, end.causality) == ("output", "input")
-        and end.name in (start.name, f"{start.component}.{start.name}")
-        and start.component != end.component
-    ]
+    """Output and input of one name in two components; one with the other's component before its name goes first."""
+    pairs = []
+    for end in (port for port in ports if port.causality == "input"):
+        others = [p for p in ports if p.causality == "output" and p.component != end.component]
+        own = [p for p in others if f"{p.component}.{p.name}" == end.name or f"{end.component}.{end.name}" == p.name]
+        pairs += [(start, end) for start in own or others if own or start.name == end.name]
     for start, end in pairs:
         if (start.kind, start.unit) != (end.kind, end.unit):
             raise ValueError(

@@ -22,9 +22,10 @@ from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import CASES
-from hoist_demo.drive_fmu.description import drive_model, without_brake
+from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.drive_fmu.kernels import generate as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
+from hoist_demo.drive_fmu.omissions import leave_out
 from rope_model.codegen.build import NAME, generate, generated_file, sources
 from rope_model.codegen.platforms import prebuilt_file
 from rope_model.parameters import rope_120
@@ -63,7 +64,7 @@ def _drive(case: Case, fmi: int) -> Library:
 def add_prebuilt(root: Path) -> None:
     """Write what the packages below ``root``, copies of ours, are to bring."""
     _write(generated_file(root / "rope_model"), generate())
-    for case in map(without_brake, CASES.values()):
+    for case in (leave_out(case, ()) for case in CASES.values()):
         _write(kernels_file(root / "hoist_demo", case), asdict(drive_kernels(case)))
     for name in PLATFORMS:
         rope = prebuilt_file(root / "rope_model" / "csrc", sources(), NAME, name)

@@ -23,7 +23,7 @@ from release.bill import ROOT, bill_of_materials
 from release.libraries import add_prebuilt
 
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
-FILES = ("balance_rope.py", "pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff")
+FILES = ("balance_rope.py", "hoist_export.py", "pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff")
 
 
 def build(out: Path) -> list[Path]:

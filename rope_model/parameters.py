@@ -24,6 +24,7 @@ from rope_model.parameter_table import (
 from rope_model.shaft_parameters import Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
+SwivelStart = Literal["locked", "relaxed"]
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
 FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
@@ -256,6 +257,13 @@ class Swivel(Checked):
         at_least(LEAST, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"),
     )
     release_time: float = parameter(0.0, "s", "time until which the {side} swivel is locked")
+    start: SwivelStart = choice(
+        "relaxed",
+        SwivelStart,
+        ("as it was hung up, held", "from where it has slid to, if it is released by then"),
+        "where the {side} swivel starts: 0 locked, as it was hung up; 1 relaxed, where its friction can hold it",
+        "choose where it starts",
+    )
 
 
 @dataclass(frozen=True)
@@ -529,11 +537,12 @@ def at_level(scene: Scene, level: Level) -> Scene:
 
 @dataclass(frozen=True)
 class RopeCase:
-    """Scene with a winding: the left end starts at height 0, the right end ``travel`` above it."""
+    """Scene with a winding: the left end starts at the height ``start``, the right end at ``travel``."""
 
     scene: Scene  #: data of the rope
-    travel: float  #: rise of the left end, m
+    travel: float  #: height of the right end, which the left one rises, m
     speed: float  #: largest speed, m/s
+    start: float = 0.0  #: height of the left end, m
 
 
 def rope_120(level: Level = "standard") -> RopeCase:

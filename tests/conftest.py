@@ -6,6 +6,7 @@ import gc
 import os
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -14,8 +15,6 @@ import pytest
 from exports import EXPORTS, make_once
 from hypothesis import settings
 from native_host import Host
-from native_libraries import libraries as libraries
-from native_libraries import library as library
 from native_parts import parts as parts
 from numpy.typing import NDArray
 from stand_in import VERSIONS, stand_in
@@ -59,6 +58,19 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 
 @pytest.fixture(scope="session")
+def unpacked(
+    tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
+) -> Callable[[str], tuple[Path, str]]:
+    """The FMU of a kind, and the folder into which it is unpacked."""
+
+    @cache
+    def found(kind: str) -> tuple[Path, str]:
+        return fmu_of(kind), fmpy.extract(str(fmu_of(kind)), str(tmp_path_factory.mktemp(kind)))
+
+    return found
+
+
+@pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     """Native FMUs of both versions with the stand-in for the rope."""
     folder = tmp_path_factory.mktemp("native")
@@ -83,7 +95,7 @@ def fmi(request: pytest.FixtureRequest) -> int:
 def host(fmi: int, fmus: dict[int, Path], folders: dict[int, str]) -> Iterator[Host]:
     made = Host(fmus[fmi], folders[fmi])
     yield made
-    made.call("FreeInstance")
+    made.free()
 
 
 @dataclass(frozen=True)

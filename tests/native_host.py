@@ -1,18 +1,32 @@
-"""A host for the rope's FMUs: one instance of FMI 2.0 or 3.0, variables by name, the log kept."""
+"""A host for the rope's FMUs: one instance of FMI 2.0 or 3.0, variables by name, any call in any order, the log."""
 
 import ctypes
+import math
+import os
+import struct
+import time
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import fmpy
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.fmi2 import defaultCallbacks as default2
-from fmpy.fmi3 import FMU3Slave
-from fmpy.model_description import ModelDescription
+from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi3 import fmi3LogMessageCallback
+from fmpy.model_description import ModelDescription, ModelVariable
 
 H = 0.01
+OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
+#: s of processor time that one call may take
+LONGEST_CALL = 20.0
+_DOUBLE, _POINTER, _ONE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t(1)
+_C = {"Real": _DOUBLE, "Float64": _DOUBLE, "Integer": ctypes.c_int, "Int32": ctypes.c_int32, "Int64": ctypes.c_int64}
+_C["String"] = ctypes.c_char_p
+#: a rope of nine equal elements, or of TMN-ETM's fewest
+SMALL: dict[str, float] = {
+    "mesh.kind": 1, "mesh.elements": 9, "mesh.coarse_length": 1.5, "mesh.counts[3]": 8, "mesh.end_levels": 0,
+    "rope.length": 30.0, "right.y": 0.0, "inputs_at_step_end": 1,
+}  # fmt: skip
 
 
 @cache
@@ -22,106 +36,201 @@ def _description(path: Path, written: int) -> ModelDescription:
 
 
 class Host:
-    """``name``, ``log`` (status, message) of all that the FMU said, and the calls of both standards under one name."""
+    """``log`` (status, message) is all that the FMU said, ``said`` its errors; what returns an int returns a status."""
 
-    def __init__(self, path: Path, folder: str, token: str | None = None) -> None:
+    def __init__(
+        self, path: Path, folder: str, token: str | None = None, memory: Any = None, resources: bytes | None = None
+    ) -> None:
         self.description = _description(path, path.stat().st_mtime_ns)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.fmi = int(self.description.fmiVersion[0])
         self.log: list[tuple[int, str]] = []
-        kind = FMU2Slave if self.fmi == 2 else FMU3Slave
-        self.fmu = kind(
-            guid=self.description.guid if token is None else token,
-            unzipDirectory=folder,
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName="rope",
-        )
+        self.said: list[str] = []
+        identifier, place = self.description.coSimulation.modelIdentifier, Path(folder).resolve() / "resources"
+        self.binary = next((Path(folder) / "binaries").rglob(f"{identifier}.*"))
+        self.dll = ctypes.CDLL(str(self.binary))
+        code = (self.description.guid if token is None else token).encode()
+        if resources is None:
+            resources = (place.as_uri() if self.fmi == 2 else f"{place}{os.sep}").encode()
         if self.fmi == 2:
-            self._callbacks = fmi2CallbackFunctions()
+            make, self._callbacks = self.dll.fmi2Instantiate, fmi2CallbackFunctions()
             self._callbacks.logger = fmi2CallbackLoggerTYPE(self._heard)
-            self._callbacks.allocateMemory = default2.allocateMemory
-            self._callbacks.freeMemory = default2.freeMemory
-            self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+            functions = memory or (defaultCallbacks.allocateMemory, defaultCallbacks.freeMemory)
+            self._callbacks.allocateMemory, self._callbacks.freeMemory = functions
+            arguments: Any = b"rope", 1, code, resources, ctypes.byref(self._callbacks), 0, 1
         else:
-            self.fmu.instantiate(loggingOn=True, logMessage=self._heard)
-        self.instance = self.fmu.component
+            make, self._logger = self.dll.fmi3InstantiateCoSimulation, fmi3LogMessageCallback(self._heard)
+            flags = False, True, False, False
+            arguments = b"rope", code, resources, *flags, None, ctypes.c_size_t(0), None, self._logger, None
+        make.restype = _POINTER
+        self.instance = make(*arguments)
+        assert self.instance, self.said[-1]
 
     def _heard(self, *told: Any) -> None:
         """In FMI 2.0 and 3.0 the last that is told are status, category and message."""
         status, _, message = told[-3:]
         self.log.append((status, message.decode()))
+        if status >= ERROR:
+            self.said.append(message.decode())
 
     def call(self, name: str, *arguments: Any) -> int:
-        """``fmi2Name`` or ``fmi3Name`` as it is in the library; the status."""
-        function = getattr(self.fmu.dll, f"fmi{self.fmi}{name}")
-        function.restype, function.argtypes = ctypes.c_int, None
-        return int(function(ctypes.c_void_p(self.instance), *arguments))
+        """``fmi2Name`` or ``fmi3Name`` as it is in the library, and what must hold for all calls."""
+        before, start = len(self.said), time.thread_time()
+        status: int = getattr(self.dll, f"fmi{self.fmi}{name}")(_POINTER(self.instance), *arguments)
+        assert time.thread_time() - start < LONGEST_CALL, name
+        assert status in (OK, DISCARD, ERROR), name
+        if status == ERROR and self.instance:
+            assert len(self.said) > before, f"{name} failed without a word"
+            assert len(self.said[-1]) > 20
+            assert "(null)" not in self.said[-1]
+        return status
 
-    def error(self) -> str:
-        return next(message for status, message in reversed(self.log) if status == 3)
+    def free(self) -> None:
+        function = getattr(self.dll, f"fmi{self.fmi}FreeInstance")
+        function.restype = None
+        function(_POINTER(self.instance))
+
+    # variables
+
+    def _room(self, variable: ModelVariable, kind: str, reference: int | None, values: list[Any]) -> tuple[Any, ...]:
+        """Type of the function, its arguments, and the array among them."""
+        kind = "Int64" if kind == "Enumeration" else kind
+        c = _C.get(kind, ctypes.c_bool if self.fmi == 3 else ctypes.c_int)
+        which = ctypes.c_uint(variable.valueReference if reference is None else reference)
+        room, number = (c * len(values))(*values), (ctypes.c_size_t(len(values)),) if self.fmi == 3 else ()
+        return kind, (ctypes.byref(which), _ONE, room, *number), room
+
+    def put(self, name: str, value: Any, reference: int | None = None, kind: str | None = None) -> int:
+        """One variable, as ``kind`` if not as what it is."""
+        variable = self.variables[name]
+        kind = kind or variable.type
+        of = {"Real": float, "Float64": float, "String": lambda _: b"text"}.get(kind, int)
+        many = value if isinstance(value, list | tuple) else [value]
+        kind, arguments, _ = self._room(variable, kind, reference, [*map(of, many)])
+        return self.call(f"Set{kind}", *arguments)
+
+    def give(self, values: Mapping[str, float]) -> int:
+        """The first status that is not OK; elements of FMI 3's arrays are left alone."""
+        return next((s for name, x in values.items() if name in self.variables and (s := self.put(name, x))), OK)
 
     def set(self, **values: Any) -> None:
         for name, value in values.items():
-            variable = self.variables[name.replace("__", ".")]
-            kind = "Int64" if variable.type == "Enumeration" else variable.type
-            many = list(value) if isinstance(value, list | tuple) else [value]
-            getattr(self.fmu, f"set{kind}")([variable.valueReference], many)
+            assert self.put(name.replace("__", "."), value) == OK, self.said[-1]
+
+    def fetch(self, name: str, reference: int | None = None) -> tuple[int, list[Any]]:
+        """Status and values."""
+        variable = self.variables[name]
+        size = int(variable.dimensions[0].start) if variable.dimensions else 1
+        values = [None if variable.type == "String" else 0] * size
+        kind, arguments, room = self._room(variable, variable.type, reference, values)
+        return self.call(f"Get{kind}", *arguments), list(room)
 
     def get(self, *names: str) -> list[Any]:
         out = []
         for name in names:
-            variable = self.variables[name]
-            kind = "Int64" if variable.type == "Enumeration" else variable.type
-            number = {"nValues": int(variable.dimensions[0].start)} if self.fmi == 3 and variable.dimensions else {}
-            values = getattr(self.fmu, f"get{kind}")([variable.valueReference], **number)
-            value = list(values) if number else values[0]
+            status, values = self.fetch(name)
+            assert status == OK, self.said[-1]
+            value = values if self.variables[name].dimensions else values[0]
             out.append(value.decode() if isinstance(value, bytes) else value)
         return out
 
-    def enter(self, start: float = 0.0, stop: float | None = None) -> None:
-        if self.fmi == 2:
-            self.fmu.setupExperiment(startTime=start, stopTime=stop)
-            self.fmu.enterInitializationMode()
-        else:
-            self.fmu.enterInitializationMode(startTime=start, stopTime=stop)
+    def real(self, name: str) -> float:
+        """A real output; NaN when there is none."""
+        status, (value,) = self.fetch(name)
+        return value if status == OK else math.nan
+
+    def forces(self) -> tuple[float, ...]:
+        return tuple(self.real(f"{side}.{kind}") for side in ("left", "right") for kind in ("fx", "fy", "fz", "my"))
+
+    def derive(self, unknown: int, known: int, seed: float = 1.0) -> tuple[int, float]:
+        """Status and value of the directional derivative between two references."""
+        (u, k), s, value = map(ctypes.c_uint, (unknown, known)), _DOUBLE(seed), _DOUBLE()
+        sizes = (_ONE,) if self.fmi == 3 else ()
+        arguments = [ctypes.byref(u), _ONE, ctypes.byref(k), _ONE, ctypes.byref(s), *sizes, ctypes.byref(value), *sizes]
+        return self.call("GetDirectionalDerivative", *arguments), value.value
+
+    def derivative(self, unknown: str, known: str) -> float:
+        status, value = self.derive(*(self.variables[name].valueReference for name in (unknown, known)))
+        assert status == OK, self.said[-1]
+        return value
+
+    # a run
+
+    def enter(self, start: float = 0.0, stop: float | None = None) -> int:
+        times = (_DOUBLE(start), ctypes.c_int(stop is not None), _DOUBLE(0.0 if stop is None else stop))
+        if self.fmi == 3:
+            return self.call("EnterInitializationMode", False, _DOUBLE(0.0), *times)
+        return self.call("SetupExperiment", 0, _DOUBLE(0.0), *times) or self.call("EnterInitializationMode")
 
     def start(self, **parameters: Any) -> None:
         self.set(**parameters)
-        self.enter()
-        self.fmu.exitInitializationMode()
+        assert self.enter() == OK, self.said[-1]
+        assert self.call("ExitInitializationMode") == OK, self.said[-1]
+
+    def hang(self, values: Mapping[str, float] = SMALL, start: float = 0.0) -> int:
+        """Reset and initialised with these values."""
+        self.call("Reset")
+        return self.give(values) or self.enter(start) or self.call("ExitInitializationMode")
+
+    def do_step(self, t: float, h: float) -> int:
+        if self.fmi == 2:
+            return self.call("DoStep", _DOUBLE(t), _DOUBLE(h), 1)
+        flags, last = [ctypes.c_bool() for _ in range(3)], _DOUBLE()
+        return self.call("DoStep", _DOUBLE(t), _DOUBLE(h), True, *map(ctypes.byref, flags), ctypes.byref(last))
 
     def step(self, t: float, h: float = H) -> str:
         """'' or what the FMU says when the step fails."""
-        try:
-            self.fmu.doStep(t, h)
-        except FMICallException:
-            return self.error()
-        return ""
+        return self.said[-1] if self.do_step(t, h) else ""
 
-    def run(self, first: int, last: int) -> list[list[float]]:
-        """Steps of H with the right end lowered by 1 m/s; the forces after each."""
-        record = []
-        for k in range(first, last):
-            self.set(**{"right.y": 90.0 - (k + 1) * H, "right.vy": -1.0})
-            assert self.step(k * H) == ""
-            record.append(self.get("left.fy", "right.fy"))
-        return record
+    def move(self, t: float, h: float, amplitude: float = 0.5, since: float = 0.0) -> int:
+        """A step with the ends swinging against each other and the left one turning; t is counted from ``since``."""
+        w, at = 2.0, t + h
+        y, v, a = (amplitude * x for x in (1 - math.cos(w * at), w * math.sin(w * at), w * w * math.cos(w * at)))
+        left = {"left.y": y, "left.vy": v, "left.ay": a, "left.yaw": y, "left.yaw_rate": v}
+        return self.give(left | {"right.y": -y, "right.vy": -v, "right.ay": -a}) or self.do_step(since + t, h)
 
-    def state(self) -> Any:
-        return self.fmu.getFMUstate() if self.fmi == 2 else self.fmu.getFMUState()
+    # states
 
-    def restore(self, state: Any) -> None:
-        self.fmu.setFMUstate(state) if self.fmi == 2 else self.fmu.setFMUState(state)
+    def _of_state(self, name: str) -> str:
+        return name.replace("State", "state") if self.fmi == 2 else name
 
-    def free(self, state: Any) -> None:
-        self.fmu.freeFMUstate(state) if self.fmi == 2 else self.fmu.freeFMUState(state)
+    def save(self, state: ctypes.c_void_p) -> int:
+        return self.call(self._of_state("GetFMUState"), ctypes.byref(state))
 
-    def serialize(self, state: Any) -> bytes:
-        return bytes(self.fmu.serializeFMUstate(state) if self.fmi == 2 else self.fmu.serializeFMUState(state))
+    def restore(self, state: ctypes.c_void_p) -> int:
+        return self.call(self._of_state("SetFMUState"), state)
 
-    def deserialize(self, data: bytes) -> Any:
-        return self.fmu.deSerializeFMUstate(data) if self.fmi == 2 else self.fmu.deserializeFMUState(data)
+    def forget(self, state: ctypes.c_void_p) -> int:
+        return self.call(self._of_state("FreeFMUState"), ctypes.byref(state))
 
-    def derivative(self, unknown: str, known: str, seed: float = 1.0) -> float:
-        references = [self.variables[name].valueReference for name in (unknown, known)]
-        return float(self.fmu.getDirectionalDerivative(references[:1], references[1:], [seed])[0])
+    def state(self) -> ctypes.c_void_p:
+        state = ctypes.c_void_p()
+        assert self.save(state) == OK
+        return state
+
+    def write(self, state: ctypes.c_void_p) -> bytes:
+        size = ctypes.c_size_t()
+        assert self.call(self._of_state("SerializedFMUStateSize"), state, ctypes.byref(size)) == OK
+        data = ctypes.create_string_buffer(size.value)
+        assert self.call(self._of_state("SerializeFMUState"), state, data, size) == OK
+        return data.raw
+
+    def read(self, data: bytes, state: ctypes.c_void_p) -> int:
+        name = "DeSerializeFMUstate" if self.fmi == 2 else "DeserializeFMUState"
+        return self.call(name, data, ctypes.c_size_t(len(data)), ctypes.byref(state))
+
+    def go_on_from(self, data: bytes) -> None:
+        """The state that was written is the instance's own."""
+        state = ctypes.c_void_p()
+        assert [self.read(data, state), self.restore(state), self.forget(state)] == [OK] * 3
+
+
+def reseal(data: bytes) -> bytes:
+    """A damaged state with the length and the checksum (FNV-1a over words) that component.c expects."""
+    if len(data) < 24:
+        return data
+    body, checksum = data[24:], 14695981039346656037
+    words = len(body) // 8
+    for value in (*struct.unpack(f"<{words}Q", body[: 8 * words]), *body[8 * words :]):
+        checksum = (checksum ^ value) * 1099511628211 & 0xFFFFFFFFFFFFFFFF
+    return data[:8] + struct.pack("<QQ", len(data), checksum) + body

@@ -24,7 +24,7 @@ from xml.etree import ElementTree
 import fmpy
 from fmpy.ssp.ssd import read_ssd
 from masters import remainder_steps
-from native_host import Host
+from native_host import OK, Host
 
 H = 0.01
 SIGNALS = tuple(("drive", name) for name in ("left.y", "right.y", "left.vy", "drive.torque"))
@@ -68,7 +68,7 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
         parts[component.name] = part = Host(path, folders[-1])
         for parameter in (p for b in component.parameterBindings for p in b.parameterValues[0].parameters):
             part.set(**{parameter.name: READ[parameter.type](parameter.value)})
-        part.enter()
+        assert part.enter() == OK, part.said
 
     def hand_over() -> None:
         values = [parts[c.startElement].get(c.startConnector)[0] for c in system.connections]
@@ -78,7 +78,7 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
     hand_over()
     hand_over()
     for part in parts.values():
-        part.fmu.exitInitializationMode()
+        part.call("ExitInitializationMode")
     rows = []
     for t, h in clock:
         hand_over()
@@ -87,8 +87,8 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
                 raise RuntimeError(f"{name}, doStep({t!r}, {h!r}): {message}")
         rows.append([float(parts[component].get(name)[0]) for component, name in SIGNALS])
     for part in parts.values():
-        part.fmu.terminate()
-        part.fmu.freeInstance()
+        part.call("Terminate")
+        part.free()
     for path in folders:
         shutil.rmtree(path, ignore_errors=True)
     return rows
@@ -133,7 +133,8 @@ TOOLS: dict[str, Callable[[str, int], Rows]] = {
     "ecos": ecos_rows,
     "libcosim": libcosim_rows,
     "fmpy_adding": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps)),
-    "fmpy_halved": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps, H / 2.0)),
+    "fmpy_5_ms": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps, 0.005)),
+    "fmpy_2.5_ms": lambda ssp, steps: fmpy_rows(ssp, adding_steps(steps, 0.0025)),
     "fmpy_counting": lambda ssp, steps: fmpy_rows(ssp, counted_steps(steps)),
     "master": lambda ssp, steps: fmpy_rows(ssp, to_the_end(ssp)),
 }

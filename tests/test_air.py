@@ -141,18 +141,6 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
     return left, right
 
 
-def test_both_forms_agree_in_the_wind_with_a_floor() -> None:
-    blown = scene(density=1.2, vx=10.0, vy=-3.0, vz=12.0, cross_y=-2.0, cross_height=2.0, buffet=1.0, buffet_length=2.0)
-    python, native = (wound(balance_rope(blown, form), ends, 30) for form in ("python", "native"))
-    one, other = python.state, native.state
-    assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
-    assert one.counts == other.counts
-    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-6)
-    assert other.energy_balance.given_to_air < -0.1  # it drives the rope
-    # the momentum is that of end forces, weight, floor and air
-    assert max(one.audit.missing_force, other.audit.missing_force) < 1e-3 * other.audit.force
-
-
 @pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to bring along")
 @pytest.mark.parametrize("curvature", [0.0, pytest.param(0.05, marks=pytest.mark.slow)])
 def test_a_bundle_has_all_that_its_scene_needs(curvature, tmp_path, monkeypatch, caplog):

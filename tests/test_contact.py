@@ -285,39 +285,6 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
     return left, right
 
 
-def test_both_forms_agree_in_contact() -> None:
-    python, native = (wound(balance_rope(narrow(), form), ends, 30) for form in ("python", "native"))
-    one, other = python.state, native.state
-    assert other.energy_balance.dissipated_contact > 0.01
-    # rounding, by some hundred steps of a stiff contact
-    assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
-    assert one.counts == other.counts
-    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-6)
-    # the momentum is that of end forces, weight and what the bodies do: to Newton's tolerance over the step's square
-    assert other.audit.force > 100
-    assert max(one.audit.missing_force, other.audit.missing_force) < 1e-3 * other.audit.force
-    names = [f"contact.{kind}" for kind in KINDS]
-    assert_allclose(np.hstack(one.contact), np.hstack(other.contact), rtol=1e-6, atol=1e-6)
-    assert native.signals(["contact.floor.impulse"])["contact.floor.impulse"] > 1.0
-    pressures = native.signals(names)
-    assert pressures["contact.floor"] > 100
-    assert pressures["contact.lining"] > 0
-    assert_allclose([*python.signals(names).values()], [*pressures.values()], rtol=1e-6, atol=1e-6)
-
-
-@pytest.mark.parametrize("form", ["python", "native"])
-def test_a_rope_saved_in_contact_goes_on_bit_by_bit(form: Any) -> None:
-    rope = wound(balance_rope(narrow(), form), ends, 15)
-    saved = rope.state.to_bytes()
-    straight = wound(rope, ends, 5, first=15).state
-    other = balance_rope(rope.scene, form)
-    other.restore(saved)
-    after = wound(other, ends, 5, first=15).state
-    assert_array_equal(after.motion.q, straight.motion.q)
-    assert_array_equal(after.motion.reaction, straight.motion.reaction)
-    assert after.energy_balance == straight.energy_balance
-
-
 def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> None:
     """TMN-ETM on 30 m of rope, whose loop drags over the floor through several transformations."""
     scene = Scene(

@@ -3,10 +3,7 @@
 import json
 import logging
 import math
-import os
-import subprocess
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -237,65 +234,6 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
     (tmp_path / "x.npz").write_text(json.dumps({}))
     with pytest.raises(ValueError, match=r"x\.npz' must be a checkpoint"):
         Checkpoint.read(tmp_path / "x.npz")
-
-
-# through the FMU, in a process of its own, because a loaded FMU shares Python with the test
-
-THROUGH_THE_FMU = """
-import sys, tempfile
-from pathlib import Path
-from hoist_demo.cosimulation.checkpoint import Checkpoint
-from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.host import Host
-from hoist_demo.parameters import Coupling, Hoist, Winding
-from rope_model import EndMotion
-
-path, folder = Path(sys.argv[1]), Path(sys.argv[2])
-trip = Winding(travel=0.002, settle=0.0, start_delay=0.0)
-
-rope = FmuRope(path)
-assert rope.initialize(0.0, EndMotion(), EndMotion(y=90.0)).valid
-snapshot, moved = rope.save(), (EndMotion(y=1e-4, vy=0.02, ay=0.5), EndMotion(y=90.0))
-assert rope.step(0.0, 0.01, *moved).valid
-read = rope.reader([*rope.units()])
-first = read()
-rope.restore(snapshot)
-assert rope.step(0.0, 0.01, *moved).valid
-assert (read() == first).all()
-mass, nothing = rope.reader(["left.added_mass", "nothing"])()
-assert mass > 0.0 and nothing != nothing
-unpacked = list(Path(tempfile.gettempdir()).iterdir())
-assert len(unpacked) == 1, unpacked
-try:
-    rope.from_bytes(b"x")
-except ValueError:
-    pass
-rope.close()
-
-def run(**options):
-    rope = FmuRope(path)
-    result = Host(rope, Hoist(), trip, Coupling(scheme="iterative-jacobian")).run(**options)
-    rope.close()
-    return result
-
-whole = run()
-assert whole.completed, whole.cause
-stopped = run(progress=lambda fraction, t: t < 0.2, save_to=folder / "last_good.npz")
-resumed = run(resume=Checkpoint.read(stopped.saved))
-assert resumed.completed, resumed.cause
-for name, values in whole.recording.signals.items():
-    assert (resumed.recording[name] == values).all(), name
-"""
-
-
-def test_rollback_and_resuming_through_the_fmu_are_bit_identical(tmp_path: Path, fmu_of: Callable[[str], Path]) -> None:
-    command = [sys.executable, "-c", THROUGH_THE_FMU, str(fmu_of("draft")), str(tmp_path)]
-    (scratch := tmp_path / "scratch").mkdir()
-    where = {**os.environ, "TMPDIR": str(scratch), "TMP": str(scratch)}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=where)
-    assert done.returncode == 0, done.stderr[-2000:]
-    assert done.stdout == "", "library code must not print"
-    assert not any(scratch.iterdir()), "what is unpacked goes with the process"
 
 
 @pytest.mark.parametrize(("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)])

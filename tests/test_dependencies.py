@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import pytest
 from exports import FLAVOURS
 from native_host import H, Host
@@ -13,11 +12,10 @@ KINDS = [*sorted(FLAVOURS), "drive-2", "drive-3"]
 
 
 @pytest.fixture(scope="module", params=KINDS)
-def host(request: Any, fmu_of: Callable[[str], Path]) -> Iterator[Host]:
-    fmu = fmu_of(request.param)
-    made = Host(fmu, fmpy.extract(str(fmu)))
+def host(request: Any, unpacked: Callable[[str], tuple[Path, str]]) -> Iterator[Host]:
+    made = Host(*unpacked(request.param))
     yield made
-    made.fmu.freeInstance()
+    made.free()
 
 
 def names(host: Host, causality: str) -> list[str]:
@@ -35,7 +33,7 @@ def nudge(host: Host, name: str) -> None:
 
 
 def test_no_input_and_no_parameter_changes_an_output_before_the_next_step(host: Host) -> None:
-    host.fmu.reset()
+    host.call("Reset")
     host.start()
     for k in range(3):
         assert host.step(k * H) == ""
@@ -53,7 +51,7 @@ def test_no_input_and_no_parameter_changes_an_output_before_the_next_step(host: 
 
 
 def test_inputs_act_on_the_outputs_while_initialising(host: Host) -> None:
-    host.fmu.reset()
+    host.call("Reset")
     host.enter()
     before = outputs(host)
     # not the rope's speeds: a run starts from rest; the drive's conveyances hang in the middle of their guides
@@ -72,7 +70,7 @@ def test_initial_unknowns_name_what_acts_on_them(host: Host) -> None:
     if host.description.modelName == "BalanceRope":
         assert not listed
         return
-    host.fmu.reset()
+    host.call("Reset")
     host.enter()
     acting: dict[str, set[str]] = {name: set() for name in listed}
     for v in host.variables.values():

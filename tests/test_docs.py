@@ -67,3 +67,21 @@ def test_the_animated_winding_shows_every_frame_and_is_small() -> None:
     moves = [element.get("values", "") for element in ET.parse(path).iter() if "animate" in element.tag]
     assert {len(values.split(";")) for values in moves} == {round(winding.END / winding.FRAME) + 1}
     assert path.stat().st_size < 1.5e6
+
+
+ENTRIES = re.findall(r"^### `+ ?(.*?) ?`+$", (DOCS / "reference" / "messages.md").read_text(encoding="utf-8"), re.M)
+#: all sources as one text, with literals that are joined and gaps for numbers and names alike
+SOURCES = "\n".join(
+    path.read_text(encoding="utf-8")
+    for folder in ("rope_model", "fmu_src", "hoist_demo")
+    for path in sorted((ROOT / folder).rglob("*"))
+    if path.suffix in (".py", ".c", ".h")
+)
+TEXTS = re.sub(r"\"\s*\n\s*r?f?\"", "", SOURCES)
+
+
+@pytest.mark.parametrize("entry", ENTRIES)
+def test_an_entry_speaks_of_a_message_that_there_is(entry: str) -> None:
+    parts = [part.strip() for part in entry.split("…") if len(part.strip()) > 3]
+    assert len(re.findall(r"[A-Za-z]+", entry)) >= 3
+    assert [part for part in parts if part not in TEXTS] == []

@@ -1,101 +1,39 @@
-"""The drive's C code, compiled here and called through model.h, against the drive in process."""
+"""The drive's FMU against the drive in process."""
 
-import ctypes
-import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from drives import Plant, PlantInput
+from exports import FLAVOURS
+from native_host import OK, H, Host
 from numpy.testing import assert_allclose
 
-from fmu_src.interface import Variable
-from fmu_src.native.start import Start, c_start
-from fmu_src.native.table import c_table, start_values
 from hoist_demo.cases.case import Case
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive_fmu.description import DriveModel, drive_model
-from hoist_demo.drive_fmu.interface import INPUTS, motions, rest_forces
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES
+from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.drive_fmu.description import drive_model
+from hoist_demo.drive_fmu.interface import INPUTS, Tail, force_inputs, motions, plant_outputs, rest_forces, side_forces
+from hoist_demo.drive_fmu.kernels import _input, _outputs
+from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import start_heights
-from rope_model.numerics.kernels import find_compiler
+from hoist_demo.parameters.place import Place
 
-NATIVE = Path(__file__).parents[1] / "fmu_src" / "native"
+pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 SETUP = CASES["rope-120"]
 MOTIONS = motions(SETUP.hoist)
-H = 0.01
-
-
-class Allocator(ctypes.Structure):
-    _fields_ = (("take", ctypes.c_void_p), ("give_back", ctypes.c_void_p))
-
-
-class Drive:
-    def __init__(self, library: ctypes.CDLL, model: DriveModel) -> None:
-        self.library, self.table = library, model.variables
-        self.places = {v.name: i for i, v in enumerate(self.table)}
-        self.values = (ctypes.c_double * len(self.table))(*(v.start or 0.0 for v in self.table))
-        self.message = ctypes.create_string_buffer(640)
-        libc = ctypes.CDLL(None)
-        self._allocator = Allocator(*(ctypes.cast(f, ctypes.c_void_p) for f in (libc.calloc, libc.free)))
-        library.model_create.restype = ctypes.c_void_p
-        self.instance: ctypes.c_void_p | None = None
-
-    def start(self, **values: float) -> bool:
-        self.set(**values)
-        found = self.library.model_create(self.values, ctypes.byref(self._allocator), self.message)
-        self.instance, time = ctypes.c_void_p(found) if found else None, ctypes.c_double(0.0)
-        return found and bool(self.library.model_initialize(self.instance, time, self.values, self.message))
-
-    def set(self, **values: float) -> None:
-        for name, value in values.items():
-            self.values[self.places[name.replace("__", ".")]] = value
-
-    def step(self, t: float, h: float = H) -> bool:
-        times = ctypes.c_double(t), ctypes.c_double(h)
-        return bool(self.library.model_step(self.instance, *times, self.values, self.message))
-
-    def get(self, name: str) -> float:
-        value, place = ctypes.c_double(), ctypes.c_size_t(self.places[name])
-        assert self.library.model_output(self.instance, place, ctypes.byref(value), self.message)
-        return value.value
-
-    def says(self) -> str:
-        return self.message.value.decode()
-
-    def close(self) -> None:
-        self.library.model_destroy(self.instance)
-
-
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> tuple[ctypes.CDLL, DriveModel]:
-    compiler = find_compiler()
-    if compiler is None:
-        pytest.skip("no C compiler: pip install ziglang")
-    folder, model = tmp_path_factory.mktemp("drive"), drive_model(SETUP)
-    table = [Variable(*v) for v in model.variables]
-    sources = {**model.sources, "variables.c": c_table(table, 2)}
-    sources["start.c"] = c_start(Start("token", start_values(table, 2)))
-    sources["model.h"] = (NATIVE / "model.h").read_text()
-    for name, text in sources.items():
-        (folder / name).write_text(text)
-    files = [name for name in sources if name.endswith(".c")]
-    flags = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
-    # CasADi's text is not ours to warn of
-    flags += ["-Wno-unused-parameter", "-Wno-unused-function", "-Wno-unused-variable"]
-    command = [*compiler, *flags, *files, "-o", "drive.so", "-lm"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return ctypes.CDLL(str(folder / "drive.so")), model
 
 
 @pytest.fixture
-def drive(compiled: tuple[ctypes.CDLL, DriveModel]) -> Iterator[Drive]:
-    instance = Drive(*compiled)
-    yield instance
-    instance.close()
+def drive(unpacked: Callable[[str], tuple[Path, str]]) -> Iterator[Host]:
+    made = Host(*unpacked("drive-2"))
+    yield made
+    made.free()
 
 
 def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float]]:
@@ -117,58 +55,95 @@ def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float
     return rows
 
 
-def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Drive) -> None:
+def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Host) -> None:
     # forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz
     (left, right), swing = rest_forces(SETUP), 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600))
     forces = [(left * (1 + s), right * (1 - s)) for s in swing]
     expected = in_process(SETUP, forces)
-    assert drive.start()
+    drive.start()
     found = []
     for k, (left, right) in enumerate(forces):
         drive.set(**dict(zip(INPUTS, (left, right), strict=True)))
-        assert drive.step(k * H), drive.says()
-        found.append([drive.get(name) for name in MOTIONS])
+        assert drive.step(k * H) == ""
+        found.append(drive.get(*MOTIONS))
     scale = np.abs(expected).max(axis=0)
     assert scale[0] > 89.0
     # 1e-7 of the fastest oscillation per step against an integrator that errs by 1e-9 at most
     assert_allclose(np.array(found) / scale, np.array(expected) / scale, rtol=0.0, atol=2e-6)
 
 
-def test_internal_steps_converge_with_order_five(drive: Drive) -> None:
+def test_internal_steps_converge_with_order_five(drive: Host) -> None:
     ends = []
     for steps in (2, 4, 64):
-        assert drive.start(solver__step_max=H / steps)
+        drive.start(solver__step_max=H / steps)
         # a blow that sets the conveyances swinging by decimetres, so that errors stand clear of rounding
         drive.set(**{INPUTS[1]: -2e5})
         for k in range(60):
-            assert drive.step(k * H), drive.says()
+            assert drive.step(k * H) == ""
         drive.set(**{INPUTS[1]: rest_forces(SETUP)[1]})
-        ends.append(drive.get("left.vy"))
-        drive.close()
-    drive.instance = None
+        ends += drive.get("left.vy")
+        drive.call("Reset")
     errors = np.abs(np.array(ends[:-1]) - ends[-1])
     assert np.all(np.log2(errors[:-1] / errors[1:]) > 4.7), errors
 
 
-def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_it_was(drive: Drive) -> None:
+def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_it_was(drive: Host) -> None:
     """Inputs are held: what is sent again counts on, and a jump is a jump."""
-    assert drive.start()
-    assert drive.step(0.0)
-    before = [drive.get(name) for name in MOTIONS]
+    drive.start()
+    assert drive.step(0.0) == ""
+    state, before = drive.state(), drive.get(*MOTIONS)
     for force, words in ((-1e9, "m/s2, not within +-100 m/s2"), (1e300, INPUTS[0])):
         drive.set(**{INPUTS[0]: force})
-        assert not drive.step(H)
-        assert words in drive.says()
-        assert [drive.get(name) for name in MOTIONS] == before
+        assert words in drive.step(H)
+        assert drive.get(*MOTIONS) == before
+        assert drive.restore(state) == OK
     drive.set(**dict(zip(INPUTS, rest_forces(SETUP), strict=True)))
-    assert drive.step(H), drive.says()
+    assert drive.step(H) == ""
 
 
-def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Drive) -> None:
-    assert drive.start(solver__step_max=0.001)
+def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> None:
+    drive.start(solver__step_max=0.001)
     drive.set(**{INPUTS[1]: -1e6})
     t = 0.0
-    while drive.step(t):
+    while not (said := drive.step(t)):
         before, t = drive.get("left.y"), t + H
-    assert "overwind" in drive.says()
+    assert "overwind" in said
     assert drive.get("left.y") == before
+
+
+def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
+    """At random motions: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
+    case, rng = CASES["kiruna-355"], np.random.default_rng(1)
+    tails = [Tail("a", 8.0, 400.0, Place(0.2, -0.1, -0.5)), Tail("b", 8.0, 400.0, Place(z=0.4)), Tail("c", 8.0, 400.0)]
+    plant = HoistPlant(case.hoist)
+    x = plant.hanging_state(*start_heights(case.hoist, case.winding), -1e4, -1e5).x
+    x += 0.01 * rng.normal(size=x.size)
+    names = [*force_inputs(tails), *side_forces(case.hoist, tails)]
+    forces = dict(zip(names, rng.normal(size=len(names)), strict=True))
+    u = np.concatenate([[0.0], _input(plant, tails)(x, list(forces.values())).full().ravel()])
+    values = _outputs(plant, tails)(x, u, [40.0, 395.0]).full().ravel()
+    shown = dict(zip(plant_outputs(case.hoist, tails), values, strict=True))
+    pairs = (("fx", "vx"), ("fy_mean", "vy"), ("fz", "vz"), ("my", "yaw_rate"))
+    at_ends = sum(
+        forces[f"{one.name}.{side}.{force}"] * shown.get(f"{one.name}.{side}.{rate}", shown[f"{side}.{rate}"])
+        for one in tails
+        for side in SIDES
+        for force, rate in pairs
+    )
+    total = dict(zip(INPUT_NAMES, u, strict=True))
+    at_centres = sum(
+        total[f"{'force' if force == 'fy_mean' else force}_{side}"] * shown[f"{side}.{rate}"]
+        for side in SIDES
+        for force, rate in pairs
+    )
+    assert at_ends == pytest.approx(at_centres, rel=1e-9)
+
+
+def test_what_a_system_cannot_hold_is_told_and_can_be_left_out() -> None:
+    case = find_case("jammed-conveyance")
+    case = replace(case, winding=replace(case.winding, emergency_at=5.0, emergency_law="torque"))
+    for name in (name for name, one in OMISSIONS.items() if one.reason):
+        told = [one for one in obstacles(case) if one.endswith(f"leave it out with --without {name}")]
+        assert len(told) == 1
+        assert not {*told} & {*obstacles(leave_out(case, [name]))}
+    assert drive_model(leave_out(case, OMISSIONS)).duration > 10.0

@@ -7,15 +7,16 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
-from hoist_demo.recording.time_series import read_csv
 from rope_model.numerics.kernels import find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 FMU = "build/balance_rope.fmu"
 
 
@@ -24,6 +25,14 @@ def lines_of(script: Path, folder: Path, *arguments: str) -> list[str]:
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout.splitlines()
+
+
+def readme_code(section: str, folder: Path) -> Path:
+    """The program in a section of README."""
+    code = re.search(r"```python\n(.*?)```", README.partition(f"## {section}\n")[2], re.DOTALL)
+    script = folder / "readme_code.py"
+    script.write_text(code[1], encoding="utf-8")
+    return script
 
 
 @pytest.fixture(scope="module")
@@ -83,13 +92,10 @@ def test_an_example_ends_with_one_times_what_it_compares_with(
 
 
 def test_readme_s_fmu_code_ends_with_the_weights_of_the_legs(folder: Path, tmp_path: Path) -> None:
-    section = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Use the FMU")[2]
-    code = re.search(r"```python\n(.*?)```", section, re.DOTALL)
-    script = tmp_path / "readme_fmu.py"
-    script.write_text(code[1], encoding="utf-8")
-    *_, left, right, yaw = found = [float(x) for x in re.findall(r"-?\d[\d.e-]*", lines_of(script, folder)[-1])]
+    said = lines_of(readme_code("Use the FMU", tmp_path), folder)[-1]
+    *_, left, right, yaw = found = [float(x) for x in re.findall(r"-?\d[\d.e-]*", said)]
     # digits that README shows, the rest cut off
-    told = re.search(r"`\((8\.0, .*)\)`", section)
+    told = re.search(r"`\((8\.0, .*)\)`", README)
     for x, shown in zip(found, told[1].replace("...", "").split(", "), strict=True):
         assert f"{x}".startswith(shown)
     # 10 m up and 10 m down: 25 m and 95 m of 8 kg/m; waves still run
@@ -107,6 +113,6 @@ def test_a_controller_of_one_s_own_winds_and_ends_below_the_landing(folder: Path
 def test_a_hoist_of_one_s_own_winds_with_its_rope_and_leaves_a_table(folder: Path) -> None:
     said = summary(lines_of(EXAMPLES / "own_hoist.py", folder, FMU))
     assert said["travel reached, left conveyance"] == pytest.approx(150.0, abs=0.01)
-    recording = read_csv(folder / "build" / "signals.csv")
+    recording = pd.read_csv(folder / "build" / "signals.csv")
     # 185 m of 10 kg/m between ends 150 m apart: the right leg is 167.5 m long
-    assert recording["right.fy"][0] == pytest.approx(-167.5 * 10.0 * 9.81, rel=0.01)
+    assert recording["right.fy [N]"][0] == pytest.approx(-167.5 * 10.0 * 9.81, rel=0.01)

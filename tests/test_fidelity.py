@@ -9,7 +9,7 @@ from end_paths import led
 from numpy.testing import assert_allclose
 from scenes import CHOICES, Choice, fixed_steps, smooth_step, wound
 
-from rope_model import BalanceRope, Mesh, Model, Rope, RopeState, Scene, Swivel, balance_rope
+from rope_model import BalanceRope, Mesh, Model, Rope, Scene, Swivel, balance_rope
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
 from rope_model.simulation.messages.fidelity_rules import expected_travel, force_error
@@ -202,20 +202,6 @@ def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(tol
     assert math.sqrt(np.mean((ours - reference) ** 2)) < 0.1 * np.abs(reference).max()
     # the energy of the shape that it takes on is in the balance
     assert abs(rope.state.energy_balance.residual) < 0.01 * rope.state.energy_balance.kinetic
-
-
-def test_fidelity_and_reason_survive_saving() -> None:
-    rope = start(EVEN)
-    for k in range(1, 121):
-        advance(rope, k, z=0.2)
-    state = RopeState.from_bytes(rope.save())
-    assert (state.fidelity, state.fidelity_reason) == (rope.state.fidelity, rope.state.fidelity_reason)
-    assert state.fidelity == "torsional"
-    again = balance_rope(rope.scene)
-    again.restore(rope.save())
-    advance(again, 121, z=0.2)
-    advance(rope, 121, z=0.2)
-    assert again.save() == rope.save()
 
 
 @pytest.mark.parametrize("case", CHOICES, ids=[case.title for case in CHOICES])

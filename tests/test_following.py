@@ -16,7 +16,7 @@ from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, EndMotion, Inputs, RopeSimulator, Scene, Status, balance_rope, rope_120
 from rope_model.engine import NativeRope
-from rope_model.parameters import FidelityChoice, Model, Rope, Trusted
+from rope_model.parameters import FidelityChoice, Trusted
 from rope_model.simulation.ends.following import manner_of
 
 H, TRAVEL = 0.01, 20.0
@@ -262,30 +262,6 @@ def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
         return end
     end = replace(end, z=round(0.02 * at * at, 4), vz=0.04 * at, az=0.04)
     return end if fidelity == "spatial" else replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)
-
-
-@pytest.mark.parametrize("form", [NativeRope, RopeSimulator])
-@pytest.mark.parametrize("fidelity", ["torsional", "spatial", "planar", "rigid"])
-def test_a_state_within_a_misfit_goes_on_to_the_same_bits(form, fidelity):
-    torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
-    scene = Scene(rope=Rope(length=60.0, **torque), model=Model(fidelity))
-    rope, other = form(scene), form(scene)
-
-    def go_on(rope: BalanceRope, first: int) -> bytes:
-        for k in range(first, first + 12):
-            assert rope.advance_to(k * H, unfit(k * H, fidelity), EndMotion()).valid
-        return rope.save()
-
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    go_on(rope, 1)
-    saved, kept = rope.save(), rope.snapshot()
-    assert rope.state.following[0].repeats > 0
-    assert rope.state.following[0].position > 1e-4
-    after = go_on(rope, 13)
-    for again, state in ((rope, kept), (rope, saved), (other, saved)):
-        again.restore(state)
-        assert again.save() == saved
-        assert go_on(again, 13) == after
 
 
 def test_the_energy_books_close_with_the_motion_that_is_followed() -> None:

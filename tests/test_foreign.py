@@ -1,17 +1,96 @@
-"""The drive's libraries for other platforms in emulators, where there are any (foreign_platforms tells which)."""
+"""The drive's libraries for other platforms, run here in emulators by a small host in C.
+
+Its outputs must be those of this platform's library.  Linux on aarch64 runs under qemu's user emulation with the C
+library of Debian's libc6-arm64-cross, Windows under wine.
+"""
 
 from __future__ import annotations
 
 import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from exports import export_drive
-from foreign_platforms import emulator, run
 from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from scenes import ends_at
 
-from fmu_src.native.build import host_platform
+from fmu_src.native.build import PLATFORMS, host_platform
+from hoist_demo.cases.table import CASES
+from hoist_demo.control.trajectory import s_curve
+
+ROOT = Path(__file__).resolve().parent.parent
+ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
+STEPS = 1000
+H = 0.01  # s
+OUTPUTS = ("left.y", "left.vy", "left.ay", "drive.torque", "left.fy", "right.fy", "left.mx", "loop.y", "loop.yaw")
+
+
+def run(fmu: Path, platform: str) -> NDArray[np.float64]:
+    """Outputs (STEPS, outputs) of the library for ``platform`` in the first 10 s of the 120 m winding."""
+    with tempfile.TemporaryDirectory() as name, zipfile.ZipFile(fmu) as archive:
+        folder, target = Path(name), PLATFORMS[platform]
+        described = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        path = f"binaries/{target.folder2}/{described.find('CoSimulation').get('modelIdentifier')}{target.suffix}"
+        library = folder / Path(path).name
+        library.write_bytes(archive.read(path))
+        command = [*(emulator(platform) or ()), _compile(folder, platform), f"./{library.name}", described.get("guid")]
+        # wine keeps its settings in the folder as well
+        where = {**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
+        options = {"input": script(described), "capture_output": True, "text": True, "check": False}
+        done = subprocess.run(list(map(str, command)), cwd=folder, env=where, **options)
+    assert done.returncode == 0, done.stderr[-500:]
+    return np.array([float.fromhex(line) for line in done.stdout.split()]).reshape(STEPS, -1)
+
+
+def emulator(platform: str) -> list[str] | None:
+    """Command before the program; None where it cannot run here."""
+    if platform == host_platform():
+        return []
+    if platform == "aarch64-linux" and sys.platform == "linux" and ARM_LIBRARIES.is_dir():
+        qemu = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
+        return [qemu, "-L", str(ARM_LIBRARIES)] if qemu else None
+    if platform == "x86_64-windows":
+        wine = shutil.which("wine64") or shutil.which("wine")
+        return [wine] if wine else None
+    return None
+
+
+def script(described: ElementTree.Element) -> str:
+    """Commands for foreign_host: the rope follows the reference, the drive runs under the forces at the start."""
+    references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
+    outputs = {v.get("name") for v in described.iter("ScalarVariable") if v.get("causality") == "output"}
+    reference = s_curve(CASES["rope-120"].winding)
+    lines = []
+    if "inputs_at_step_end" in references:
+        lines.append(f"b {references['inputs_at_step_end']} 1")
+    lines.append("i")
+    for k in range(STEPS):
+        if "left.y" not in outputs:
+            for side, end in zip(("left", "right"), ends_at(reference, 90.0, (k + 1) * H), strict=True):
+                values = {"y": end.y, "vy": end.vy, "ay": end.ay}
+                lines += [f"r {references[f'{side}.{name}']} {value!r}" for name, value in values.items()]
+        lines.append(f"s {k * H!r} {H!r}")
+        lines += [f"g {references[name]}" for name in OUTPUTS if name in outputs]
+    return "\n".join(lines) + "\n"
+
+
+def _compile(folder: Path, platform: str) -> Path:
+    host = folder / ("host.exe" if platform.endswith("windows") else "host")
+    headers = ROOT / "fmu_src" / "native" / "include"
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]
+    source = ROOT / "tests" / "native" / "foreign_host.c"
+    libraries = [] if platform.endswith("windows") else ["-ldl"]
+    subprocess.run([*compiler, f"-I{headers}", str(source), "-o", str(host), *libraries], check=True)
+    return host
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from balance_rope import main
@@ -12,7 +13,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.time_series import match_signals, read_csv
+from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.run import contradictions
 
 ROOT = Path(__file__).parents[1]
@@ -74,10 +75,10 @@ def test_signals_are_found_by_name_and_by_star_in_the_order_asked_for() -> None:
 def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path: Path) -> None:
     chosen = ["--set", "rope.mass_per_length=16", "--set", "hoist.payload_left=4000"]
     assert main([*DEMO, *chosen, "--out", str(tmp_path), "--signals", "*.fy", "drive.torque"]) == 0
-    recording = read_csv(tmp_path / "signals.csv")
-    assert list(recording.signals) == ["time", "left.fy", "right.fy", "drive.torque"]
+    recording = pd.read_csv(tmp_path / "signals.csv")
+    assert [*recording] == ["time [s]", "left.fy [N]", "right.fy [N]", "drive.torque [N.m]"]
     # the rope's own is half of it
-    assert recording["left.fy"][0] + recording["right.fy"][0] == pytest.approx(-16 * 9.81 * 120.0, rel=1e-3)
+    assert recording["left.fy [N]"][0] + recording["right.fy [N]"][0] == pytest.approx(-16 * 9.81 * 120.0, rel=1e-3)
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "rope.mass_per_length=16" in text.splitlines()[0]
     assert "| hoist.payload_left | 4000 | kg |" in text

@@ -92,7 +92,8 @@ document.querySelector('#runs tr[data-run="2"]').click();
 seen.marked = [...document.querySelectorAll(".run-line.marked")].map((line) => line.dataset.run);
 seen.dots = document.querySelectorAll(".dot").length;
 seen.fits = byId("runs").scrollWidth <= byId("runs").parentElement.clientWidth + 1;
-const shown = (name) => [...document.querySelectorAll("#columns label")].find((l) => l.textContent.trim() === name).firstChild;
+const labels = [...document.querySelectorAll("#columns label")];
+const shown = (name) => labels.find((label) => label.textContent.trim() === name).firstChild;
 for (const [id, name] of [["across", "slip_safety"], ["up", "clearance"]]) {
   byId(id).value = COLUMNS.findIndex((column) => column.name === name);
   byId(id).dispatchEvent(new Event("change"));

@@ -2,14 +2,10 @@
 
 import base64
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from hoist_demo.parameters import Winding
-from hoist_demo.recording.time_series import Recording
-from hoist_demo.report import panels
 from hoist_demo.report.html import packing
 
 
@@ -72,39 +68,3 @@ def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
     picture = packing.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
     upper_ends = 2.0 + 8.0 * np.arange(1, packing.ROPE_ROWS + 1) / packing.ROPE_ROWS
     np.testing.assert_allclose(picture[:, 0], upper_ends, rtol=1e-12)
-
-
-def curved_rope(**along_it: list[float]) -> Recording:
-    """Two instants of a rope of three points on a line, 4 m long, with what is known at them."""
-    points = {"x": [0.0, 1.0, 4.0], "y": [0.0] * 3, "z": [0.0] * 3} | along_it
-    signals = {f"shape.{name}[{i + 1}]": np.full(2, row[i]) for name, row in points.items() for i in range(3)}
-    return Recording({"time": np.array([0.0, 1.0])} | signals, {})
-
-
-def test_quantities_along_the_rope_are_shown_in_their_units_over_its_length() -> None:
-    shown = packing.along(curved_rope(bending=[0.0, 3e7, 0.0], torsion=[2e6, 2e6, 2e6], tension=[-1e3, 0.0, 9e3]))
-    assert (shown["length"], shown["note"]) == (4.0, "")
-    kept = {m["id"]: (m["unit"], m["values"]["hi"], m["quiet"]) for m in shown["maps"]}
-    expected = {"bending": ("MPa", 30.0, False), "torsion": ("MPa", 2.0, True), "tension": ("kN", 9.0, False)}
-    assert {name: (unit, pytest.approx(hi), quiet) for name, (unit, hi, quiet) in kept.items()} == expected
-    rows = unpack(shown["maps"][0]["values"]).reshape(packing.ROPE_ROWS, 2)
-    assert np.argmax(rows[:, 0]) in (packing.ROPE_ROWS // 4 - 1, packing.ROPE_ROWS // 4)
-
-
-def recording(**signals: list[float]) -> Recording:
-    named = {name.replace("__", "."): np.array(values, dtype=float) for name, values in signals.items()}
-    return Recording(named, {})
-
-
-def test_slips_last_until_the_swivel_sticks_again_and_transformations_are_where_their_count_grows() -> None:
-    slipping, counts = [0, 1, 1, 0, 0, 1], [0, 0, 1, 1, 3, 3]
-    run = recording(time=[0, 1, 2, 3, 4, 5], left__swivel__slipping=slipping, count__transformations=counts)
-    assert (panels.slips(run, "left"), panels.slips(run, "right")) == ([(1.0, 3.0), (5.0, 5.0)], [])
-    assert panels.transformations(run) == [2.0, 4.0]
-
-
-def test_the_emergency_stop_and_the_end_of_a_stopped_run_are_marked() -> None:
-    rows, trip = recording(time=[0, 5, 9]), SimpleNamespace(duration=12.0)
-    run = SimpleNamespace(recording=rows, completed=False, cause="?", trajectory=trip)
-    found = panels.marks(run, Winding(emergency_at=4.0))
-    assert [(mark.t, mark.label) for mark in found] == [(4.0, "emergency stop"), (9.0, "run stopped")]

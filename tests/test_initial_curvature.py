@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scenes
 from conftest import Chain, rotation
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 from scenes import past_each_other
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
@@ -218,27 +218,6 @@ def hung(of: Scene, form: Any = "native", height: float = 0.0) -> BalanceRope:
     rope = balance_rope(of, form)
     assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=height)).valid
     return rope
-
-
-@pytest.mark.parametrize("more", [{"installed_twist": 1.0}, {"EI_stick": 3000.0, "slip_moment": 2.0}])
-def test_both_forms_agree(more: dict[str, float]) -> None:
-    one, other = (wound(scene(**more), form, 20).state for form in ("python", "native"))
-    assert one.counts == other.counts
-    assert_allclose(one.motion.q, other.motion.q, atol=1e-8)
-    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-5)
-
-
-@pytest.mark.parametrize("form", ["python", "native"])
-def test_a_saved_rope_goes_on_to_the_bit(form: Any) -> None:
-    """With friction between its wires."""
-    of = scene(EI_stick=3000.0, slip_moment=2.0)
-    rope, other = wound(of, form, 12), balance_rope(of, form)
-    other.restore(rope.state.to_bytes())
-    assert_array_equal(other.state.hysteresis, rope.state.hysteresis)
-    for one in (rope, other):
-        assert one.advance_to(0.15, *past_each_other(0.15)).valid
-    assert_array_equal(rope.state.motion.q, other.state.motion.q)
-    assert_array_equal(rope.state.hysteresis, other.state.hysteresis)
 
 
 def uncoupled(angle: float, k0: float = K0) -> Scene:

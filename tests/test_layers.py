@@ -47,28 +47,30 @@ hoist_demo.parameters: rope_model.physics
 hoist_demo.drive: .parameters rope_model.numerics
 hoist_demo.control: .parameters rope_model.physics
 hoist_demo.recording: rope_model
-hoist_demo.design: .parameters .drive .control
+hoist_demo.design: .parameters .drive .control rope_model
 hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table rope_model.scene_names
     rope_model.texts
-hoist_demo.cases: .parameters .control rope_model.parameters
+hoist_demo.files: .parameters .control .design .cases rope_model rope_model.scene_names rope_model.texts
+hoist_demo.cases: .parameters .control .files rope_model
 hoist_demo.cosimulation.schemes: rope_model
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
     rope_model.scene_names
 hoist_demo.cosimulation: .parameters .drive .control .recording .cosimulation.schemes .cosimulation.participants
     rope_model
-hoist_demo.report: .parameters .recording .cosimulation .cosimulation.participants .study rope_model.texts
-hoist_demo.study: .parameters .control .design .cases .recording .cosimulation .cosimulation.participants
+hoist_demo.report: .parameters .cases .design .files .recording .cosimulation .cosimulation.participants .study
+    rope_model rope_model.simulation rope_model.texts
+hoist_demo.study: .files .parameters .control .design .cases .recording .cosimulation .cosimulation.participants
     .cosimulation.schemes rope_model rope_model.scene_names rope_model.texts
-hoist_demo.duty: .parameters .design .recording .cosimulation .cosimulation.participants .cosimulation.schemes .study
-    rope_model
-hoist_demo.ropes: .cases .parameters .recording .cosimulation .cosimulation.participants .cosimulation.schemes .study
-    rope_model
-hoist_demo.calibration: .parameters .control .cases .cosimulation.participants .report .study rope_model
+hoist_demo.duty: .cases .files .parameters .design .recording .cosimulation .cosimulation.participants
+    .cosimulation.schemes .study rope_model rope_model.texts
+hoist_demo.ropes: .cases .files .parameters .recording .cosimulation .cosimulation.participants
+    .cosimulation.schemes .study rope_model
+hoist_demo.calibration: .files .parameters .control .cases .cosimulation.participants .report .study rope_model
     rope_model.catalogue rope_model.physics rope_model.scene_names rope_model.simulation rope_model.texts
-hoist_demo.uncertainty: .parameters .calibration .cases .recording .cosimulation .cosimulation.participants .report
-    .study rope_model
-hoist_demo.command_line: .parameters .cases .recording .cosimulation .cosimulation.participants .cosimulation.schemes
-    .report .study .duty .ropes .calibration .uncertainty rope_model.scene_names
+hoist_demo.uncertainty: .files .parameters .calibration .cases .recording .cosimulation
+    .cosimulation.participants .report .study rope_model rope_model.texts
+hoist_demo.command_line: .files .parameters .cases .recording .cosimulation .cosimulation.participants
+    .cosimulation.schemes .report .study .duty .ropes .calibration .uncertainty rope_model rope_model.scene_names
 hoist_demo:"""
 )
 #: library: modules or packages in which it may be imported; numpy is welcome everywhere
@@ -85,6 +87,8 @@ pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description
 matplotlib: hoist_demo.report.figures hoist_demo.report.exposure_figures
 rainflow: hoist_demo.recording.exposure
+pint: hoist_demo.files.values
+pydantic: hoist_demo.files hoist_demo.duty hoist_demo.calibration hoist_demo.uncertainty hoist_demo.study
 tqdm: hoist_demo.cosimulation.progress hoist_demo.command_line.study hoist_demo.command_line.uncertain
 dask: hoist_demo.study.cluster
 pandas: hoist_demo.report.html.study hoist_demo.study.store

@@ -32,7 +32,6 @@ def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_ev
         worst = np.maximum(worst, largest_miss([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
     for short in (1e-6, 0.1, 0.5, 0.9):
         worst = np.maximum(worst, largest_miss([1.0, *[short] * 3] * 10, 1.0))
-    print("missed in even steps", even, "in any", worst)
     assert np.all(worst <= MISSED)
     # made good within the step, the last of these would take the path 1e6 times as far off
     assert np.all(largest_miss([1.0] * 5 + [1e-6] * 5, 1.0) <= MISSED)

@@ -19,7 +19,7 @@ from scenes import Choice
 from fmu_src.interface import variables
 from rope_model import scene_names
 from rope_model.codegen.state_structures import FollowingStructure
-from rope_model.codegen.structures import EndStructure, SceneStructure, end_structure, scene_structure
+from rope_model.codegen.structures import EndStructure, SceneStructure, scene_structure
 from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import frozen, refusal
@@ -53,8 +53,12 @@ def text_of(function: Any, *arguments: Any) -> str:
     return message.value.decode()
 
 
+def c_end(end: EndMotion) -> EndStructure:
+    return EndStructure(*dataclasses.astuple(end))
+
+
 def ends_of(ends: Ends) -> Any:
-    return (EndStructure * 2)(*map(end_structure, ends))
+    return (EndStructure * 2)(*map(c_end, ends))
 
 
 def pointer(x: Array) -> Any:
@@ -78,7 +82,7 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
 
 def end_message(native: Any, target: EndMotion, limits: Limits, side: int) -> str:
     inputs, sizes = scene_structure(Scene()).inputs, (ct.c_double * 12)(*(x for row in limits for x in row))
-    return text_of(native.ends_refusal, ct.byref(inputs), ct.byref(end_structure(target)), sizes, side)
+    return text_of(native.ends_refusal, ct.byref(inputs), ct.byref(c_end(target)), sizes, side)
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])

@@ -67,7 +67,7 @@ def test_sources_rebuild_with_fmpy_compile(fmi: int, fmus: dict[int, Path], tmp_
     rebuilt = Host(fmus[fmi], folder)
     rebuilt.start()
     assert rebuilt.get("left.fy") == [pytest.approx(-15.0 * 8.0 * 9.81)]
-    rebuilt.call("FreeInstance")
+    rebuilt.free()
 
 
 def test_the_wide_form_is_taken_where_the_processor_has_it() -> None:

@@ -110,6 +110,7 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
         state._replace(step_next=math.nan),
         state._replace(motion=replace(state.motion, t=5.0)),
         state._replace(partition=replace(cells, coarse=1e-300)),
+        *(state._replace(partition=replace(cells, lengths=x * cells.lengths)) for x in (1.0 + 1e-6, -1.0, math.nan)),
         state._replace(partition=replace(cells, counts=(1, *cells.counts[1:6], 10**6))),
         state._replace(counts=state.counts._replace(steps=2**62)),
     ):

@@ -112,7 +112,7 @@ def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkey
         export_native(path, level="draft", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start=start)
         host = Host(path, fmpy.extract(str(path), str(tmp_path / str(length))))
         assert host.get("rope.length") == [length]
-        host.call("FreeInstance")
+        host.free()
         tokens.add(host.description.guid if fmi == 2 else host.description.instantiationToken)
         with zipfile.ZipFile(path) as archive:
             assert f"        {length!r},\n" in archive.read("sources/start.c").decode()

@@ -5,10 +5,9 @@ from collections.abc import Iterator
 
 import casadi as ca
 import pytest
-from integrated_systems import soft_rope, verdict_on
+from integrated_systems import verdict_on
 from numpy.testing import assert_allclose
 
-from rope_model.numerics.generalized_alpha import Coefficients, step
 from rope_model.numerics.newton import NewtonStatus, newton, report
 
 
@@ -58,14 +57,3 @@ def test_the_error_left_by_a_wrong_derivative_is_estimated(tolerance: float, rea
     assert (verdict.status, verdict.iterations) == (NewtonStatus.CONVERGED, corrections)
     assert_allclose(found.full().ravel(), [reached, reached - 1], rtol=1e-12)
     assert verdict.error == pytest.approx(reached - 1, rel=1e-12)
-
-
-def test_an_ordinary_step_takes_few_newton_iterations() -> None:
-    system, start = soft_rope()
-    m, iterations = start, []
-    for _ in range(20):
-        result = step(system, m, 5e-3, Coefficients(0.6), 1e-8)
-        assert result.motion is not None
-        m = result.motion
-        iterations.append(result.newton.iterations)
-    assert max(iterations) <= 4

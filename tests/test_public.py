@@ -1,7 +1,6 @@
 """What a user imports from rope_model: documented, typed, quick to load, and the same for both forms of the rope."""
 
 import copy
-import os
 import pickle
 import re
 import shutil
@@ -14,14 +13,14 @@ from typing import Any
 
 import pytest
 from numpy.testing import assert_allclose
+from test_examples import EXAMPLES, ROOT, lines_of, readme_code
 
 import rope_model
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public
 from rope_model.codegen.build import library
 from rope_model.numerics.kernels import find_compiler
 
-ROOT = Path(__file__).resolve().parent.parent
-EXAMPLES = ROOT / "examples"
+PYTHON = "Use the rope in Python"
 SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))
 #: N/m of rope_120
 WEIGHT = 8.0 * 9.81
@@ -35,34 +34,18 @@ def test_every_public_name_is_imported_from_the_package() -> None:
         rope_model.rope_simulator  # type: ignore[attr-defined]  # noqa: B018
 
 
-def readme_example(folder: Path) -> Path:
-    section = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Use the rope in Python")[2]
-    block = re.search(r"```python\n(.*?)```", section, re.DOTALL)
-    assert block is not None
-    script = folder / "readme_example.py"
-    script.write_text(block[1], encoding="utf-8")
-    return script
-
-
-def lines_of(script: Path, cache: Path) -> list[str]:
-    environment = os.environ | {"BALANCE_ROPE_CACHE": str(cache), "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, str(script)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=cache, env=environment)
-    assert done.returncode == 0, done.stderr[-2000:]
-    return done.stdout.splitlines()
-
-
 @pytest.fixture
-def cache(tmp_path: Path) -> Path:
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache"
     folder.mkdir()
     shutil.copy(library(), folder)
+    monkeypatch.setenv("BALANCE_ROPE_CACHE", str(folder))
     return folder
 
 
 @needs_compiler
 def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_no_more(cache: Path, tmp_path: Path) -> None:
-    force, unit = lines_of(readme_example(tmp_path), cache)[-1].split()
+    force, unit = lines_of(readme_code(PYTHON, tmp_path), cache)[-1].split()
     # the loop hangs at (120 - 90) / 2 m of the rope; its bend is even
     assert_allclose(float(force), -15.0 * WEIGHT, rtol=1e-3)
     assert unit == "N"
@@ -85,7 +68,7 @@ def test_strict_mypy_has_nothing_to_say_on_scripts_that_use_the_interface(tmp_pa
     wrong = tmp_path / "wrong.py"
     wrong.write_text("from rope_model import EndMotion, no_such_name\n\nEndMotion(y='high')\n", encoding="utf-8")
     command = [sys.executable, "-m", "mypy", "--strict"]
-    command += [*map(str, sorted(EXAMPLES.glob("*.py"))), str(readme_example(tmp_path)), str(wrong)]
+    command += [*map(str, sorted(EXAMPLES.glob("*.py"))), str(readme_code(PYTHON, tmp_path)), str(wrong)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
     errors = [line for line in done.stdout.splitlines() if "error:" in line]
     # what it does say on a script that is wrong shows that it sees the types

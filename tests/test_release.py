@@ -84,7 +84,7 @@ def test_the_wheel_needs_no_compiler_and_exports_what_a_checkout_does(tmp_path: 
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
     tops = {name.split("/")[0] for name in names if ".dist-info/" not in name}
-    assert tops == {*PACKAGES, "balance_rope.py"}
+    assert tops == {*PACKAGES, "balance_rope.py", "hoist_export.py"}
     for one in ("rope_model/csrc/prebuilt/rope", "fmu_src/native/prebuilt/BalanceRope"):
         assert all(any(name.startswith(f"{one}-{platform}-") for name in names) for platform in PLATFORMS)
     try_wheel(wheel)

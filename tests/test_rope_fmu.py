@@ -15,7 +15,6 @@ import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS
-from freed_blocks import freed_blocks
 from native_host import Host
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip
@@ -25,7 +24,7 @@ from fmu_src.documentation import interface_page
 from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
-from rope_model import RopeSimulator, rope_120
+from rope_model import RopeSimulator, Swivel, balance_rope, rope_120
 from rope_model.simulation.outputs.sensitivity import LOADS
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
 
@@ -37,20 +36,14 @@ COMPARED += ["loop.x", "loop.y", "loop.z", "loop.yaw", "loop.clearance", "stress
 SWIVELS = {f"{side}.swivel.{k}": v for side in ("left", "right") for k, v in (("mode", 2), ("release_time", 0.3))}
 python_only = pytest.mark.parametrize("host", ["python"], indirect=True)
 REALS = ("Real", "Float64")
-Folders = dict[str, tuple[Path, str]]
-
-
-@pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Folders:
-    paths = {name: fmu_of(name) for name in FLAVOURS}
-    return {n: (path, fmpy.extract(str(path), str(tmp_path_factory.mktemp(n)))) for n, path in paths.items()}
+Unpacked = Callable[[str], tuple[Path, str]]
 
 
 @pytest.fixture(params=sorted(FLAVOURS))
-def host(request: pytest.FixtureRequest, folders: Folders) -> Iterator[Host]:
-    made = Host(*folders[request.param])
+def host(request: pytest.FixtureRequest, unpacked: Unpacked) -> Iterator[Host]:
+    made = Host(*unpacked(request.param))
     yield made
-    made.call("FreeInstance")
+    made.free()
 
 
 def move(host: Host, t: float) -> None:
@@ -66,6 +59,16 @@ def run(host: Host, first: int, last: int, part: float = 1.0) -> list[list[float
         assert host.step(k * part * H, part * H) == ""
         record.append(host.get(*COMPARED))
     return record
+
+
+def test_swivels_of_each_flavour_start_where_they_do_in_process(host: Host) -> None:
+    names = [f"{side}.swivel.{key}" for side in ("left", "right") for key in ("torque", "angle")]
+    host.start(**{"left.swivel.mode": 2, "right.swivel.mode": 2})
+    healthy = Swivel(mode="coulomb")
+    rope = balance_rope(rope_120().scene.with_(left=healthy, right=healthy))
+    assert rope.initialize(0.0, *smooth_trip(0.0, 20.0, 5.0, 90.0)).valid
+    assert abs(rope.signals()["left.swivel.angle"]) > 0.1
+    assert_allclose(host.get(*names), [*rope.signals(names).values()], rtol=0, atol=1e-7)
 
 
 def test_fmu_equals_the_python_rope_in_process(host: Host, request: pytest.FixtureRequest) -> None:
@@ -97,8 +100,8 @@ def test_fmu_equals_the_python_rope_in_process(host: Host, request: pytest.Fixtu
         assert_allclose(ours, theirs, rtol=0, atol=allowed, err_msg=name)
 
 
-def test_reference_results_inside_are_met(host: Host, folders: Folders, request: pytest.FixtureRequest) -> None:
-    with zipfile.ZipFile(folders[request.node.callspec.params["host"]][0]) as archive:
+def test_reference_results_inside_are_met(host: Host, unpacked: Unpacked, request: pytest.FixtureRequest) -> None:
+    with zipfile.ZipFile(unpacked(request.node.callspec.params["host"])[0]) as archive:
         tables = []
         for kind in ("in", "ref"):
             text = archive.read(f"extra/org.balance-rope.reference/BalanceRope_{kind}.csv").decode()
@@ -116,30 +119,26 @@ def test_state_goes_on_to_the_bit_over_transformations_after_half_steps(host: Ho
     host.start(**EVEN)
     run(host, 0, 120)
     state = host.state()
-    data = host.serialize(state)
+    data = host.write(state)
     first = run(host, 120, 180)
     assert host.get("count.transformations")[0] > 0
     host.restore(state)
     run(host, 120, 150, part=0.5)
     host.restore(state)
-    host.free(state)
+    host.forget(state)
     assert run(host, 120, 180) == first
-    taken = host.deserialize(data)
-    host.restore(taken)
-    host.free(taken)
+    host.go_on_from(data)
     assert run(host, 120, 180) == first
 
 
 def elsewhere(path: str, folder: str, state: str, first: int, last: int) -> str:
     other = Host(Path(path), folder)
-    taken = other.deserialize(Path(state).read_bytes())
-    other.restore(taken)
-    other.free(taken)
+    other.go_on_from(Path(state).read_bytes())
     return repr(run(other, first, last))
 
 
-def in_another_process(call: str, **variables: str) -> str:
-    where = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path]), **variables}
+def in_another_process(call: str) -> str:
+    where = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
     command = [sys.executable, "-c", f"import test_rope_fmu as t; print(t.{call})"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=where)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -147,19 +146,19 @@ def in_another_process(call: str, **variables: str) -> str:
 
 
 def test_serialized_state_goes_on_in_another_process_over_swivel_events_to_the_bit(
-    host: Host, folders: Folders, request: pytest.FixtureRequest, tmp_path: Path
+    host: Host, unpacked: Unpacked, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
     """Also in an instance that has not been initialised, and has other parameters."""
     host.start(**EVEN, **{"rope.installed_twist": 2.0}, **SWIVELS)
     run(host, 0, 40)
     state, saved = host.state(), tmp_path / "state"
-    saved.write_bytes(host.serialize(state))
-    host.free(state)
+    saved.write_bytes(host.write(state))
+    host.forget(state)
     before = host.get("count.swivel_events")[0]
     here = repr(run(host, 40, 160))
     assert host.get("count.swivel_events")[0] > before
     assert host.get("count.transformations")[0] > 0
-    path, folder = map(str, folders[request.node.callspec.params["host"]])
+    path, folder = map(str, unpacked(request.node.callspec.params["host"]))
     assert in_another_process(f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 40, 160)") == here
 
 
@@ -192,8 +191,8 @@ def test_whole_life_without_taking_memory_while_stepping(tmp_path: Path, way: st
 
 
 @pytest.mark.parametrize("case", ["rope-120", pytest.param("rope-240", marks=pytest.mark.slow)])
-def test_instances_are_independent_also_of_another_fmu(folders: Folders, case: str, tmp_path: Path) -> None:
-    path, folder = folders["python"]
+def test_instances_are_independent_also_of_another_fmu(unpacked: Unpacked, case: str, tmp_path: Path) -> None:
+    path, folder = unpacked("python")
     third = (path, folder)
     if case != "rope-120":
         other = export_fmu(tmp_path / "long.fmu", case, "draft", platforms=HERE)
@@ -208,27 +207,13 @@ def test_instances_are_independent_also_of_another_fmu(folders: Folders, case: s
     assert records[0] == records[1]
     assert [each.get("rope.length")[0] for each in hosts] == [120.0, 120.0, 240.0 if case == "rope-240" else 120.0]
     for each in hosts:
-        each.call("FreeInstance")
+        each.free()
 
 
 @python_only
 def test_portable_kernels_travel_inside(host: Host) -> None:
     host.start(inputs_at_step_end=True, solver__kernels=2)
     assert np.all(np.isfinite(run(host, 0, 5)))
-
-
-def brief(path: str, folder: str) -> str:
-    host = Host(Path(path), folder)
-    host.start(**EVEN)
-    run(host, 0, 3)
-    host.fmu.terminate()
-    host.call("FreeInstance")
-    return "done"
-
-
-def test_no_freed_memory_is_used_up_to_the_end_of_the_process(folders: Folders, tmp_path: Path) -> None:
-    path, folder = map(str, folders["python"])
-    assert in_another_process(f"brief({path!r}, {folder!r})", LD_PRELOAD=str(freed_blocks(tmp_path))) == "done"
 
 
 def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

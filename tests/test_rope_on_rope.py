@@ -209,32 +209,6 @@ def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: A
     assert one.counts == other.counts
 
 
-def test_both_forms_agree_where_the_legs_press_each_other() -> None:
-    python, native = (wind(begun(twisted(), form), 0, 84) for form in ("python", "native"))
-    one, other = python.state, native.state
-    assert other.energy_balance.dissipated_contact > 1.0
-    assert native.signals(["contact.rope"])["contact.rope"] > 100
-    # rounding, by some ten steps of a stiff contact
-    assert_allclose(one.motion.q, other.motion.q, atol=1e-9)
-    assert one.counts == other.counts
-    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-6)
-    names = ["contact.rope", "energy.contact", "audit.momentum", "audit.moment"]
-    assert_allclose([*python.signals(names).values()], [*native.signals(names).values()], rtol=1e-6, atol=1e-9)
-
-
-@pytest.mark.parametrize("form", ["python", "native"])
-def test_a_rope_saved_as_its_legs_press_each_other_goes_on_bit_by_bit(form: Any) -> None:
-    rope = wind(begun(twisted(), form), 0, 81)
-    saved = rope.state.to_bytes()
-    straight = wind(rope, 81, 2).state
-    other = balance_rope(rope.scene, form)
-    other.restore(saved)
-    after = wind(other, 81, 2).state
-    assert_array_equal(after.motion.q, straight.motion.q)
-    assert after.energy_balance == straight.energy_balance
-    assert after.energy_balance.contact > 0.1
-
-
 def test_legs_that_turn_about_each_other_lie_against_each_other_and_keep_the_balances() -> None:
     rope = Rope(length=10.0, EI=200.0)
     scene = twisted(1e7, rope=rope, layout=Layout(0.5), mesh=Mesh("eem", elements=40), solver=Solver())

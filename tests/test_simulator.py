@@ -11,7 +11,6 @@ from scenes import smooth_trip
 
 from rope_model import BalanceRope, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
 from rope_model.simulation.ends.paths import EndMotion, EndPath
-from rope_model.simulation.stepping.events import locate
 
 H = 0.01
 #: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test run
@@ -37,26 +36,6 @@ def wind(rope: BalanceRope, first: int, last: int, names: Iterable[str] | None =
         assert rope.advance_to((k + 1) * H, *ends_at((k + 1) * H)).valid
         record.append(rope.signals(names))
     return record
-
-
-def test_locate_ends_between_neighbouring_numbers() -> None:
-    """At 2e9 they are 2.4e-7 apart, further than the width asked for."""
-    found = locate(lambda t: t - 2e9 - 3.3e-3, 2e9, 2e9 + 0.01, -3.3e-3, 6.7e-3, 1e-9)
-    assert abs(found - 2e9 - 3.3e-3) < 3e-7
-
-
-def test_end_path_is_twice_continuously_differentiable_and_arrives() -> None:
-    path = EndPath.at_rest(0.0, EndMotion(y=2.0))
-    targets = [EndMotion(x=0.01, y=2.1, vy=3.0, ay=5.0, yaw=0.1, yaw_rate=0.2), EndMotion(y=2.2, vy=2.0, ay=-4.0)]
-    for k, target in enumerate(targets):
-        following = led(path, 0.1 * (k + 1), target)
-        for before, after in zip(path.motion(path.stop), following.motion(following.start), strict=True):
-            assert_allclose(after, before, rtol=0, atol=1e-12)
-        x, v, a = following.motion(following.stop)
-        assert_allclose(x, [target.x, target.y, target.z, target.yaw], rtol=0, atol=1e-12)
-        assert_allclose(v[:3], target.velocity, rtol=0, atol=1e-11)
-        assert_allclose(a[:3], target.acceleration, rtol=0, atol=1e-9)
-        path = following
 
 
 def test_end_path_derivatives_are_those_of_its_position() -> None:

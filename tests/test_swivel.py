@@ -20,7 +20,7 @@ from rope_model.simulation.state import Event
 
 # a short soft rope whose axial waves an explicit reference integrator can follow
 SOFT = Rope(length=8.0, Qa=2e4, Qb=0.0, Qc=0.0, Qd=10.0, EI=60.0, rhoJ=0.02, beta_K=2e-3)
-STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014)
+STIFF_BEARING = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.014, start="locked")
 
 
 def scene(step: float = 2e-3, **swivels: Swivel) -> Scene:

@@ -16,7 +16,6 @@ import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS, Flavour
-from freed_blocks import freed_blocks
 from scenes import ends_at, fixed_steps
 
 from balance_rope import main
@@ -24,6 +23,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import RopeSimulator, rope_120
 from rope_model.engine import NativeRope
+from rope_model.numerics.kernels import find_compiler
 
 H, TRAVEL = 0.01, 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
@@ -124,6 +124,17 @@ def test_tool_without_python_runs_the_fmu(exported: tuple[Flavour, Path], tmp_pa
     column = next(i for i, name in enumerate(written[0].split(",")) if "status.valid" in name)
     assert {line.split(",")[column].strip() for line in written[1:]} == {"1"}
     assert len(written) > 20
+
+
+def freed_blocks(folder: Path) -> Path:
+    """A library to preload that makes any use of freed C++ memory fatal."""
+    compiler = find_compiler()
+    if compiler is None:
+        pytest.skip("needs a C compiler")
+    source, library = Path(__file__).parent / "native" / "freed_blocks.c", folder / "freed_blocks.so"
+    command = [*compiler, "-std=c99", "-O1", "-fPIC", "-shared", str(source), "-o", str(library)]
+    subprocess.run(command, check=True, capture_output=True)
+    return library
 
 
 def test_tool_without_python_ends_without_use_of_freed_memory(exported: tuple[Flavour, Path], tmp_path: Path) -> None:

@@ -216,23 +216,6 @@ def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
 
 
-def test_both_forms_take_the_same_steps() -> None:
-    """Also where errors halve them."""
-    of, states = scene(), []
-    strict = replace(of, solver=replace(of.solver, tolerance=1.0, newton_tolerance=1e-8))
-    for form in ("python", "native"):
-        states.append(wound(strict, form, 4, 0.02).state)
-    one, other = states
-    assert one.counts == other.counts
-    assert one.counts.steps > 8
-    assert_allclose(one.motion.q, other.motion.q, atol=1e-8)
-    assert_allclose(one.hysteresis, other.hysteresis, atol=1e-8 * np.abs(one.hysteresis).max() + 1e-9)
-    assert_allclose(one.energy_balance, other.energy_balance, atol=1e-5)
-    assert other.energy_balance.dissipated_wires > 0
-    assert_allclose(one.errors.place, other.errors.place, rtol=1e-6)
-    assert_allclose(one.errors.squares, other.errors.squares, rtol=1e-6)
-
-
 def test_what_the_wires_take_is_in_the_energy_balance() -> None:
     energy = wound(scene(), "native", 200).state.energy_balance
     assert energy.dissipated_wires > 10 * energy.dissipated_material > 0

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import fmpy
-from native_raw import SMALL
+from native_host import SMALL
 
 ROOT = Path(__file__).resolve().parent.parent
 THREADS, STEPS = 16, 10

@@ -92,7 +92,9 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
         if stopped:
             trip = replace(trip, emergency_at=begin, emergency_deceleration=brake, emergency_jerk=jerk)
         friction = in_logarithms(FRICTION)
-        swivel = Swivel(mu_static=STATIC * friction, mu_kinetic=friction, inertia=max(0.05 * mass / 8, 1e-3))
+        swivel = Swivel(
+            mu_static=STATIC * friction, mu_kinetic=friction, inertia=max(0.05 * mass / 8, 1e-3), start="locked"
+        )
         left, right = (replace(swivel, mode=mode) for mode in modes)
         if released and not stopped:
             right = replace(right, mode="free" if right.mode == "locked" else right.mode, release_time=begin)

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
+
+#: files of the hoists that come with the project
+FOLDER = Path(str(files("hoist_demo"))) / "hoists"
+
+#: in the order in which they are told: hoists, and what goes wrong in some of them
+HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
+SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
 
 
 @dataclass(frozen=True)

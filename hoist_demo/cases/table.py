@@ -4,16 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
-from hoist_demo.cases.case import Case
-
-FOLDER = Path(str(files("hoist_demo"))) / "hoists"
-
-#: in the order in which they are told: hoists, and what goes wrong in some of them
-HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
-SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
+from hoist_demo.cases.case import FOLDER, HOISTS, SCENARIOS, Case
+from hoist_demo.files.hoist_file import read_hoist
 
 
 class Cases(Mapping[str, Case]):
@@ -53,6 +47,4 @@ def _read(path: Path) -> Case:
 
 @cache
 def _read_version(path: Path, _changed: int) -> Case:
-    from hoist_demo.files.hoist_file import read_hoist  # which needs the table, for hoists like others
-
     return read_hoist(path)

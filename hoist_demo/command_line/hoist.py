@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.results import Commands, add_command
 from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.hoist_file import schema
 from hoist_demo.files.new import Wish, new_hoist
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter
@@ -58,6 +60,7 @@ def add_hoist_commands(commands: Commands) -> None:
     new.add_argument("--ropes", type=int, metavar="N", help="balance ropes (1)")
     new.add_argument("--head-ropes", type=int, metavar="N", help="(4)")
     new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")
+    new.add_argument("--schema", action="store_true", help="also a JSON Schema beside it, for editors")
     new.add_argument("--force", action="store_true", help="write over a file that is there")
     for name, about in (("show", "print a hoist and what follows from it"), ("check", "only what is wrong with it")):
         show = add_command(commands, name, partial(_show, everything=name == "show"), about, _SHOW, "")
@@ -93,6 +96,10 @@ def _new(options: argparse.Namespace) -> int:
         raise ValueError(f"{path} is there already: choose another name, or --force")
     text = new_hoist(Wish(options.name, given=frozenset(chosen), **chosen))
     path.parent.mkdir(parents=True, exist_ok=True)
+    if options.schema:
+        beside = path.with_name("hoist.schema.json")
+        beside.write_text(json.dumps(schema()), encoding="utf-8", newline="\n")
+        text = f"#:schema ./{beside.name}\n{text}"
     path.write_text(text, encoding="utf-8", newline="\n")
     print(f"written: {path}\nnow: balance-rope show {path}; balance-rope wind {path}")
     return 0

@@ -10,8 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hoist_demo.cases.case import Case
-from hoist_demo.cases.table import NAMED, SCENARIOS, find_case
+from hoist_demo.cases.case import SCENARIOS, Case
+from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder

@@ -49,7 +49,7 @@ LOADING = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to
 LOADED_EVERY = 0.1  #: Time between two changes of a payload that is being loaded [s].
 
 _GUARD = ("guard.tripped", "guard.time")
-_Y_LEFT, _RATE, _TORQUE = SHOWN["y_left"], SHOWN["rate"], SHOWN["torque"]
+_Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
 _PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
@@ -126,61 +126,66 @@ class Host:
         ValueError at the first sample for a controller whose state cannot be written. With `resume` the run goes on
         from such a state, with the same bits as if it had never stopped.
         """
-        run = self._start(resume)
+        if resume is not None:
+            resume.require_fits(self.data)
+        run = self._start()
         if isinstance(run, str):
             return self._result(Recording({}, {}), 0, run, self._course)
+        if resume is not None:
+            run.pair.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
+            run.recorder.resume(resume.recording, resume.sample)
+            run.controller, run.memory = private_copy(resume.controller), resume.memory
+            run.first, run.steps = resume.sample, resume.sample * self.coupling.per_sample
         cause = self._wind(run, progress, save_to)
-        start, T = self.coupling.start, self.coupling.period
-        checkpoint = run.checkpoint(start, T, self.data, cause) if cause else None
-        saved = None
+        checkpoint, saved, end = self._checkpoint(run, cause) if cause else None, None, None
         if checkpoint is not None and save_to is not None:
             try:
                 checkpoint.write(save_to)
                 saved = save_to
             except ValueError as error:  # the record of the run is worth more
                 cause += f"; {save_to} is not written: {error}"
-        recording = with_drive_signals(run.recorder.recording(), self.hoist)
-        result = replace(self._result(recording, run.steps, cause, run.course), checkpoint=checkpoint, saved=saved)
-        landing = self._start_height + self.trajectory.points[-1].position
-        if cause or run.course != self._course:
-            return result
-        return replace(result, end=run.end(start + self.samples * T, landing))
+        if not cause and run.course == self._course:
+            t, landing = self.coupling.start + self.samples * self.coupling.period, self.trajectory.points[-1].position
+            end = TripEnd(t, self._start_height + landing, run.drive.state, run.drive.input, run.memory)
+        result = self._result(with_drive_signals(run.recorder.recording(), self.hoist), run.steps, cause, run.course)
+        return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
-    def _start(self, resume: Checkpoint | None) -> RunState | str:
-        """A run at rest, behind another trip, or as it was when it stopped; the cause when the rope does not hang."""
-        if resume is not None:
-            resume.require_fits(self.data)
-        run = self._hang() if self._after is None else self._go_on(self._after)
-        if resume is not None and isinstance(run, RunState):
-            run.go_on_from(resume, resume.sample * self.coupling.per_sample)
-        return run
-
-    def _hang(self) -> RunState | str:
-        """A run at rest; the cause when the rope does not hang."""
-        start, (y_left, y_right) = self.coupling.start, self.start_heights
-        with self.start_clock:
-            status = self.rope.initialize(start, EndMotion(y=y_left), EndMotion(y=y_right))
-            forces = answer(status, self.rope.reader(ROPE_FORCES))
-        if isinstance(forces, str):
-            return f"rope, at the start: {forces}"
-        state = self.plant.equilibrium(y_left, y_right, *forces[:2].tolist())
-        u = np.zeros(len(INPUT_NAMES))
-        u[0], u[list(FORCES)] = state.x[0], forces[:2]
-        drive = HoistPartner(self.plant, state, u, self.drive_clock)
+    def _start(self) -> RunState | str:
+        """A run at rest, or behind another trip; the cause when the rope does not hang."""
+        start, heights, after = self.coupling.start, self.start_heights, self._after
+        read = self.rope.reader(ROPE_FORCES)
+        if after is None:
+            with self.start_clock:
+                forces = answer(self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read)
+            if isinstance(forces, str):
+                return f"rope, at the start: {forces}"
+        else:
+            forces = read()
+        rest = self.plant.equilibrium(*heights, *forces[:2].tolist())
+        state, acting = rest, np.zeros(len(INPUT_NAMES))
+        acting[0], acting[list(FORCES)] = rest.x[0], forces[:2]
+        if after is not None:
+            state, acting = after.plant, after.input
+        drive = HoistPartner(self.plant, state, acting, self.drive_clock)
         pair = Pair(drive, self.rope, self.rope_clock)
-        memory, held = pair.start(start), drive.outputs.item(_TORQUE)
-        run = RunState(drive, pair, memory, held, self._recorder(), self._course)
-        coupling = self.coupling
-        self.stability = predict_stability(self.scheme, coupling.scheme, pair, run.memory, start, coupling.step)
-        return run
+        memory = pair.start(start) if after is None else after.memory
+        if after is None:
+            self.stability = predict_stability(self.scheme, self.coupling.scheme, pair, start, self.coupling.step)
+        return RunState(drive, pair, memory, rest.x.item(0), self._recorder(), self._course)
 
-    def _go_on(self, after: TripEnd) -> RunState:
-        """A run whose drive and rope are where the trip before has left them."""
-        drive = HoistPartner(self.plant, after.plant, after.input, self.drive_clock)
-        pair = Pair(drive, self.rope, self.rope_clock)
-        forces, _ = pair.forces()
-        held = self.plant.equilibrium(*self.start_heights, *forces.tolist()).x.item(0)
-        return RunState(drive, pair, after.memory, held, self._recorder(), self._course)
+    def _checkpoint(self, run: RunState, cause: str) -> Checkpoint | None:
+        """The state that is kept, with why the run stopped; None when nothing is kept."""
+        if run.kept is None:
+            return None
+        k, ((plant, acting), snapshot), controller, memory = run.kept
+        rope, t = b"", self.coupling.start + k * self.coupling.period
+        if snapshot is not None:
+            try:
+                rope = self.rope.to_bytes(snapshot)
+            except RuntimeError as error:
+                _log.warning("the rope's last good state is lost: %s", error)
+        record = run.recorder.recording()
+        return Checkpoint(k, t, plant, controller, acting, memory, rope, record, self.data, cause)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
@@ -201,7 +206,9 @@ class Host:
             t = start + k * T
             stopped = run.first < k < last and progress is not None and not progress(k / last, t)
             if stopped or (k - run.first) % between == 0:
-                run.keep(k)
+                run.kept = None  # frees the memory of the state before
+                # the controller may change what it is handed
+                run.kept = k, run.pair.save(), private_copy(run.controller), run.memory
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
             with self.rope_clock:

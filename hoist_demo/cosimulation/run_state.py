@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,10 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import Course, Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.plain_data import private_copy
 from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Stopwatch, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recorder, Recording
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -53,39 +49,7 @@ class RunState:
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
     #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
-    _kept: tuple[int, tuple[Any, Any], Any, Memory] | None = None
-
-    def keep(self, k: int) -> None:
-        """Keep the state at sample k, and none before."""
-        self._kept = None
-        # the controller may change what it is handed
-        self._kept = k, self.pair.save(), private_copy(self.controller), self.memory
-
-    def end(self, t: float, landing: float) -> TripEnd:
-        """The state at t, where a trip to the landing has ended."""
-        return TripEnd(t, landing, self.drive.state, self.drive.input, self.memory)
-
-    def go_on_from(self, checkpoint: Checkpoint, steps: int) -> None:
-        """Take over a checkpoint, made after so many communication steps."""
-        self.pair.restore(((checkpoint.plant, checkpoint.input), self.pair.rope.from_bytes(checkpoint.rope)))
-        self.recorder.resume(checkpoint.recording, checkpoint.sample)
-        self.controller = private_copy(checkpoint.controller)
-        self.memory = checkpoint.memory
-        self.first, self.steps = checkpoint.sample, steps
-
-    def checkpoint(self, start: float, sample_time: float, data: str, cause: str) -> Checkpoint | None:
-        """The state that is kept, with the run's data and why it stopped; None when nothing is kept."""
-        if self._kept is None:
-            return None
-        k, ((plant, acting), snapshot), controller, memory = self._kept
-        rope = b""
-        if snapshot is not None:
-            try:
-                rope = self.pair.rope.to_bytes(snapshot)
-            except RuntimeError as error:
-                _log.warning("the rope's last good state is lost: %s", error)
-        record = self.recorder.recording()
-        return Checkpoint(k, start + k * sample_time, plant, controller, acting, memory, rope, record, data, cause)
+    kept: tuple[int, tuple[Any, Any], Any, Memory] | None = None
 
 
 @dataclass(frozen=True)

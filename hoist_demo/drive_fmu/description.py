@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from importlib.resources import files
 
 from hoist_demo.cases.case import Case
-from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.equations import INPUT_NAMES
-from hoist_demo.drive_fmu.interface import Tail, Variable, force_inputs, holding, plant_outputs, side_forces, variables
+from hoist_demo.control.trajectory import Trajectory, s_curve
+from hoist_demo.drive_fmu.interface import Tail, Variable, force_inputs, holding, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
+from hoist_demo.drive_fmu.omissions import leave_out, obstacles
 from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
 from rope_model import Inputs
 from rope_model.texts import html_text
@@ -33,38 +33,29 @@ class DriveModel:
     initial: dict[str, tuple[str, ...]]  # output -> what it follows while the drive is initialised
 
 
-def duration(winding: Winding) -> float:
-    """Return the duration of a trip with the waits before and after it, in whole seconds [s]."""
-    return float(math.ceil(s_curve(winding).duration + winding.settle))
+def duration(winding: Winding, trajectory: Trajectory | None = None) -> float:
+    """Return the duration of a trip with the waits before and after it, in whole seconds [s].
+
+    ``trajectory`` is another trip than the winding's S-curve, without the wait before it.
+    """
+    reached = s_curve(winding).duration if trajectory is None else winding.start_delay + trajectory.duration
+    return float(math.ceil(reached + winding.settle))
 
 
-def drive_model(case: Case, tails: Sequence[Tail] = ()) -> DriveModel:
+def drive_model(case: Case, tails: Sequence[Tail] = (), trajectory: Trajectory | None = None) -> DriveModel:
     """Hoist and trip of ``case`` as C; the trip is part of the export.
 
-    ``tails`` are its balance ropes where they differ; the hoist of the case has them as one.  The brake is left out: it
-    is for emergency stops, which an exported trip has not got.
+    ``tails`` are its balance ropes where they differ; the hoist of the case has them as one.  ``trajectory`` as for
+    duration.  The brake is left out: it is for emergency stops, which an exported trip has not got; ValueError names
+    what else an exported drive cannot hold.
     """
-    if case.winding.emergency_at is not None:
-        raise ValueError(f"emergency_at = {case.winding.emergency_at:g} s must be None: export a trip without a stop")
-    if tails and case.hoist.play is not None:
-        raise ValueError(
-            f"play = {case.hoist.play} must be None where ropes hang at places of their own: their sideways forces "
-            "and motions are not connected; take a case without play"
-        )
-    for name in ("jam_left", "jam_right"):
-        if getattr(case.hoist, name) is not None:
-            raise ValueError(
-                f"{name} = {getattr(case.hoist, name)} must be None: an exported drive's steps are too long for what "
-                "sticks; wind this case with balance-rope demo"
-            )
-    if case.hoist.lining is not None:
-        raise ValueError(
-            f"lining = {case.hoist.lining} must be None: in an exported drive the head ropes hold on the sheave; wind "
-            "this case with balance-rope demo"
-        )
-    case = without_brake(case)
+    if problems := obstacles(case):
+        raise ValueError("\n".join(problems))
+    case = leave_out(case, ())
+    # the wait before the trip is a parameter of its own
+    reference = s_curve(replace(case.winding, start_delay=0.0)) if trajectory is None else trajectory
     require_trip_fits(case.hoist, case.winding)
-    generated = kernels(case)
+    generated = kernels(case, tails)
     table = variables(case, generated.step, tails)
     trip = f"{abs(case.winding.travel):g} m {'up' if case.winding.travel > 0.0 else 'down'} at up to"
     text = (
@@ -74,11 +65,10 @@ def drive_model(case: Case, tails: Sequence[Tail] = ()) -> DriveModel:
     sources = {
         "drive_model.c": files(__package__).joinpath("drive_model.c").read_text(encoding="utf-8"),
         "drive_kernels.c": generated.c,
-        "drive_table.h": _table(case, table, generated, tails),
+        "drive_table.h": _table(case, table, generated, tails, reference),
     }
-    return DriveModel(
-        NAME, text, table, sources, attachments(text, table), duration(case.winding), initial(case, tails)
-    )
+    lasts, held = duration(case.winding, trajectory), initial(case, tails)
+    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, held)
 
 
 def initial(case: Case, tails: Sequence[Tail] = ()) -> dict[str, tuple[str, ...]]:
@@ -87,14 +77,9 @@ def initial(case: Case, tails: Sequence[Tail] = ()) -> dict[str, tuple[str, ...]
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
     balance rope follows its vertical forces; those of the sides come with the first step.
     """
-    numbers = (v.name for v in variables(case, 1.0) if v.causality == "output" and v.kind == "Real")
+    numbers = (v.name for v in variables(case, 1.0, tails) if v.causality == "output" and v.kind == "Real")
     held = holding(tails)
     return {name: held.get(name, ()) for name in numbers}
-
-
-def without_brake(case: Case) -> Case:
-    """Hoist and trip as they are exported."""
-    return replace(case, hoist=replace(case.hoist, brake=None))
 
 
 def _creep(winding: Winding) -> str:
@@ -104,16 +89,16 @@ def _creep(winding: Winding) -> str:
     return f", {where} at {winding.creep_speed:g} m/s" if where else ""
 
 
-def _table(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail]) -> str:
+def _table(
+    case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail], reference: Trajectory
+) -> str:
     """drive_table.h: sizes, places in the table and the trip."""
-    # the delay before the trip is a parameter of its own
-    reference = s_curve(replace(case.winding, start_delay=0.0))
     trip = [
         (start, p.position, p.speed, p.acceleration, p.jerk)
         for start, p in zip(reference.starts, reference.points, strict=True)
     ]
-    shown = plant_outputs(case.hoist)
-    hardest = [i for i, field in enumerate(shown) if field.partition("_")[0] in ("a", "ax", "az")]
+    shown = plant_outputs(case.hoist, tails)
+    hardest = [i for i, name in enumerate(shown) if name.endswith((".ax", ".ay", ".az"))]
     integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
     parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
@@ -142,7 +127,7 @@ def _table(case: Case, table: Sequence[Variable], generated: Kernels, tails: Seq
         "/* drive_kernels.c */",
         *(
             f"int drive_{name}(const double **arg, double **res, int *iw, double *w, int mem);"
-            for name in ("rest", "step", "outputs", "control")
+            for name in ("rest", "input", "step", "outputs", "control")
         ),
         "",
         "#endif",
@@ -153,7 +138,7 @@ def _table(case: Case, table: Sequence[Variable], generated: Kernels, tails: Seq
 
 def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail]) -> dict[str, int]:
     """Sizes of kernels and trip, and places in the table of variables."""
-    names, shown = [v.name for v in table], plant_outputs(case.hoist)
+    names, shown = [v.name for v in table], plant_outputs(case.hoist, tails)
     forces = force_inputs(tails)
     controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
     return {
@@ -162,14 +147,11 @@ def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Seq
         "PARAMETERS": sum(v.causality == "parameter" for v in table),
         "FORCE": names.index(forces[0]),
         "FORCES": len(forces),
-        "SIDE_FORCE": names.index(forces[0]) + len(forces),
-        "SIDE_FORCES": len(side_forces(case.hoist)),
-        "SIDE_INPUT": INPUT_NAMES.index("fx_left"),
         "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
         "PLANT_OUTPUTS": len(shown),
         "OUTPUTS": len(shown) + controls,
-        "LEFT_Y": shown.index("y_left"),
-        "RATE": shown.index("rate"),
+        "LEFT_Y": shown.index("left.y"),
+        "RATE": shown.index("drive.rate"),
         "TRIP_START": names.index("trip.start"),
         "STEP_MAX": names.index("solver.step_max"),
         "GAINS": names.index("controller.speed"),
@@ -189,7 +171,7 @@ the <em>mean</em> forces of the rope's last step. The outputs <code>left.y</code
 <code>left.ay</code> and those on the right have the names of the rope's inputs: connect equal names, and leave the
 rope's <code>inputs_at_step_end</code> false where the tool steps both at the same time. A hoist with play between
 conveyances and guides has more of them: the rope's horizontal forces and its moment about the vertical in, the motions
-that follow out.</p>
+that follow out. Names that begin with a rope's name are that rope's.</p>
 <p>Before the first step the drive is at rest under the forces at the start, its motor holding the imbalance. It waits
 <code>trip.start</code> seconds, then follows an S-curve of limited jerk; the trip is part of the export.</p>
 <h2>Equations</h2>

@@ -106,11 +106,12 @@ void model_destroy(ModelInstance *m) {
     if (m) m->give_back(m);
 }
 
-/* left and right pull of all balance ropes */
-static void add_up(const double *values, double pull[2]) {
-    pull[0] = values[DRIVE_FORCE];
-    pull[1] = values[DRIVE_FORCE + 1];
-    for (int i = 2; i < DRIVE_FORCES; i++) pull[i % 2] += values[DRIVE_FORCE + i];
+/* what all balance ropes do to the plant: of its input all but the torque */
+static void add_up(ModelInstance *m, State *s, const double *values) {
+    m->arg[0] = s->x;
+    m->arg[1] = values + DRIVE_FORCE;
+    m->res[0] = s->u + 1;
+    drive_input(m->arg, m->res, m->iw, m->w, 0);
 }
 
 static const char *const OF_ALL = DRIVE_FORCES > 2 ? " (all ropes)" : "";
@@ -118,7 +119,9 @@ static const char *const OF_ALL = DRIVE_FORCES > 2 ? " (all ropes)" : "";
 int model_initialize(ModelInstance *m, double t, const double *values, char *message) {
     State *s = &m->next;
     double pull[2];
-    add_up(values, pull);
+    memset(s, 0, sizeof *s);
+    add_up(m, s, values);
+    memcpy(pull, s->u + 1, sizeof pull);
     for (int i = 0; i < 2; i++) {
         if (!(pull[i] >= DRIVE_LOWEST_FORCE && pull[i] <= 0.0)) {
             snprintf(message, MODEL_MESSAGE,
@@ -128,7 +131,6 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
             return 0;
         }
     }
-    memset(s, 0, sizeof *s);
     s->t = s->start = t;
     m->arg[0] = pull;
     m->res[0] = s->x;
@@ -142,6 +144,7 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
                  MODEL_VARIABLES[DRIVE_FORCE + 1].name, pull[1], OF_ALL);
         return 0;
     }
+    memset(s->u, 0, sizeof s->u);
     s->u[0] = s->hold = s->x[0];
     memcpy(s->u + 1, pull, sizeof pull); /* the sides come with the first step: the conveyances hang in the middle */
     plant_outputs(m, s);
@@ -222,8 +225,7 @@ int model_step(ModelInstance *m, double t, double h, const double *values, char 
     part = h / steps;
     *s = m->state;
     control(m, s, h);
-    add_up(values, s->u + 1);
-    for (long k = 0; k < DRIVE_SIDE_FORCES; k++) s->u[DRIVE_SIDE_INPUT + k] = values[DRIVE_SIDE_FORCE + k];
+    add_up(m, s, values);
     plant_outputs(m, s);
     if (!can_follow(s, message)) return 0;
     for (long k = 0; k < (long)steps; k++) {

@@ -3,7 +3,7 @@
 Names are those of the balance rope's FMU, so that equal names are connected. A variable's place in the table is its
 value reference: parameters, inputs, outputs, status. A hoist whose conveyances have play between their guides also
 takes the rope's horizontal forces and its moment about the vertical, and gives the motions that follow. Of several
-ropes each has vertical forces of its own, behind its name; the drive adds them up.
+ropes each has forces of its own, behind its name; the drive adds them up, and gives each the motions of its own place.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import GRAVITY, Hoist, start_heights
+from hoist_demo.parameters.place import MOVED, Place
 from hoist_demo.parameters.quantity import fmi_unit, units_of
 from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
@@ -53,7 +54,11 @@ _CONTROL = {
 }
 #: units and descriptions of forces, "{side}" stands for the side
 _MOTIONS = {name: (p.unit, p.description) for name, p in parameters_of(EndMotion).items()}
-_FORCE_WORDS = {
+_FORCES = {
+    "fy_mean": (
+        "N",
+        "vertical force of the balance rope on the {side} conveyance, mean of a step, negative pulls down",
+    ),
     "fx": ("N", "force of the balance rope on the {side} conveyance in the plane of the loop"),
     "fz": ("N", "force of the balance rope on the {side} conveyance out of plane"),
     "my": ("N.m", "moment of the balance rope on the {side} conveyance about the vertical"),
@@ -66,6 +71,7 @@ class Tail(NamedTuple):
     name: str
     mass_per_length: float  # kg/m
     length: float  # m
+    place: Place = Place()
 
 
 def force_inputs(tails: Sequence[Tail]) -> tuple[str, ...]:
@@ -92,28 +98,46 @@ def rest_forces(case: Case, tail: Tail | None = None) -> tuple[float, float]:
 
 
 def motions(hoist: Hoist) -> dict[str, str]:
-    """Outputs that a balance rope takes in, and their names in OUTPUTS."""
+    """Outputs that a balance rope at the conveyances' centres takes in, and their names in OUTPUTS."""
     found = {f"{side}.{name}": f"{field}_{side}" for side in _SIDES for name, field in _UPRIGHT.items()}
     if hoist.play is not None:
         found |= {f"{side}.{name}": f"{name}_{side}" for side in _SIDES for name in _LATERAL}
     return found
 
 
-def side_forces(hoist: Hoist) -> tuple[str, ...]:
-    """Inputs beyond the vertical forces, in the order of the plant's."""
-    return SIDE_FORCES if hoist.play is not None else ()
+def side_forces(hoist: Hoist, tails: Sequence[Tail]) -> tuple[str, ...]:
+    """Inputs beyond the vertical forces: of each rope, in the order of the plant's."""
+    if hoist.play is None:
+        return ()
+    return tuple(f"{tail.name}.{force}" for tail in tails for force in SIDE_FORCES) or SIDE_FORCES
 
 
-def plant_outputs(hoist: Hoist) -> tuple[str, ...]:
-    """OUTPUTS that are shown, in the order of the table."""
-    return (*motions(hoist).values(), *_DRIVE)
+def placed_motions(hoist: Hoist, tails: Sequence[Tail]) -> list[str]:
+    """Outputs that the ropes beside the centres take in, by rope and end MOVED: there a conveyance's yaw counts."""
+    return [f"{tail.name}.{side}.{name}" for tail in placed(hoist, tails) for side in _SIDES for name in MOVED]
+
+
+def placed(hoist: Hoist, tails: Sequence[Tail]) -> list[Tail]:
+    """Ropes beside the centres of conveyances that may yaw."""
+    return [tail for tail in tails if hoist.play is not None and tail.place != Place()]
+
+
+def plant_outputs(hoist: Hoist, tails: Sequence[Tail]) -> tuple[str, ...]:
+    """Names of the plant's outputs, in the order of the table."""
+    return (*motions(hoist), *placed_motions(hoist, tails), *(name for name, _, _ in _DRIVE.values()))
+
+
+def shown_as(hoist: Hoist) -> dict[str, str]:
+    """Outputs of the plant that are OUTPUTS, and their names there."""
+    return motions(hoist) | {name: shown for shown, (name, _, _) in _DRIVE.items()}
 
 
 def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Variable, ...]:
     """The table; ``step`` is the largest internal step [s], ``tails`` are the balance ropes where there are several."""
-    outputs = [(name, *_words(_MOTIONS, name)) for name in motions(case.hoist)]
+    ends = (*motions(case.hoist), *placed_motions(case.hoist, tails))
+    outputs = [(name, *_words(_MOTIONS, name)) for name in ends]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
-    assert set(plant_outputs(case.hoist)) <= SHOWN.keys()
+    assert {*shown_as(case.hoist).values()} <= SHOWN.keys()
     return (
         *_parameters(case, step),
         *_inputs(case, tails),
@@ -135,18 +159,15 @@ def _parameters(case: Case, step: float) -> Iterator[Variable]:
 
 
 def _inputs(case: Case, tails: Sequence[Tail]) -> Iterator[Variable]:
-    forces = [force for tail in tails or (None,) for force in rest_forces(case, tail)]
-    for k, (name, force) in enumerate(zip(force_inputs(tails), forces, strict=True)):
-        rope = f"balance rope {tails[k // 2].name}" if tails else "balance rope"
-        text = f"vertical force of the {rope} on the {_SIDES[k % 2]} conveyance, mean of a step, negative pulls down"
-        yield Variable(name, "input", "continuous", "Real", "N", force, text)
-    for name in side_forces(case.hoist):
-        unit, text = _words(_FORCE_WORDS, name)
-        yield Variable(name, "input", "continuous", "Real", unit, 0.0, text)
+    upright, sides = force_inputs(tails), side_forces(case.hoist, tails)
+    forces = [force for tail in tails or (None,) for force in rest_forces(case, tail)] + [0.0] * len(sides)
+    for name, force in zip((*upright, *sides), forces, strict=True):
+        unit, text = _words(_FORCES, name)
+        yield Variable(name, "input", "continuous", "Real", unit, force, text)
 
 
 def _words(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
-    """Unit and description of an end's variable."""
-    side, _, rest = name.partition(".")
-    unit, text = table[rest]
-    return unit, text.format(side=side)
+    """Unit and description of an end's variable, that of one of several ropes or of all."""
+    *rope, side, last = name.split(".")
+    unit, text = table[last]
+    return unit, text.format(side=side) + "".join(f", rope {one}" for one in rope)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,17 +25,20 @@ from numpy.typing import NDArray
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains, SpeedController
-from hoist_demo.drive.equations import INPUT_NAMES, equations, numbers_of, parts_of
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, numbers_of, parts_of
 from hoist_demo.drive.kernels import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.drive_fmu.interface import plant_outputs
+from hoist_demo.drive_fmu.interface import Tail, placed, plant_outputs, shown_as, side_forces
 from hoist_demo.parameters import GRAVITY, Hoist, start_heights
+from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
 
 #: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.
 LIMIT = 0.25
 
 DEGREE = 4
+
+_ONE = Tail("", 0.0, 0.0)  #: The rope of a hoist with one, or with equal ones.
 
 
 @dataclass(frozen=True)
@@ -52,11 +56,11 @@ class Kernels:
 _HOST = Path(__file__).resolve().parent.parent
 
 
-def kernels(case: Case) -> Kernels:
-    """C functions drive_rest, drive_step, drive_outputs and drive_control; the installed package brings some."""
+def kernels(case: Case, tails: Sequence[Tail] = ()) -> Kernels:
+    """C functions drive_rest, _input, _step, _outputs and _control; the installed package brings some."""
     brought = kernels_file(_HOST, case)
-    if not brought.exists():
-        return generate(case)
+    if tails or not brought.exists():
+        return generate(case, tails)
     data = json.loads(brought.read_text(encoding="utf-8"))
     return Kernels(**data | {"work": tuple(data["work"])})
 
@@ -69,12 +73,12 @@ def kernels_file(package: Path, case: Case) -> Path:
     return package / "drive_fmu" / "prebuilt" / f"kernels-{digest.hexdigest()[:20]}.json"
 
 
-def generate(case: Case) -> Kernels:
+def generate(case: Case, tails: Sequence[Tail] = ()) -> Kernels:
     """The kernels, made anew."""
     plant = HoistPlant(case.hoist)
     lowest = -2.0 * GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length
     rest = _rest(plant, case, lowest)
-    functions = [rest, _step(plant), _outputs(plant), _control(case.hoist)]
+    functions = [rest, _input(plant, tails), _step(plant), _outputs(plant, tails), _control(case.hoist)]
     options: dict[str, Any] = {"with_header": False, "casadi_int": "int", "indent": 4}
     generator = ca.CodeGenerator("drive_kernels", options)
     for function in functions:
@@ -138,13 +142,40 @@ def _step(plant: HoistPlant) -> Any:
     return ca.Function("drive_step", [x, u, l0, h], [new])
 
 
-def _outputs(plant: HoistPlant) -> Any:
-    """(x, u, l0) -> the fields that the interface shows."""
+def _input(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
+    """(x, forces of the ropes in the order of the table) -> the plant's input but for the torque."""
+    x, ropes = ca.SX.sym("x", len(plant.state_names)), tails or (_ONE,)
+    forces = ca.SX.sym("F", 2 * len(ropes) + len(side_forces(plant.hoist, tails)))
+    total = dict.fromkeys(INPUT_NAMES[1:], ca.SX(0.0))
+    upright, sides = forces[: 2 * len(ropes)], forces[2 * len(ropes) :]
+    for k, rope in enumerate(ropes):
+        for i, side in enumerate(SIDES):
+            fy = upright[2 * k + i]
+            total[f"force_{side}"] += fy
+            if plant.hoist.play is None:
+                continue
+            fx, fz, my = ca.vertsplit(sides[6 * k + 3 * i : 6 * k + 3 * i + 3])
+            if rope.place != Place():
+                yaw = x[plant.state_names.index(f"yaw_{side}")]
+                my += moment_at(rope.place.at(side), yaw, (fx, fy, fz))[1]
+            for name, value in (("fx", fx), ("fz", fz), ("my", my)):
+                total[f"{name}_{side}"] += value
+    return ca.Function("drive_input", [x, forces], [ca.vertcat(*total.values())])
+
+
+def _outputs(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
+    """(x, u, l0) -> the outputs of the interface."""
     x, u, l0 = _arguments(plant)
     shown = equations(parts_of(plant.hoist)).outputs(x, u, l0, numbers_of(plant.hoist))
-    return ca.Function(
-        "drive_outputs", [x, u, l0], [ca.vertcat(*(shown[SHOWN[n]] for n in plant_outputs(plant.hoist)))]
-    )
+    found = {name: shown[SHOWN[field]] for name, field in shown_as(plant.hoist).items()}
+    for tail in placed(plant.hoist, tails):
+        for side in SIDES:
+            centre, yaw = [found[f"{side}.{name}"] for name in MOVED], found[f"{side}.yaw"]
+            growth = shown[SHOWN[f"yaw_acceleration_{side}"]]
+            moved = motion_at(tail.place.at(side), centre, yaw, found[f"{side}.yaw_rate"], growth)
+            found |= {f"{tail.name}.{side}.{name}": value for name, value in zip(MOVED, moved, strict=True)}
+    names = plant_outputs(plant.hoist, tails)
+    return ca.Function("drive_outputs", [x, u, l0], [ca.vertcat(*(found[name] for name in names))])
 
 
 def _control(hoist: Hoist) -> Any:

@@ -17,9 +17,8 @@ from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.reading import table_of
-from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import Parameter, fmi_unit, meaning_of, units_of
-from hoist_demo.study.metrics import Arrival
 from rope_model import Scene
 from rope_model.scene_names import choices_of, named_parameters
 

@@ -22,10 +22,8 @@ from typing import Any, NamedTuple
 
 from pydantic import Field, create_model
 
-from hoist_demo.cases.case import Case, Tail
-from hoist_demo.cases.table import FOLDER, NAMED
+from hoist_demo.cases.case import FOLDER, HOISTS, SCENARIOS, Case, Tail
 from hoist_demo.control.controller import Gains
-from hoist_demo.cosimulation.participants.rope_group import hoist_with
 from hoist_demo.files.catalogue import (
     PLACE_PARAMETERS,
     SECTIONS,
@@ -39,7 +37,7 @@ from hoist_demo.files.catalogue import (
 from hoist_demo.files.reading import FileError, Table, givens, nested, read_toml, table_of, validated
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import DERIVED, GIVEN, STATUSES, Given, Text, given
-from hoist_demo.parameters import GRAVITY, Hoist, Winding
+from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 from rope_model import rope as catalogue_rope
@@ -133,6 +131,24 @@ def hoist_model() -> type[Table]:
 _ENDS = ("left", "right")
 
 
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of a hoist's file."""
+    made: dict[str, Any] = _without_null(hoist_model().model_json_schema(by_alias=True))
+    return made
+
+
+def _without_null(part: Any) -> Any:
+    """Return the schema without null, which TOML has not: an error is then told at its own place."""
+    if isinstance(part, list):
+        return [_without_null(one) for one in part]
+    if not isinstance(part, dict):
+        return part
+    found = {key: _without_null(one) for key, one in part.items() if not (key == "default" and one is None)}
+    kinds = [one for one in found.get("anyOf", ()) if one != {"type": "null"}]
+    rest: dict[str, Any] = {key: one for key, one in found.items() if key != "anyOf"}
+    return rest | (kinds[0] if len(kinds) == 1 else {"anyOf": kinds} if kinds else {})
+
+
 def read_hoist(path: Path) -> Case:
     """Return the hoist of a file; raise FileError with all problems."""
     file: Any = validated(path, hoist_model(), _with_base(path, read_toml(path)), _cure)
@@ -166,7 +182,7 @@ def _with_base(path: Path, raw: dict[str, Any], depth: int = 0) -> dict[str, Any
     if "like" not in raw:
         return raw
     like = str(raw.pop("like"))
-    base = FOLDER / f"{like}.toml" if like in NAMED else path.parent / like
+    base = FOLDER / f"{like}.toml" if like in (*HOISTS, *SCENARIOS) else path.parent / like
     if depth > 5:
         raise FileError(path, [f"like = {like!r} must lead to a file without like: break the circle"])
     return _over(_with_base(base, read_toml(base), depth + 1), raw)
@@ -272,6 +288,7 @@ def _case(
             derived[rule.key] = Given(rule.value(hoist, winding), DERIVED, rule.words)
             values[rule.key] = derived[rule.key].value
     hoist, winding, gains = _data(values)
+    require_trip_fits(hoist, winding)
     everything = {**host, **shared, **derived, **ropes[0][2]}
     of_ropes = {key: one.value for key, one in shared.items()}
     return Case(

@@ -4,6 +4,8 @@ from hoist_demo.parameters.coupling import Coupling as Coupling
 from hoist_demo.parameters.hoist import ASSUMED_DATA as ASSUMED_DATA
 from hoist_demo.parameters.hoist import GRAVITY as GRAVITY
 from hoist_demo.parameters.hoist import Hoist as Hoist
+from hoist_demo.parameters.hoist import hoist_with as hoist_with
+from hoist_demo.parameters.winding import Arrival as Arrival
 from hoist_demo.parameters.winding import EmergencyLaw as EmergencyLaw
 from hoist_demo.parameters.winding import Winding as Winding
 from hoist_demo.parameters.winding import require_jams_on_the_way as require_jams_on_the_way

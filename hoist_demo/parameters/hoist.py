@@ -10,7 +10,8 @@ the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require, require_magnitudes
@@ -172,3 +173,13 @@ class Hoist:
         if self.power_limit is None:
             return self.torque_limit
         return self.power_limit / larger(abs(rate), self.power_limit / self.torque_limit)
+
+
+def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
+    """The hoist whose balance ropes are a group's, each of a mass per length [kg/m] and a length [m].
+
+    The drive takes all of them for one rope, of their mass per length and of the length that gives their whole mass.
+    """
+    mass = sum(m for m, _ in ropes)
+    length = sum(m * x for m, x in ropes) / mass
+    return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)

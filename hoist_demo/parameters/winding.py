@@ -71,6 +71,20 @@ class Winding:
         return math.inf if self.emergency_at is None or self.emergency_law == "drive" else self.emergency_at
 
 
+@dataclass(frozen=True)
+class Arrival:
+    """Bounds within which a conveyance counts as arrived; all values [assumed]."""
+
+    position_band: float = quantity(0.01, "m", "of the left conveyance about its landing")
+    speed_band: float = quantity(0.01, "m/s", "of both conveyances")
+    window: float = quantity(5.0, "s", "after the reference's arrival, over which swing is judged")
+
+    def __post_init__(self) -> None:
+        for name in ("position_band", "speed_band", "window"):
+            value = getattr(self, name)
+            require(value, value > 0.0, name, "finite and above 0", "give a bound in SI units")
+
+
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
     """Reject a trip longer than the shaft, and a law of emergency stops for a brake that is not there or too weak."""
     way, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"

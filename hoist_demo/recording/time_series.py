@@ -113,16 +113,6 @@ def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> No
         writer.writerows([_number(value) for value in row] for row in zip(*columns, strict=True))
 
 
-def read_csv(path: Path) -> Recording:
-    """Read a file of `write_csv`."""
-    with path.open(newline="", encoding="utf-8") as file:
-        header, *rows = list(csv.reader(file))
-    table = np.array([[float(value) for value in row] for row in rows], dtype=np.float64).reshape(-1, len(header))
-    pairs = [_name_and_unit(text) for text in header]
-    signals = {name: table[:, k].copy() for k, (name, _) in enumerate(pairs)}
-    return Recording(signals, dict(pairs))
-
-
 def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
     """Write rope points at the given rows: time, point number from the left end, x, y, z, tension and stresses."""
     along = {name: values for name in _ALONG if (values := recording.along(name)) is not None}
@@ -150,8 +140,3 @@ def _number(value: float) -> str:
 
 def _header(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
-
-
-def _name_and_unit(text: str) -> tuple[str, str]:
-    match = re.fullmatch(r"(.*) \[(.*)\]", text)
-    return (match.group(1), match.group(2)) if match else (text, "")

@@ -11,11 +11,12 @@ from hoist_demo.cases.case import Case, Tail
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
-from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, Place, RopeGroup, hoist_with
+from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup
 from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.files.hoist_file import PLACE
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import Hoist, hoist_with
+from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.ropes.table import READ
 from hoist_demo.study.provenance import Known, of_host, of_rope

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.rope_group import SUMS, Place
+from hoist_demo.cosimulation.participants.rope_group import SUMS
+from hoist_demo.parameters.place import Place
 from hoist_demo.recording.fidelity import mask_neglected, remark
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, outcome_of, passages
 from hoist_demo.recording.time_series import TIME, Array, Recording

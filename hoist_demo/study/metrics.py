@@ -8,7 +8,6 @@ the drive is not counted as swing; it is counted as time.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,7 @@ from numpy.typing import NDArray
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
-from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY
 from hoist_demo.recording.incidents import GUARD_CODES, GUARD_SIGNALS, guard_trip, largest_ratio, slack_ropes, slip
 from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
@@ -101,21 +99,6 @@ ROPE_SIGNALS = frozenset(
 )
 
 RIPPLE_WINDOW = 1.0  #: Length of the moving mean that is taken off the end force [s].
-
-
-@dataclass(frozen=True)
-class Arrival:
-    """Bounds within which a conveyance counts as arrived; all values [assumed]."""
-
-    position_band: float = quantity(0.01, "m", "of the left conveyance about its landing")
-    speed_band: float = quantity(0.01, "m/s", "of both conveyances")
-    window: float = quantity(5.0, "s", "after the reference's arrival, over which swing is judged")
-
-    def __post_init__(self) -> None:
-        for name in ("position_band", "speed_band", "window"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value!r} must be finite and above 0: give a bound in SI units")
 
 
 def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> dict[str, float]:

@@ -29,12 +29,20 @@ from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.catalogue import SECTIONS, with_values
-from hoist_demo.parameters import Coupling, Hoist, Winding, require_jams_on_the_way, require_trip_fits, start_heights
+from hoist_demo.parameters import (
+    Arrival,
+    Coupling,
+    Hoist,
+    Winding,
+    require_jams_on_the_way,
+    require_trip_fits,
+    start_heights,
+)
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, Arrival, measure, missing_swing
+from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure, missing_swing
 from hoist_demo.study.slip import slip_warning
 from rope_model import EndMotion
 

@@ -66,7 +66,9 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     mesh_pattern.transformation_due,
     swivel_phases.frictionless,
     swivel_phases.released_at,
+    swivel_phases.relaxes,
     swivel_phases.swivel_friction,
+    swivel_phases.beyond_rest,
     swivel_phases.moment_of_swivel,
     swivel_phases.swivel_excess,
 )

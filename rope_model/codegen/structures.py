@@ -7,7 +7,7 @@ in the list of choices.  The kernels' form is Python's own business.
 from __future__ import annotations
 
 import ctypes
-from dataclasses import astuple, fields
+from dataclasses import fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from rope_model.parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
@@ -91,11 +91,6 @@ def scene_structure(scene: Scene) -> SceneStructure:
     groups = map(_fill, parts)
     shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
     return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
-
-
-def end_structure(motion: EndMotion) -> EndStructure:
-    """The motion of a suspension point as C sees it."""
-    return EndStructure(*astuple(motion))
 
 
 def _fill(group: Any) -> ctypes.Structure:

@@ -28,7 +28,7 @@ from rope_model.texts import c_string
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
 #: suffix of a code's name where the word alone would not do
-_SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "kind": "_MESH", "fidelity": "_FIDELITY"}
+_SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "start": "_START", "kind": "_MESH", "fidelity": "_FIDELITY"}
 
 
 def signal_numbers() -> str:
@@ -98,7 +98,7 @@ def _codes(name: str, words: tuple[str, ...]) -> str:
 
 def code_name(name: str, word: str) -> str:
     """Name in C of the code that a ``word`` of the choice ``name`` has."""
-    return word.upper() + (_SUFFIXES[name] if word == "auto" or name in ("given", "mode") else "")
+    return word.upper() + (_SUFFIXES[name] if word == "auto" or name in ("given", "mode", "start") else "")
 
 
 class Word:

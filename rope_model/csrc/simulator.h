@@ -118,7 +118,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
    rope; 0 and a message when there is none */
 int flexible_start(Simulator *rope, State *state, char *message);
 
-/* hang.c: the state at rest, hung up untwisted and then turned in; 0 and a message when it cannot be */
+/* hang.c: the state at rest, hung up untwisted, turned in and relaxed; 0 and a message when it cannot be */
 int hang(Simulator *rope, State *state, char *message);
 
 /* switching.c */

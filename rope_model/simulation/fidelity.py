@@ -6,10 +6,10 @@
     rigid       no waves, no bending: closed-form end forces of an inextensible rope, see simulation.rigid
 
 A torque-free rope has no coupling, no installed twist and no permanent curvature.  Out of plane its swivels must turn
-freely as well, or its writhe twists it; they hold while the rope is initialised, so the run must start in the plane.
-The omitted quantities are then zero in the complete model too.  Otherwise 'auto' takes one only when the estimated
-error of the vertical end forces (root mean square over a winding, relative to the largest) is within the scene's
-tolerance. physics.estimates has the estimates, fidelity_rules the formulas of the choice.
+freely as well, or its writhe twists it; they may hold at the start, which must be in the plane.  The omitted
+quantities are then zero in the complete model too.  Otherwise 'auto' takes one only when the estimated error of the
+vertical end forces (root mean square over a winding, relative to the largest) is within the scene's tolerance.
+physics.estimates has the estimates, fidelity_rules the formulas of the choice.
 """
 
 from __future__ import annotations

@@ -9,16 +9,14 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from evidence.chart import depth
-from evidence.chart.figures import FIGURES
 from evidence.chart.front import cheapest, cost_at, pareto
 from evidence.chart.page import equal_errors
 from evidence.chart.reading import FORCE, finest_error, limit
 from evidence.pages import PAGES
-from evidence.rendering import DOCS
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import rows, table
 
-TABLES, IMAGES = PAGES["accuracy"].tables(), DOCS / "images" / "chart"
+TABLES = PAGES["accuracy"].tables()
 POINTS = TABLES["points"]
 NAN = float("nan")
 #: made up
@@ -48,11 +46,6 @@ def test_beyond_the_front_cost_is_the_cheapest_points_or_not_a_number() -> None:
 def test_the_references_own_error_follows_from_its_convergence(order: int, left: float) -> None:
     solutions = np.array([4.0, 2.0, 1.0]) ** order  # errors; a third order is taken as a second one, with caution
     assert_allclose(finest_error(solutions[:2] - solutions[2]), left, rtol=2e-3)
-
-
-def test_figures_are_there_and_small() -> None:
-    assert {p.stem for p in IMAGES.iterdir()} == set(FIGURES)
-    assert max(p.stat().st_size for p in IMAGES.iterdir()) < 150e3
 
 
 @pytest.mark.parametrize("coupling", ["coupled", "uncoupled"])

@@ -9,7 +9,7 @@ import jinja2
 import pytest
 
 from evidence.pages import BLOCKS, PAGES, fill, page_text
-from evidence.rendering import DOCS, fill_block, number, quantity, render
+from evidence.rendering import DOCS, fill_block, render
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -25,28 +25,6 @@ def test_every_table_in_a_hand_written_page_is_the_one_that_the_recorded_data_ma
     (tmp_path / block.file).parent.mkdir(parents=True, exist_ok=True)
     (tmp_path / block.file).write_text(written, encoding="utf-8")
     assert fill(block, tmp_path / "docs").read_text(encoding="utf-8") == written
-
-
-@pytest.mark.parametrize(
-    ("x", "form", "text"),
-    [
-        (270.4, ".2g", "270"),
-        (3.142e38, ".4g", "3.142e+38"),
-        (-63934.0, ".3g", "-63900"),
-        (5.2e-5, ".2g", "5.2e-05"),
-        (1234.5, ".1e", "1.2e+03"),
-        (0.5, ".2f", "0.50"),
-    ],
-)
-def test_significant_digits_are_printed_without_a_power_of_ten_up_to_a_million(x: float, form: str, text: str) -> None:
-    assert number(x, form) == text
-
-
-def test_a_quantity_is_printed_in_its_unit() -> None:
-    assert quantity(0.00321, "mm", ".2g") == "3.2 mm"
-    assert quantity(0.00024, "%", ".2g") == "0.024 %"
-    with pytest.raises(KeyError):
-        quantity(1.0, "furlong")
 
 
 def test_a_number_that_the_data_do_not_have_is_an_error() -> None:

@@ -1,12 +1,7 @@
 """Several balance ropes between the same two conveyances: one RopePlant, each rope with data and a place of its own.
 
-A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the conveyance, turned by its
-yaw psi, moves the rope's end by its own motion and by
-
-    p' = R(psi) p ,    v = psi' e_Y x p' ,    a = psi'' e_Y x p' - psi'^2 p' ,
-
-and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. Of both all ropes' are added up.
-psi'' is the change of psi' over the step.
+Forces and moments that the ropes put on the conveyances at their places are added up (parameters.place). There the
+growth of the yaw's rate is its change over the step.
 
 Ropes that may press each other step together (touching_ropes).
 """
@@ -23,7 +18,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.touching_ropes import MEANS, TouchingRopes
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
 from rope_model import Account, EndMotion, Status
 
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
@@ -32,24 +27,6 @@ _PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_ma
 SUMS = (*_ACTIONS, *_PLAIN)
 #: Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J].
 CONTACT_ENERGIES = tuple(f"neighbours.{name}" for name in ("energy", "work", "dissipated", "made"))
-
-
-@dataclass(frozen=True)
-class Place:
-    """Place of a rope, from the centres of the conveyances."""
-
-    x_left: float = 0.0  # m, in the plane of the loops, from the left conveyance's centre
-    x_right: float = 0.0  # m, from the right one's
-    z: float = 0.0  # m, out of plane, of both
-
-    @property
-    def origin(self) -> tuple[float, float, float]:
-        """Origin of the rope's places, x from half-way between the conveyances' centres [m]."""
-        return 0.5 * (self.x_left + self.x_right), 0.0, self.z
-
-    def at(self, end: str) -> tuple[float, float]:
-        """x and z of an end [m]."""
-        return (self.x_left if end == "left" else self.x_right), self.z
 
 
 @dataclass(frozen=True)
@@ -185,41 +162,15 @@ def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, 
     """The motion of a point of a conveyance, from its own nominal place."""
     if place == (0.0, 0.0) or (conveyance.yaw == 0.0 and conveyance.yaw_rate == 0.0 and rate_before == 0.0):
         return conveyance
-    (x, z), rate = _turned(place, conveyance.yaw), conveyance.yaw_rate
+    rate, c = conveyance.yaw_rate, conveyance
     growth = (rate - rate_before) / h if h > 0.0 else 0.0
-    c = conveyance
-    return replace(
-        c,
-        x=c.x + x - place[0],
-        z=c.z + z - place[1],
-        vx=c.vx + rate * z,
-        vz=c.vz - rate * x,
-        ax=c.ax + growth * z - rate**2 * x,
-        az=c.az - growth * x - rate**2 * z,
-    )
-
-
-def _turned(place: tuple[float, float], yaw: float) -> tuple[float, float]:
-    """x and z of a point of the conveyance, from its centre, where it is turned about Y."""
-    x, z = place
-    return x * math.cos(yaw) + z * math.sin(yaw), z * math.cos(yaw) - x * math.sin(yaw)
+    moved = motion_at(place, [getattr(c, name) for name in MOVED], c.yaw, rate, growth)
+    return replace(c, **dict(zip(MOVED, moved, strict=True)))
 
 
 def _moments(values: NDArray[np.float64], place: Place, yaws: tuple[float, float]) -> NDArray[np.float64]:
     """Return the moments of a rope's forces about the centres, in the order of _ACTIONS."""
     found = np.zeros((len(ENDS), 6))
     for k, end in enumerate(ENDS):
-        x, z = _turned(place.at(end), yaws[k])
-        fx, fy, fz = values[6 * k : 6 * k + 3].tolist()
-        found[k, 3:] = -z * fy, z * fx - x * fz, x * fy
+        found[k, 3:] = moment_at(place.at(end), yaws[k], values[6 * k : 6 * k + 3].tolist())
     return found.ravel()
-
-
-def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
-    """The hoist whose balance ropes are a group's, each of a mass per length [kg/m] and a length [m].
-
-    The drive takes all of them for one rope, of their mass per length and of the length that gives their whole mass.
-    """
-    mass = sum(m for m, _ in ropes)
-    length = sum(m * x for m, x in ropes) / mass
-    return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)

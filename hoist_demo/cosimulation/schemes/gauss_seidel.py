@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hoist_demo.cosimulation.schemes.extrapolation import Extrapolated, extrapolation_coefficients
-from hoist_demo.cosimulation.schemes.interface import Advance, ExchangeBalance, Load, Memory, Pair
+from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pair
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class GaussSeidel(Extrapolated):
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
-        return exchange(pair, memory, t, h, Load(start, rise, bend, np.zeros(start.shape)))
+        return pair.exchange(memory, t, h, Load(start, rise, bend, np.zeros(start.shape)))
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,4 @@ class ImpulsePreserving:
     needs_added_mass: bool = False
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        return exchange(pair, memory, t, h, Load.constant(memory.last.mean))
-
-
-def exchange(pair: Pair, memory: Memory, t: float, h: float, load: Load) -> Advance:
-    """The step done under a load, drive first."""
-    balance = ExchangeBalance(pair, load)
-    if cause := pair.step(t, h, load):
-        return Advance(memory, cause)
-    sample = pair.sample_at(t + h, load)
-    return Advance(memory.with_sample(sample, balance.residual(sample.mean)))
+        return pair.exchange(memory, t, h, Load.constant(memory.last.mean))

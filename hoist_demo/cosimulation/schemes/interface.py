@@ -78,11 +78,6 @@ class Memory(NamedTuple):
         """The latest sample."""
         return self.samples[-1]
 
-    def with_sample(self, sample: Sample, residual: float) -> Memory:
-        """One more exchange that is kept, with the energy it made up [J]."""
-        samples = (*self.samples, sample)[-KEPT:]
-        return Memory(samples, self.step_next, self.exchanges + 1, self.taken_back, self.residual + residual)
-
     def with_taken_back(self, count: int = 1) -> Memory:
         """Exchanges that were done and undone."""
         return self._replace(exchanges=self.exchanges + count, taken_back=self.taken_back + count)
@@ -186,6 +181,7 @@ class Pair:
         self._clock = Stopwatch() if clock is None else clock
         self._read, self._read_added_masses = rope.reader(ROPE_FORCES), rope.reader(ADDED_MASSES)
         self._forces: Vector | None = None
+        self._before = 0.0, np.zeros(len(ENDS))  # work on the drive [J] and its place [m] where the step began
 
     def step_rope(self, t: float, h: float, motion: InterfaceMotion) -> str:
         """Advance the rope from t to t + h [s], where the motion holds; "" or the cause why not."""
@@ -196,7 +192,12 @@ class Pair:
 
     def step(self, t: float, h: float, load: Load) -> str:
         """Both over one step: the rope follows the motion that the drive makes under the load."""
-        return self.drive.step(t, h, load) or self.step_rope(t, h, self.drive.motion(load, 1.0))
+        return self.step_drive(t, h, load) or self.step_rope(t, h, self.drive.motion(load, 1.0))
+
+    def step_drive(self, t: float, h: float, load: Load) -> str:
+        """The drive alone, from t to t + h [s]; "" or the cause why not."""
+        self._before = self.drive.work(), self.drive.place()
+        return self.drive.step(t, h, load)
 
     def forces(self) -> tuple[Vector, Vector]:
         """Force of the rope on the drive now, and its mean over the last step, each (n,) [N]."""
@@ -231,13 +232,28 @@ class Pair:
             self.rope.restore(snapshot)
             self._forces = None
 
-    def sample_at(self, t: float, load: Load) -> Sample:
-        """Return the data of both partners at the end of a step under the load."""
-        return Sample(t, *self.forces(), self.drive.motion(load, 1.0).acceleration)
-
     def start(self, t: float) -> Memory:
         """Memory of a scheme that begins now; before t everything is taken to have been at rest."""
-        return Memory((self.sample_at(t, Load.constant(self.forces()[0])),))
+        force, mean = self.forces()
+        return Memory((Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration),))
+
+    def exchanged(self, memory: Memory, t: float, load: Load) -> Memory:
+        """Memory with the step that has ended at t, where the load acts, and with the energy that it made up.
+
+        That is the work that the drive got, less the rope's mean force times the way: its work to the third order in h.
+        """
+        (force, mean), (work, place) = self.forces(), self._before
+        sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
+        made = self.drive.work() - work - float(mean.dot(self.drive.place() - place))
+        return memory._replace(
+            samples=(*memory.samples, sample)[-KEPT:], exchanges=memory.exchanges + 1, residual=memory.residual + made
+        )
+
+    def exchange(self, memory: Memory, t: float, h: float, load: Load) -> Advance:
+        """The step done under a load, drive first."""
+        if cause := self.step(t, h, load):
+            return Advance(memory, cause)
+        return Advance(self.exchanged(memory, t + h, load))
 
 
 def answer(status: Status, read: Reader) -> Vector | str:
@@ -249,19 +265,6 @@ def answer(status: Status, read: Reader) -> Vector | str:
         return forces
     bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)]
     return f"{', '.join(bad)} missing or not finite: check the rope plant"
-
-
-class ExchangeBalance:
-    """Energy that the exchange makes up in one step: what the drive got, less what the rope gave."""
-
-    def __init__(self, pair: Pair, load: Load) -> None:
-        self._drive, self._load = pair.drive, load
-        self._work, self._place = pair.drive.work(), pair.drive.place()
-
-    def residual(self, mean: Vector) -> float:
-        """The step's residual [J]; the rope gave its mean force times the way, to the third order in h."""
-        way = self._drive.motion(self._load, 1.0).place - self._place
-        return self._drive.work() - self._work - float(mean.dot(way))
 
 
 class Scheme(Protocol):

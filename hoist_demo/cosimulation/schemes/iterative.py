@@ -21,7 +21,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.schemes.accelerators import Accelerator, Aitken, InterfaceJacobian, Secant
 from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
-from hoist_demo.cosimulation.schemes.interface import Advance, ExchangeBalance, Load, Memory, Pair, Vector
+from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pair, Vector
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
@@ -57,15 +57,13 @@ class Iterative:
             if tried:
                 pair.restore(before)
             load = Load.constant(x) if self.held else Load.through(force, *np.split(x, 2))
-            balance = ExchangeBalance(pair, load)
             if cause := pair.step(t, h, load):
                 return Advance(memory, cause)
             end, mean = pair.forces()
             answer = self._unknown(mean, end)
             change = float(np.max(np.abs(answer - x)))
             if change <= self.tolerance:
-                sample = pair.sample_at(t + h, load)
-                return Advance(memory.with_taken_back(tried).with_sample(sample, balance.residual(mean)))
+                return Advance(pair.exchanged(memory.with_taken_back(tried), t + h, load))
             x = accelerator.next(x, answer)
         return Advance(
             memory,

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hoist_demo.cosimulation.schemes.extrapolation import Extrapolated, extrapolation_coefficients
-from hoist_demo.cosimulation.schemes.interface import Advance, ExchangeBalance, InterfaceMotion, Load, Memory, Pair
+from hoist_demo.cosimulation.schemes.interface import Advance, InterfaceMotion, Load, Memory, Pair
 
 
 @dataclass(frozen=True)
@@ -26,14 +26,12 @@ class Jacobi(Extrapolated):
         start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
         c0, c1, c2 = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
         load = Load(start, rise, bend, np.zeros_like(start))
-        now, balance = pair.drive.motion(load, 0.0), ExchangeBalance(pair, load)
+        now = pair.drive.motion(load, 0.0)
         expected = InterfaceMotion(
             now.place + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
             now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
             c0 + c1 + c2,
         )
-        cause = pair.drive.step(t, h, load) or pair.step_rope(t, h, expected)
-        if cause:
+        if cause := pair.step_drive(t, h, load) or pair.step_rope(t, h, expected):
             return Advance(memory, cause)
-        sample = pair.sample_at(t + h, Load.constant(pair.forces()[0]))
-        return Advance(memory.with_sample(sample, balance.residual(sample.mean)))
+        return Advance(pair.exchanged(memory, t + h, Load.constant(pair.forces()[0])))

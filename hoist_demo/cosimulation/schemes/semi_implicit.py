@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hoist_demo.cosimulation.schemes.extrapolation import Extrapolated, extrapolation_coefficients
-from hoist_demo.cosimulation.schemes.gauss_seidel import exchange
 from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pair
 
 
@@ -28,4 +27,4 @@ class SemiImplicit(Extrapolated):
         force = extrapolation_coefficients(memory.samples, "force", self.order, h)
         acceleration = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
         start, rise, bend = (f + added * a for f, a in zip(force, acceleration, strict=True))
-        return exchange(pair, memory, t, h, Load(start, rise, bend, added))
+        return pair.exchange(memory, t, h, Load(start, rise, bend, added))

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Load, Memory, Pair, Scheme, Vector
+from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Pair, Scheme, Vector
 from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 
 _log = logging.getLogger(__name__)
@@ -53,9 +53,7 @@ class StabilityEstimate:
         )
 
 
-def predict_stability(
-    scheme: Scheme, name: str, pair: Pair, memory: Memory, t: float, H: float
-) -> StabilityEstimate | None:
+def predict_stability(scheme: Scheme, name: str, pair: Pair, t: float, H: float) -> StabilityEstimate | None:
     """Predict the stability of the scheme by trial steps of the rope at rest, which are taken back.
 
     None if it is unknown, ValueError if the rope lacks what the scheme needs.
@@ -69,8 +67,7 @@ def predict_stability(
                 "or gauss-seidel-1, or an FMU with canGetAndSetFMUstate"
             )
         return None
-    here = pair.drive.motion(Load.constant(memory.last.force), 1.0)
-    answer, cause = measure_response(pair, t, H, here)
+    answer, cause = measure_response(pair, t, H)
     if cause:
         _log.info("the coupling's stability is not known: %s", cause)
         return None
@@ -80,13 +77,14 @@ def predict_stability(
     return seen
 
 
-def measure_response(pair: Pair, t: float, H: float, at_rest: InterfaceMotion) -> tuple[Vector, str]:
+def measure_response(pair: Pair, t: float, H: float) -> tuple[Vector, str]:
     """Masses m_j, (MEMORY, n) [kg], of ends that are held, and the cause where that fails; the rope is taken back.
 
     All ends get their pulse at once, alternately up and down, so that the loop stays where it is. What the rope does
     without it, as one whose swivels have just been released, is taken off.
     """
-    sign = np.where(np.arange(at_rest.place.size) % 2 == 0, PULSE, -PULSE)
+    at_rest = pair.drive.place()
+    sign = np.where(np.arange(at_rest.size) % 2 == 0, PULSE, -PULSE)
     answer = np.zeros((2, MEMORY, sign.size))
     for given, forces in zip((0.0 * sign, sign), answer, strict=True):
         if cause := _pushed(pair, t, H, at_rest, given, forces):
@@ -94,13 +92,13 @@ def measure_response(pair: Pair, t: float, H: float, at_rest: InterfaceMotion) -
     return (answer[0] - answer[1]) / sign, ""
 
 
-def _pushed(pair: Pair, t: float, H: float, at_rest: InterfaceMotion, pulse: Vector, forces: Vector) -> str:
+def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forces: Vector) -> str:
     """Put into `forces` what a rope answers to a pulse; the cause where it fails."""
     snapshot = pair.rope.save()
     try:
         for k in range(MEMORY):
             way = pulse * H * H * (k + 0.5)
-            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest.place + way, pulse * H, pulse * (k == 0))):
+            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest + way, pulse * H, pulse * (k == 0))):
                 return cause
             forces[k] = pair.forces()[0]
         return ""

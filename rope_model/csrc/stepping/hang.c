@@ -1,6 +1,7 @@
 /* The rope at rest: rope_model.simulation.stepping.hang, which see. */
 
 #include "messages.h"
+#include "rules.h"
 #include "simulator.h"
 
 /* the state at rest in equilibrium */
@@ -73,14 +74,67 @@ static int let_curve(Simulator *rope, State *state, char *message) {
     return found;
 }
 
+/* the rope before it was hung: the rows of its held ends, its offset and yaw */
+typedef struct {
+    double held[2][3][DOF], offset, yaw;
+} Before;
+
+static void untwist(const Arrays *m, double angle) {
+    for (int node = 0; node < m->nodes; node++) m->q[(size_t)node * DOF + ANGLE] = angle;
+}
+
+/* the rope anew, straight and untwisted as seen from the end that does not turn */
+static int hang_while_it_turns(Simulator *rope, State *state, const Before *before, int side, char *message) {
+    const Arrays m = state_arrays(state);
+    hanging_guess(m.nodes, m.s, before->held[LEFT][0], before->held[RIGHT][0], m.q, message);
+    untwist(&m, before->held[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
+    state->offsets[RIGHT] = before->offset;
+    state->loop_yaw = before->yaw;
+    state->snapped_at = 0;
+    return let_curve(rope, state, message);
+}
+
+/* the state if its swivels hold, else with those that start relaxed where they have slid to */
+static int relax(Simulator *rope, State *state, const Before *before, char *message) {
+    const Arrays m = state_arrays(state);
+    double sign[2] = {0, 0}, relative[2];
+    do {
+        int loosest = -1;
+        double least = INFINITY;
+        for (int side = LEFT; side <= RIGHT; side++) {
+            const Swivel *swivel = &rope->scene.swivels[side];
+            const double *R = end_row(m.reaction, m.nodes, side);
+            if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
+            const double friction = swivel_friction(swivel, swivel->mu_kinetic, R[1]);
+            if (beyond_rest(swivel, R[1], R[ANGLE]) >= 0 && friction < least) loosest = side, least = friction;
+        }
+        if (loosest < 0) return 1;
+        const int first = sign[LEFT] == 0 && sign[RIGHT] == 0;
+        sign[loosest] = copysign(1, -end_row(m.reaction, m.nodes, loosest)[ANGLE]);
+        for (int side = LEFT; side <= RIGHT; side++)
+            if (sign[side] != 0) state->swivels[side] = (SwivelState){.sign = sign[side], .phase = SLIP};
+        if (!(first ? hang_while_it_turns(rope, state, before, loosest, message)
+                    : equilibrium_in_frame(rope, state, INFINITY, message)))
+            return 0;
+        for (int side = LEFT; side <= RIGHT; side++) {
+            if (sign[side] == 0) continue;
+            ends_relative(state, side, state->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
+            state->swivels[side] = (SwivelState){.angle = relative[0], .phase = LOCKED};
+        }
+        if (!equilibrium_in_frame(rope, state, INFINITY, message)) return 0;
+    } while (is_curved(rope, state));
+    return 1;
+}
+
 int hang(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
-    double left[3][DOF], right[3][DOF];
-    ends_prescribed_motion(&rope->scene, state, LEFT, state->t, left);
-    ends_prescribed_motion(&rope->scene, state, RIGHT, state->t, right);
-    for (int node = 0; node < m.nodes; node++) m.q[(size_t)node * DOF + ANGLE] = left[0][ANGLE];
-    const double twist = right[0][ANGLE] - left[0][ANGLE];
+    Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
+    for (int side = LEFT; side <= RIGHT; side++)
+        ends_prescribed_motion(&rope->scene, state, side, state->t, before.held[side]);
+    const double first = before.held[LEFT][0][ANGLE], twist = before.held[RIGHT][0][ANGLE] - first;
+    untwist(&m, first);
     state->offsets[RIGHT] -= twist;
     rope->corrections = 0;
-    return let_curve(rope, state, message) && turn_in(rope, state, twist, message);
+    return let_curve(rope, state, message) && turn_in(rope, state, twist, message) &&
+           relax(rope, state, &before, message);
 }

@@ -44,9 +44,20 @@ def released_at(swivel: Any, now: Any) -> Any:
     return where(waits, swivel.release_time, math.inf)
 
 
+def relaxes(swivel: Any, now: Any, t: Any) -> Any:
+    """Whether a run that starts at ``t`` (s) starts from where it has slid to."""
+    return both(swivel.start == "relaxed", t >= released_at(swivel, now))
+
+
 def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
     """Largest moment (N m) of its friction with this coefficient."""
     return where(swivel.mode == "free", 0.0, friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
+
+
+def beyond_rest(swivel: Any, tension: Any, held: Any) -> Any:
+    """Moment (N m) by which ``held`` passes what the swivel can hold at rest; negative while it holds."""
+    holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
+    return abs(held) - (holds + MOMENT_RESOLUTION)
 
 
 def moment_of_swivel(swivel: Any, now: Any, tension: Any, held: Any) -> Any:
@@ -57,5 +68,5 @@ def moment_of_swivel(swivel: Any, now: Any, tension: Any, held: Any) -> Any:
 def swivel_excess(swivel: Any, now: Any, tension: Any, held: Any, rate: Any) -> Any:
     """Event function: negative while the swivel may stay in its phase."""
     stays = either(now.phase == Phase.LOCKED, both(now.phase == Phase.SLIP, frictionless(swivel)))
-    beyond = abs(held) - (swivel_friction(swivel, swivel.mu_static, tension) + MOMENT_RESOLUTION)
+    beyond = beyond_rest(swivel, tension, held)
     return where(stays, -math.inf, where(now.phase == Phase.STICK, beyond, -now.sign * rate))

@@ -251,7 +251,7 @@ BLIND_GUARDS: Rules = {
 }
 ACCURACY_GIVEN_UP: Rules = {warning_messages.accuracy_given_up: _accuracy_given_up}
 
-#: cases of the inputs of an end
+#: rules of the inputs of an end
 INPUTS: Rules = {
     warning_messages.positions_rounded: _positions_rounded,
     warning_messages.samples_repeated: _samples_repeated,

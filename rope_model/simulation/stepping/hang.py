@@ -1,4 +1,10 @@
-"""The rope at rest: hung up straight and untwisted, let take its permanent curvature, then turned in to its twist."""
+"""The rope at rest: hung up straight and untwisted, let take its permanent curvature, then turned in to its twist.
+
+Its swivels hold.  If one that starts relaxed cannot, the rope is hung up anew while that one turns against the friction
+of its slip: neither coupling nor installed twist winds up its loop.  That friction is below what holds it at rest.  A
+straight rope at rest carries the same torque all along, so the swivel with the least friction turns alone.  On a curved
+rope the other may have to turn as well.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +15,11 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.simulation.curvature import is_curved
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.adaptation import with_loop_yaw
 from rope_model.simulation.messages import messages
-from rope_model.simulation.model import RopeModel, energies
+from rope_model.simulation.model import RopeModel, ends_of, energies
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
@@ -28,11 +35,11 @@ MOST_CORRECTIONS = 100_000
 
 
 def hang(model: RopeModel, state: RopeState) -> RopeState:
-    """``state`` at rest, hung up straight and untwisted, then curved and turned in."""
-    q, held = state.motion.q, model.system(state).prescribed_motion(state.motion.t)[0]
-    q[:, ANGLE] = held[0, ANGLE]
-    twist = float(held[-1, ANGLE] - held[0, ANGLE])
-    return _turn_in(model, *_let_curve(model, _turn_right_end(state, -twist)), twist)
+    """``state`` at rest, hung up straight and untwisted, then curved, turned in and relaxed."""
+    held = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
+    twist, straight = held[1] - held[0], _untwisted(state, held[0])
+    hung = _turn_in(model, *_let_curve(model, _turn_right_end(straight, -twist)), twist)
+    return _relax(model, [_untwisted(state, other) for other in reversed(held)], hung)
 
 
 def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
@@ -86,6 +93,52 @@ def _turn_in(model: RopeModel, state: RopeState, made: int, twist: float) -> Rop
         if last:
             beyond = math.inf
     return state
+
+
+def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> RopeState:
+    """``state`` if its swivels hold, else with those that start relaxed where they have slid to.
+
+    ``straight`` are the rope hung up straight, untwisted as seen from the right end, and from the left one.
+    """
+    slips: dict[int, SwivelState] = {}
+    while loose := {side: friction for side, friction in _loose(model, state).items() if side not in slips}:
+        side = min(loose, key=loose.__getitem__)
+        slips[side] = SwivelState(Phase.SLIP, 0.0, math.copysign(1.0, -state.motion.reaction[-side, ANGLE]))
+        if len(slips) == 1:
+            state, _ = _let_curve(model, _with_swivels(straight[side], slips))
+        else:
+            state, _ = _equilibrium_in_frame(model, _with_swivels(state, slips))
+        m, ends = state.motion, model.ends(state)
+        angles = {k: ends.relative(k, m.t, float(m.q[-k, ANGLE]), 0.0)[0] for k in slips}
+        rests = {k: SwivelState(Phase.LOCKED, angle, 0.0) for k, angle in angles.items()}
+        state, _ = _equilibrium_in_frame(model, _with_swivels(state, rests))
+        if not is_curved(model.scene.rope, flexible(state.fidelity)):
+            break
+    return state
+
+
+def _loose(model: RopeModel, state: RopeState) -> dict[int, float]:
+    """Sides whose swivel relaxes and does not hold, and the friction (N m) of its slip."""
+    ends, m = ends_of(model.system(state)), state.motion
+    at_rest = [side for side in (0, 1) if relaxes(ends.swivels[side], state.swivels[side], m.t)]
+    return {
+        side: ends.friction(side, m.reaction, kinetic=True)
+        for side in at_rest
+        if beyond_rest(ends.swivels[side], float(m.reaction[-side, 1]), float(m.reaction[-side, ANGLE])) >= 0
+    }
+
+
+def _untwisted(state: RopeState, angle: float) -> RopeState:
+    """``state`` with this ``angle`` (rad) all along."""
+    q = state.motion.q.copy()
+    q[:, ANGLE] = angle
+    return state._replace(motion=replace(state.motion, q=q))
+
+
+def _with_swivels(state: RopeState, swivels: dict[int, SwivelState]) -> RopeState:
+    """``state`` with these swivels by side."""
+    left, right = (swivels.get(side, state.swivels[side]) for side in (0, 1))
+    return state._replace(swivels=(left, right))
 
 
 def _equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> tuple[RopeState, int]:

@@ -1,0 +1,68 @@
+"""Place of a balance rope on its conveyances, and what follows from it.
+
+A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the conveyance, turned by its
+yaw psi, moves the rope's end by its own motion and by
+
+    p' = R(psi) p ,    v = psi' e_Y x p' ,    a = psi'' e_Y x p' - psi'^2 p' ,
+
+and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. The functions take numbers and
+CasADi expressions alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rope_model.physics.elementary import cos, sin
+
+MOVED = ("x", "z", "vx", "vz", "ax", "az")  #: What a point of a conveyance has of its own.
+
+
+@dataclass(frozen=True)
+class Place:
+    """Place of a rope, from the centres of the conveyances."""
+
+    x_left: float = 0.0  # m, in the plane of the loops, from the left conveyance's centre
+    x_right: float = 0.0  # m, from the right one's
+    z: float = 0.0  # m, out of plane, of both
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """Origin of the rope's places, x from half-way between the conveyances' centres [m]."""
+        return 0.5 * (self.x_left + self.x_right), 0.0, self.z
+
+    def at(self, end: str) -> tuple[float, float]:
+        """x and z of an end [m]."""
+        return (self.x_left if end == "left" else self.x_right), self.z
+
+
+def motion_at(place: tuple[float, float], centre: Sequence[Any], yaw: Any, rate: Any, growth: Any) -> tuple[Any, ...]:
+    """Return MOVED of a point of a conveyance, from its own nominal place.
+
+    ``centre`` is MOVED of the conveyance's centre; ``rate`` and ``growth`` are the derivatives of ``yaw`` [rad].
+    """
+    cx, cz, cvx, cvz, cax, caz = centre
+    x, z = _turned(place, yaw)
+    return (
+        cx + x - place[0],
+        cz + z - place[1],
+        cvx + rate * z,
+        cvz - rate * x,
+        cax + growth * z - rate**2 * x,
+        caz - growth * x - rate**2 * z,
+    )
+
+
+def moment_at(place: tuple[float, float], yaw: Any, force: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """Return the moment of a force at a point of a conveyance, about its centre, p' x f."""
+    x, z = _turned(place, yaw)
+    fx, fy, fz = force
+    return -z * fy, z * fx - x * fz, x * fy
+
+
+def _turned(place: tuple[float, float], yaw: Any) -> tuple[Any, Any]:
+    """x and z of a point of the conveyance, from its centre, where it is turned about Y."""
+    x, z = place
+    return x * cos(yaw) + z * sin(yaw), z * cos(yaw) - x * sin(yaw)

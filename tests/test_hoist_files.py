@@ -1,0 +1,175 @@
+"""Hoists' files: what they say, what follows, what is refused where, and their JSON Schema."""
+
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+from numpy.testing import assert_allclose
+
+from balance_rope import main
+from hoist_demo.cases.case import FOLDER
+from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.files.documentation import filled
+from hoist_demo.files.hoist_file import TAIL_SPARE, read_hoist, schema
+from hoist_demo.files.reading import FileError, nested
+from hoist_demo.parameters import GRAVITY
+
+ROOT = Path(__file__).parents[1]
+SHIPPED = [*(FOLDER / f"{name}.toml" for name in NAMED), *sorted((ROOT / "docs" / "hoists").glob("*.toml"))]
+OWN = """
+name = "Own"
+status = "data sheet"
+[hoist]
+shaft_travel = 870
+payload_left = "22 t"
+head_rope_number = 4
+wrap_angle = "180 deg"
+conveyance_mass = { value = 18.2, unit = "t", status = "measured", source = "scale", low = 18, high = 19 }
+brake.torque = "1180 kN m"
+[winding]
+speed = "16 m/s"
+start_delay = "500 ms"
+[[rope]]
+construction = "34x7"
+diameter = "52 mm"
+number = 2
+swivels.mode = "coulomb"
+right.swivel.mode = "locked"
+"""
+
+
+def written(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_units_are_converted_to_the_last_bit_and_what_is_left_out_follows_by_rules(tmp_path: Path) -> None:
+    case = read_hoist(written(tmp_path / "own.toml", OWN))
+    hoist, m = case.hoist, case.rope["rope.mass_per_length"]
+    assert (hoist.payload_left, hoist.conveyance_mass, hoist.wrap_angle) == (22e3, 18.2e3, 3.141592653589793)
+    assert hoist.brake is not None
+    assert (hoist.brake.torque, case.winding.start_delay, case.rope["rope.diameter"]) == (1.18e6, 0.5, 0.052)
+    assert (hoist.tail_rope_number, hoist.tail_rope_mass, hoist.tail_rope_length) == (2, m, 870.0 + TAIL_SPARE)
+    assert (case.winding.travel, hoist.play) == (870.0, None)
+    assert_allclose(hoist.rope_mass, 2.0 * float(m))
+    assert_allclose(case.gains.speed, 3.0 * hoist.moving_mass)
+    assert [case.rope[f"{side}.swivel.mode"] for side in ("left", "right")] == [2, 0]
+    wanted = {"hoist.payload_left": "data sheet", "hoist.conveyance_mass": "measured", "gains.speed": "derived"}
+    assert {key: case.given[key] for key in wanted} == wanted
+    assert case.sources["hoist.conveyance_mass"] == "scale"
+    assert case.remarks == ()
+
+
+def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.toml"
+    asked = ["--depth", "300m", "--payload", "8t", "--speed", "10", "--conveyance", "9 t", "--ropes", "2"]
+    assert main(["new", "mine", *asked, "--lay", "alternate", "--schema", "--out", str(path)]) == 0
+    assert main(["new", "mine", *asked, "--out", str(path)]) == 2  # it is there
+    case = read_hoist(path)
+    jsonschema.validate(nested(tomllib.loads(path.read_text(encoding="utf-8"))), schema())
+    assert [case.given[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
+    torques = [tail.parameters["rope.Qc"] for tail in case.ropes]
+    assert torques[0] == -torques[1] > 0.0
+    capsys.readouterr()
+    assert main(["show", str(path)]) == 0
+    said = capsys.readouterr().out
+    # the light side holds conveyance, head ropes or balance ropes: the same weight at either landing
+    ropes = case.hoist.rope_mass * (300.0 + 40.0) + case.hoist.tail_mass * 20.0
+    assert f"{(17e3 + ropes) * GRAVITY / 1e3:.4g} and {(9e3 + ropes) * GRAVITY / 1e3:.4g} kN" in said
+    assert main(["rope"]) == main(["rope", "34x7", "--diameter", "52mm"]) == 0
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_file_that_is_shipped_is_read_and_fits_the_schema(path: Path) -> None:
+    assert read_hoist(path).name
+    tables = nested(tomllib.loads(path.read_text(encoding="utf-8")))
+    # what a hoist is like may have the ropes
+    jsonschema.validate({"rope": [{}], **tables}, schema())
+
+
+#: what is put behind a line of OWN, or instead of it; the message's beginning, and the path in the schema's error
+WRONG: list[tuple[str, str, str, str]] = [
+    ('name = "Own"', "", "name is missing: give it", ""),
+    ('"data sheet"', '"sheet"', "status = 'sheet' must", "status"),
+    ("[hoist]", "[hoist]\npaylaod_left = 3", "hoist.paylaod_left = 3 is not a key: did you mean", "hoist"),
+    ('"22 t"', '"22 kN"', "hoist.payload_left has unit = 'kN', which must measure the same as kg", ""),
+    ('"22 t"', '"t 22"', "hoist.payload_left = 't 22' must be a finite number", "hoist/payload_left"),
+    ('"22 t"', "true", "hoist.payload_left = True must be a finite number", "hoist/payload_left"),
+    ('"22 t"', "[1, 2]", "hoist.payload_left = [1, 2] must be a finite number", "hoist/payload_left"),
+    ('"22 t"', "{ unit = 't' }", "hoist.payload_left = {'unit': 't'} has no value", ""),
+    ('"22 t"', "{ value = 1, unti = 't' }", "hoist.payload_left.unti is not known", "hoist/payload_left"),
+    ('"22 t"', "{ value = 1, status = 'x' }", "hoist.payload_left has status = 'x', which must", "hoist/payload_left"),
+    ('"22 t"', "{ value = 1, unit = 3 }", "payload_left has unit = 3, which must be a text", "hoist/payload_left"),
+    ('"22 t"', "-5", "hoist: payload_left = -5.0 must be finite and at least 0", ""),
+    ("head_rope_number = 4", "head_rope_number = 4.5", "rope_number = 4.5 must be a whole", "hoist/head_rope_number"),
+    ("brake.torque", "brake = 3 #", "hoist.brake = 3 must be one table", "hoist/brake"),
+    ("brake.torque", "brake.torqe", "not a key: did you mean hoist.brake.torque", "hoist/brake"),
+    ("shaft_travel = 870", "shaft_travel = 'deep'", "hoist.shaft_travel = 'deep' must", "hoist/shaft_travel"),
+    ("shaft_travel = 870", "shaft_travel = nan", "hoist.shaft_travel = nan must be a finite", ""),
+    ('"180 deg"', "190.0", "hoist: wrap_angle = 190.0 must be within 0.1 and 12.5664 rad", ""),
+    ("[winding]", "[winding]\ntravel = 900", "travel = 900.0 must be within", ""),
+    ("[winding]", "[winding]\nemergency_law = 'brake'", "'brake' must be one of drive", "winding/emergency_law"),
+    ('"16 m/s"', '"16 m"', "winding.speed has unit = 'm', which must measure the same as m/s", ""),
+    ('"16 m/s"', "-3", "winding: speed = -3.0 must be finite and above 0", ""),
+    ("[winding]", "[wending]", "wending = {'speed': '16 m/s', 'start_delay': '500 ms'} is not a key", ""),
+    ("[[rope]]", "[rope]", "rope = {", "rope"),
+    ('"34x7"', '"34x8"', "rope 1: construction = '34x8' is out of range", ""),
+    ('"52 mm"', '"52 kg"', "rope 1: rope.diameter has unit = 'kg', which must measure the same as m", ""),
+    ('"52 mm"', "0.0", "rope 1: rope.diameter = 0.0 must be within", "rope/0/diameter"),
+    ("number = 2", "number = 0", "rope 1 number = 0 must be greater", "rope/0/number"),
+    ("number = 2", "number = 'two'", "rope 1 number = 'two' must be a valid integer", "rope/0/number"),
+    ("number = 2", "name = 'a b'", "rope 1 name = 'a b' must be", "rope/0/name"),
+    ("number = 2", "breaks_at = 3", "rope 1: breaks_at and breaks_s must stand together", ""),
+    ("number = 2", "z = 'left'", "rope 1: rope.z = 'left' must be a finite number", "rope/0/z"),
+    ("number = 2", "EJ = 3", "rope 1 EJ = 3 is not a key: did you mean rope.EI", "rope/0"),
+    ("number = 2", "contact.friction = 1", "rope 1 contact = {'friction': 1} is not a key", "rope/0"),
+    ("number = 2", "from = 'none.toml'", "rope 1: ", ""),
+    ('"coulomb"', '"kulomb"', "rope 1: rope.swivels.mode = 'kulomb' must be one of 0 (locked)", "rope/0/swivels/mode"),
+    ('"coulomb"', "7", "rope 1: rope.swivels.mode = 7 must be one of 0 (locked)", "rope/0/swivels/mode"),
+    ("[winding]", "[mesh]\nkind = 'fine'\n[winding]", "mesh.kind = 'fine' must be one of 0 (tmn)", "mesh/kind"),
+    ("[winding]", "[accuracy]\nloop = 5.0\n[winding]", "accuracy.loop = 5.0 must be within", "accuracy/loop"),
+    ("[winding]", "[gains]\nspeed = 'fast'\n[winding]", "gains.speed = 'fast' must be a finite", "gains/speed"),
+    ('name = "Own"', 'name = "Own"\nlevel = "quick"', "level = 'quick' must be 'draft'", "level"),
+    ('name = "Own"', 'name = "Own"\ncontroller = "fuzzy"', "controller = 'fuzzy' must be one of pi,", "controller"),
+    ('name = "Own"', 'name = "Own"\nsignals = ["a" "b"]', "is not TOML: a comma is missing at line 3, column 16", ""),
+    ('name = "Own"', 'name = "Own"\nsignals = "loop.y"', "signals = 'loop.y' must be a list", "signals"),
+    ('name = "Own"', 'name = "Own"\nlike = "nowhere"', "cannot be read", ""),
+    ('name = "Own"', 'name = "Own"\nname = "b"', "is not TOML: Cannot overwrite a value", ""),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "message", "place"), WRONG)
+def test_a_wrong_file_is_refused_with_its_place(old: str, new: str, message: str, place: str, tmp_path: Path) -> None:
+    assert old in OWN
+    text = OWN.replace(old, new, 1)
+    with pytest.raises(FileError) as told:
+        read_hoist(written(tmp_path / "own.toml", text))
+    assert any(message in one for one in told.value.problems), told.value.problems
+    if place:
+        found = jsonschema.Draft202012Validator(schema()).iter_errors(nested(tomllib.loads(text)))
+        assert place in ["/".join(map(str, error.absolute_path)) for error in found]
+
+
+def test_all_errors_come_at_once_and_far_values_are_remarked_on(tmp_path: Path) -> None:
+    text = OWN.replace('"22 t"', '"22 kg"').replace("[winding]", "sheave_radius = 'big'\n[winding]\njerk = 'soft'")
+    with pytest.raises(FileError) as told:
+        read_hoist(written(tmp_path / "own.toml", text))
+    assert len(told.value.problems) == 2
+    case = read_hoist(written(tmp_path / "far.toml", OWN.replace('"22 t"', '"22 kg"')))
+    assert [line.split(" is far")[0] for line in case.remarks] == ["hoist.payload_left = 22 kg"]
+
+
+def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) -> None:
+    text = 'name = "b"\nlike = "own.toml"\nhoist.payload_left = 5000.0\n[[rope]]\nlength = 930\n'
+    own = read_hoist(written(tmp_path / "own.toml", OWN))
+    case = find_case(str(written(tmp_path / "b.toml", text)))
+    assert (case.hoist.payload_left, case.rope["rope.length"], case.hoist.tail_rope_number) == (5e3, 930.0, 2)
+    assert case.rope["rope.EI"] == own.rope["rope.EI"]
+    with pytest.raises(FileError, match="break the circle"):
+        find_case(str(written(tmp_path / "c.toml", 'name = "c"\nlike = "c.toml"\n')))
+
+
+def test_the_page_has_the_keys_and_rules_that_there_are() -> None:
+    text = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
+    assert filled(text) == text, "python -m hoist_demo.files.documentation docs/reference/files.md"
