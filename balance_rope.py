@@ -22,7 +22,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.hoist import add_hoist_commands
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.options import settings
-    from hoist_demo.command_line.results import named, results_folder
+    from hoist_demo.command_line.results import hear_hang_ups, named, results_folder
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
@@ -94,6 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
         )
     options = parser.parse_args(arguments)
+    hear_hang_ups()
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s")
     try:
@@ -172,11 +173,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         metavar="NAME",
         help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system cannot hold is refused",
     )
-    export.add_argument(
-        "--out",
-        type=named,
-        help=f"the .fmu to write; a folder where there is one, or several are written ({BUILD}/...)",
-    )
+    export.add_argument("--out", type=named, help=f"the .fmu to write, or a folder ({BUILD})")
     export.set_defaults(run=_export)
 
 
@@ -253,11 +250,9 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
 
 def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
-    if out is not None and len(wanted) == 1 and not out.is_dir():
+    if out is not None and len(wanted) == 1 and out.suffix and not out.is_dir():
         if out.suffix.lower() != ".fmu":
-            raise ValueError(
-                f"--out {out} must end in .fmu or be a folder that is there: give {out.with_suffix('.fmu')}"
-            )
+            raise ValueError(f"--out {out} must end in .fmu or name a folder: give {out.with_suffix('.fmu')}")
         paths = [out]
     elif out is not None and out.suffix == ".fmu":
         raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")

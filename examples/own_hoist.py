@@ -15,8 +15,9 @@ from hoist_demo.files.new import round_rope
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import write_csv
-from hoist_demo.report.rows import render
+from hoist_demo.report.rows import render, render_verdict
 from hoist_demo.report.summary import summarize
+from hoist_demo.report.verdict import judge
 
 if len(sys.argv) != 2:
     sys.exit("usage: python examples/own_hoist.py FMU")
@@ -31,6 +32,8 @@ gains = Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5)
 tail = round_rope(hoist.tail_rope_length, hoist.tail_rope_mass, spacing=2.2, coupling=0.1)
 rope = FmuRope(fmu, tail)
 result = Host(rope, hoist, winding, gains=gains).run()
+data = rope.data()
 rope.close()
+print(render_verdict(judge(result, hoist, data)))
 print(render(summarize(result, hoist, winding, Coupling())))
 write_csv(result.recording, fmu.with_name("signals.csv"))

@@ -15,9 +15,12 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.run import run_report
+from hoist_demo.report.rows import Report
+from hoist_demo.report.verdict import judge
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
@@ -83,7 +86,14 @@ def shaped(shapes: np.ndarray) -> dict[str, np.ndarray]:
 def result(signals: dict[str, np.ndarray], cause: str = "", **units: str) -> SimpleNamespace:
     """What a run leaves that was stopped by a cause, or completed."""
     trajectory = SimpleNamespace(duration=9.0) if signals else None
-    return SimpleNamespace(recording=Recording(signals, units), completed=not cause, cause=cause, trajectory=trajectory)
+    return SimpleNamespace(
+        recording=Recording(signals, units),
+        completed=not cause,
+        cause=cause,
+        trajectory=trajectory,
+        warning="",
+        winding=Winding(),
+    )
 
 
 def run(tmp_path: Path, **more: np.ndarray) -> Path:
@@ -104,5 +114,7 @@ def run(tmp_path: Path, **more: np.ndarray) -> Path:
         signals[f"shape.torsion[{i + 1}]"] = 0.0 * t
         signals[f"shape.tension[{i + 1}]"] = 80.0 * shapes[:, i, 1]
     wound = result(signals | shaped(shapes) | more, **{"left.fy": "N", "conveyance.left.y": "m"})
-    winding, path = Winding(emergency_at=5.0), tmp_path / "run.html"
-    return run_report(wound, Hoist(), winding, [], "A <trip> & its rope", path, locked=("right",))
+    wound.winding = Winding(emergency_at=5.0)
+    rope = RopeData({}, {"right.swivel.mode": 0}, {})
+    report = Report("A <trip> & its rope", judge(wound, Hoist(), rope))
+    return run_report(wound, Hoist(), report, tmp_path / "run.html", rope)

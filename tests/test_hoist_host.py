@@ -11,14 +11,15 @@ import pytest
 from rope_groups import Weight
 
 from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import shape_rows, write_csv, write_shapes
 from hoist_demo.report.figures import write_figures
-from hoist_demo.report.rows import render
 from hoist_demo.report.summary import summarize
+from hoist_demo.report.verdict import judge
 from rope_model import EndMotion, Status
 
 RHO, G, LENGTH = 8.0, 9.81, 120.0
@@ -129,7 +130,7 @@ def test_a_rope_that_cannot_hang_stops_before_the_first_row() -> None:
     result = _run(FakeRope(fails_at=-1.0), Winding(travel=2.0))
     assert (result.completed, result.steps) == (False, 0)
     assert "no hanging shape" in result.cause
-    assert "no hanging shape" in render(summarize(result, Hoist(), Winding(), Coupling()))
+    assert "no hanging shape" in judge(result, Hoist(), RopeData({}, {}, {})).words
 
 
 def test_an_emergency_stop_comes_to_rest_before_the_landing() -> None:

@@ -6,14 +6,19 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from exports import FLAVOURS
 
-from hoist_demo.command_line.results import interruption
+from hoist_demo.command_line import results
+from hoist_demo.command_line.results import hear_hang_ups, interruption
+from hoist_demo.cosimulation.participants.rope_data import RopeData
+from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
 from hoist_demo.recording.time_series import Recording
+from hoist_demo.report.verdict import judge
 from rope_model import neglected_text
 
 ROOT = Path(__file__).parents[1]
@@ -48,6 +53,33 @@ def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> N
     assert without_remarked([neglected_text("planar"), "other"], shown) == ["other"]
 
 
+#: what is recorded, parameters of the rope, and the row of the verdict: its value and whether the bound is kept
+VERDICTS = [
+    # three ropes of 1 to 2 kN, known within 2 N each
+    ({"left.fy": [-1e3, -2e3], "status.end_force_error": [0, 1e-3]}, {}, "pull of all 3", "3.00 to 6.00 kN", True),
+    ({"right.fy": [-1e3, 50.0]}, {}, "pull of all 3", "-0.15 to 3 kN", False),
+    ({"loop.turns": [0.1, -0.55]}, {}, "turns", "0.55", False),
+    ({"loop.turns": [0.1, -0.2]}, {"guard.turns": 0.15}, "turns", "0.2", False),
+    ({"loop.sideways": [0.0, 1.234567], "status.loop_error": [0, 5e-3]}, {}, "sideways", "1.23 m", None),
+    ({"loop.sideways": [0.0, 1.2]}, {"guard.window": 1.5}, "sideways", "1.2 m", True),
+    ({"nearest.divider.clearance": [1.0, 0.2]}, {"guard.clearance": 0.3}, "clearance from a divider", "0.2 m", False),
+    ({"status.loop_error": [0, 5e-3]}, {"accuracy.loop": 0.01}, "estimated error of the loop", "5 mm", True),
+    # exp(0.25 pi) = 2.193: (2.193 - 1) / (1.5 - 1) at rest, 1.193 / 1.2 while it winds
+    ({"drive.tension_ratio": [1.5, 2.2]}, {}, "slip safety at rest", "2.39", True),
+    ({"drive.tension_ratio": [1.5, 2.2]}, {}, "slip safety in normal", "0.99", False),
+]
+
+
+@pytest.mark.parametrize(("signals", "parameters", "row", "value", "kept"), VERDICTS)
+def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, parameters, row, value, kept) -> None:
+    record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
+    ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
+    verdict = judge(ended, Hoist(tail_rope_number=3), RopeData({}, parameters, {}))
+    (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
+    assert (found.value, found.holds) == (value, kept)
+    assert (found.quantity in verdict.words) == (kept is False)
+
+
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 @pytest.mark.parametrize("fmi", [pytest.param("2", marks=pytest.mark.slow), "3"])
 def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, tmp_path: Path) -> None:
@@ -64,7 +96,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 
     run([*export, "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)])
     said = run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
-    title = f"Winding 0.5 m: case rope-120, balance rope in the FMU mine.fmu, FMI {fmi}.0"
+    title = "rope-120: the left conveyance 0.5 m up at up to 8 m/s"
     assert said.startswith(f"{title}\n")
     for name in ("report.md", "report.html"):
         text = (out / name).read_text(encoding="utf-8")
@@ -76,10 +108,17 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
     assert dict(zip(header.split(","), first.split(","), strict=True))["loop.yaw [rad]"] == "nan"
 
 
-def test_an_interrupt_lets_the_writing_finish(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    "name", ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.skipif(os.name == "nt", reason="none"))]
+)
+def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(results, "silence", lambda: None)
+    hear_hang_ups()
     with interruption("writing") as interrupted:
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), getattr(signal, name))
         finished = True
     assert finished
     assert interrupted()

@@ -1,5 +1,6 @@
 """`demo --set` and `--signals`: values and columns by name, errors that name them, and every message once."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import pandas as pd
@@ -7,6 +8,7 @@ import pytest
 
 from balance_rope import main
 from hoist_demo.cases.table import CASES
+from hoist_demo.command_line import demo
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -72,7 +74,9 @@ def test_signals_are_found_by_name_and_by_star_in_the_order_asked_for() -> None:
         match_signals(["loop.z"], known)
 
 
-def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path: Path) -> None:
+def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     chosen = ["--set", "rope.mass_per_length=16", "--set", "hoist.payload_left=4000"]
     assert main([*DEMO, *chosen, "--out", str(tmp_path), "--signals", "*.fy", "drive.torque"]) == 0
     recording = pd.read_csv(tmp_path / "signals.csv")
@@ -80,8 +84,12 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path
     # the rope's own is half of it
     assert recording["left.fy [N]"][0] + recording["right.fy [N]"][0] == pytest.approx(-16 * 9.81 * 120.0, rel=1e-3)
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
-    assert "rope.mass_per_length=16" in text.splitlines()[0]
-    assert "| hoist.payload_left | 4000 | kg |" in text
+    assert "| hoist.payload_left | 4000 | kg | 5000 |" in text
+    # a run that stops keeps the report
+    monkeypatch.setattr(demo, "interruption", lambda *_: nullcontext(lambda: True))
+    assert main([*DEMO, "--out", str(tmp_path)]) == 1
+    assert (tmp_path / "report.md").read_text(encoding="utf-8") == text
+    assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")
 
 
 def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:

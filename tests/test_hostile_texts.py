@@ -37,7 +37,8 @@ from hoist_demo.files.values import LONGEST_TEXT
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
-from hoist_demo.report.rows import SummaryRow
+from hoist_demo.report.rows import Report, SummaryRow
+from hoist_demo.report.verdict import Judged, Verdict
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import Known, write_data
 from hoist_demo.study.store import Store
@@ -194,7 +195,10 @@ def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
 
 def test_markdown_has_no_element_of_a_text() -> None:
     for text in HOSTILE:
-        written = render_markdown(text, [SummaryRow(text, text, text)], [], [(text, [(text, text, text, text)])])
+        tables = (text, [(text, text, text, text)])
+        verdict = Verdict(text, (Judged(text, text, text, where=text),), (text,))
+        report = Report(text, verdict, tables, [SummaryRow(text, text, text)], [tables])
+        written = render_markdown(report, [])
         assert "<" not in written, text
 
 

@@ -12,10 +12,13 @@ import pandas as pd
 import pytest
 from browser import BROWSER, END, STEPS, bottom, curve, look, result, run, shaped
 
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.cosimulation.participants.rope_data import RopeData
+from hoist_demo.parameters import Hoist
 from hoist_demo.report.html.packing import ROPE_ROWS
 from hoist_demo.report.html.run import run_report
 from hoist_demo.report.html.study import Judgement, study_report
+from hoist_demo.report.rows import Report
+from hoist_demo.report.verdict import judge
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
 
@@ -207,7 +210,8 @@ def test_a_run_that_stopped_after_one_row_or_never_began_is_shown(tmp_path: Path
         ({}, 'querySelector(".stopped").textContent', "no <shape>"),
     ):
         path = tmp_path / f"run{len(signals)}.html"
-        page = run_report(result(signals, "no <shape>"), Hoist(), Winding(), [], "T", path)
+        ended = result(signals, "no <shape>")
+        page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), RopeData({}, {}, {}))), path)
         seen = look(page, f"seen.found = document.{probe};", 800)
         assert seen.console == []
         assert expected in seen.said["found"]
@@ -222,6 +226,7 @@ const at = (t) => {
     label: loop.querySelector(".contact-label")?.textContent ?? "",
     apart: circle && Math.hypot(...["cx", "cy"].map((c) => circle.getAttribute(c) - bottom.getAttribute(c)))};
 };
+seen.opened = loop.dataset.contacts;
 [seen.free, seen.pressed] = [at(1), at(6)];
 seen.parts = ["lining", "floor", "divider", "guard"].map((kind) => loop.querySelectorAll("." + kind).length);
 const box = new Shaft(DATA.shaft, () => NaN).boxes([-1, 0, 0], [1, 90, 0]).find(({ kind }) => kind === "divider");
@@ -238,9 +243,11 @@ def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_pat
     signals |= shaped(np.array([curve(float(s)) for s in t]))
     parameters = {"lining.width": 5.0, "lining.depth": 3.0, "lining.rounding": 0.5, "sump.level": -15.5}
     parameters |= {"divider_2.size": 0.2, "divider_2.y": -13.0, "divider_2.rounding": 1.0, "guard.rise": 0.5}
-    page = run_report(result(signals), Hoist(), Winding(), [], "T", tmp_path / "run.html", parameters=parameters)
+    rope, ended = RopeData({}, parameters, {}), result(signals)
+    page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), rope)), tmp_path / "run.html", rope)
     seen = look(page, _SHAFT, 1000)
     assert seen.console == []
+    assert seen.said["opened"] == "floor"  # the page opens on the strike
     assert seen.said["free"] == {"contacts": "", "tripped": "", "label": "", "apart": None}
     assert (seen.said["pressed"]["contacts"], seen.said["pressed"]["tripped"]) == ("floor", "rise")
     assert seen.said["pressed"]["label"].startswith("floor 50.0")

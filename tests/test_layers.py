@@ -85,7 +85,7 @@ scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.
     hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description
-matplotlib: hoist_demo.report.figures hoist_demo.report.exposure_figures
+matplotlib: hoist_demo.report.figures
 rainflow: hoist_demo.recording.exposure
 pint: hoist_demo.files.values
 pydantic: hoist_demo.files hoist_demo.duty hoist_demo.calibration hoist_demo.uncertainty hoist_demo.study

@@ -19,7 +19,20 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model import SIGNALS, Air, BalanceRope, Contact, EndMotion, Lining, RopeSimulator, RopeState, Shaft
+from rope_model import (
+    SIGNALS,
+    Air,
+    BalanceRope,
+    Contact,
+    EndMotion,
+    Form,
+    Lining,
+    PointForces,
+    RopeSimulator,
+    RopeState,
+    Shaft,
+    balance_rope,
+)
 from rope_model.codegen.build import sources
 from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import FLAGS, cache_folder, compile_objects, find_compiler, object_files
@@ -200,6 +213,31 @@ def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter
         assert k * step > 10.0 or rope.signals(("count.rejections",))["count.rejections"] == 0
     assert rope.state.counts.swivel_events > 5
     assert rope.state.counts.rejections > 1
+
+
+@pytest.mark.parametrize("form", ["native", "python"])
+def test_a_transformation_without_equilibrium_gets_less_time_and_is_refused_at_the_least(form: Form) -> None:
+    motions, h = winding(45.0, 8.0), 0.02
+    scene = Scene(rope=PLAIN, solver=fixed_steps(h))
+    rope = balance_rope(scene, form)
+    assert rope.initialize(0.0, *motions(0.0)).valid
+    k = 0
+    while not rope.state.counts.transformations:  # due where the last step began
+        before, k = rope.save(), k + 1
+        assert rope.advance_to(k * h, *motions(k * h)).valid
+    assert rope.state.counts.rejections == 0
+    pushed = np.array([[1e7, 0.0, 0.0]])  # N: throws an element off within T < 0.1 s
+    rope.apply(PointForces(np.array([20.0]), pushed, pushed, 0.0, 10.0))
+    rope.restore(before)
+    start = rope.time
+    assert rope.advance_to(start + 1e-4, *motions(start + 1e-4)).valid
+    assert (rope.state.counts.transformations, rope.state.counts.rejections) == (1, 7)  # T = 0.1 s / 2^7
+    rope.restore(before)
+    rope.retune(scene.with_(solver=replace(scene.solver, step_min=0.01)))
+    status = rope.advance_to(start + 1e-4, *motions(start + 1e-4))
+    assert not status.valid
+    assert "transformation of the mesh fails" in status.message
+    assert (rope.time, rope.state.counts.transformations) == (start, 0)
 
 
 #: thirteen elements: neither form's lanes are full at the end

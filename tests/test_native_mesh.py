@@ -96,8 +96,8 @@ shafts = st.builds(
 def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft) -> None:
     scene = Scene(rope, layout, mesh=mesh, shaft=shaft)
     ours, expected = parts.fit_mesh(scene_structure(scene)), fit_mesh(scene)
-    found = KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels
-    assert found == (expected.kind, expected.elements, expected.counts, expected.end_levels)
+    found = KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels, ours.loop_error
+    assert found == (expected.kind, expected.elements, expected.counts, expected.end_levels, expected.loop_error)
     assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
     assert_allclose(ours.grading_length, expected.grading_length, rtol=1e-15)
 

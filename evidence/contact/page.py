@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from evidence.claims import Measurement
 from evidence.contact import wall
-from evidence.contact.brush import STIFFNESS, orders, past
-from evidence.rendering import number, render
+from evidence.contact.brush import FINEST, HEIGHTS, MESHES, STIFFNESS, orders, past
+from evidence.rendering import number, quantity, render
 from evidence.tables import Table, Tables, records, table
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Shaft
@@ -33,11 +33,20 @@ def page(tables: Tables) -> str:
         "base": brushes[480, 5e-3, STIFFNESS],
         "stiff": brushes[480, 5e-3, 4.0 * STIFFNESS],
         "orders": {name: number(x, ".2g") for name, x in orders(tables["brushes"]).items()},
+        "worst": [_worst(tables["heights"], elements) for elements in MESHES],
+        "heights": HEIGHTS,
+        "finest": FINEST,
         "fit": mesh_fit,
         "prices": [_price(length) for length in (60.0, 120.0, 400.0, 1000.0)],
         "wall": wall,
     }
     return render("contact/contact.md.j2", data)
+
+
+def _worst(heights: Table, elements: int) -> tuple[str, str]:
+    """A mesh, and by how much its peak is off at most."""
+    off = max(abs(r["peak off by"]) for r in records(heights) if r["elements"] == elements)
+    return str(elements or "as fitted"), quantity(off, "%", ".1f")
 
 
 def _price(length: float) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,11 +11,15 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.recording.exposure import exposure, spectra_table
 from hoist_demo.recording.fidelity import fidelities_of, without_remarked
+from hoist_demo.recording.passages import without_told
 from hoist_demo.recording.time_series import Recording, shape_rows, write_csv, write_shapes
-from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, told
+from hoist_demo.report.html.page import Row, unit_text
+from hoist_demo.report.html.parameter_tables import Table, rope_tables, tables, word
+from hoist_demo.report.rows import Report, told
 from hoist_demo.report.summary import exposure_rows, summarize
-from hoist_demo.study.provenance import Known, statuses, write_data
-from hoist_demo.study.run import RunData
+from hoist_demo.report.verdict import judge
+from hoist_demo.study.provenance import Known, of_host, statuses, write_data
+from hoist_demo.study.run import RunData, build
 
 #: Outputs that an FMU may have been exported without, and what the reports then lack.
 _DRAWN = {
@@ -26,6 +30,9 @@ _DRAWN = {
     "energy.": "energies of the rope",
     "left.swivel.": "swivels.png",
 }
+
+
+REPORT = "report.html"  #: Page of a run, in its folder.
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,7 @@ class WoundRun:
     level: str  # of the rope, "" for none
     known: Sequence[Known]
     said: Sequence[str]  # warnings of host and rope
+    asked: Collection[str]  # names of the values that were set
 
     @cached_property
     def exposed(self) -> Recording | None:
@@ -46,14 +54,25 @@ class WoundRun:
         return exposure(self.result.recording, self.rope.parameters)
 
     @cached_property
-    def rows(self) -> tuple[SummaryRow, ...]:
-        """The summary."""
-        run, exposed = self.run, self.exposed
+    def report(self) -> Report:
+        """What the reports say."""
+        run, recording, status = self.run, self.result.recording, statuses(self.known)
+        said = without_told(without_remarked(self.said, recording))
         rows = summarize(self.result, run.hoist, run.winding, run.coupling)
-        rows += () if exposed is None else exposure_rows(exposed)
-        said = without_remarked(self.said, self.result.recording)
-        rows += tuple(SummaryRow(OUTCOME, WARNING, text) for text in said)
-        return rows + tuple(told(self.known))
+        rows += (*(exposure_rows(self.exposed) if self.exposed else ()), *told(self.known))
+        host = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
+        given = [*tables(host, status), *rope_tables(self.rope, self.level, fidelities_of(recording), status)]
+        return Report(self.title, judge(self.result, run.hoist, self.rope, *said), self._changed(), rows, given)
+
+    def _changed(self) -> Table:
+        own = build(self.run.case, {})
+        before = {**{one.name: one.value for one in of_host(own, {})}, **own.fmu}
+        rows: list[Row] = [
+            (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "rope's default")))
+            for one in self.known
+            if one.name in self.asked and self.rope.parameters.get(one.name, one.value) != before.get(one.name)
+        ]
+        return f"Settings that differ from the case {self.run.case}", rows
 
 
 def missing_outputs(units: Mapping[str, str]) -> str:
@@ -74,17 +93,13 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
     `signals` are the columns of signals.csv, none: the usual.
     """
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.exposure_figures import write_exposure_figure, write_spectra_figure
-    from hoist_demo.report.figures import write_figures
-    from hoist_demo.report.html.parameter_tables import rope_tables, tables
+    from hoist_demo.report.figures import write_exposure_figure, write_figures
     from hoist_demo.report.html.run import run_report
-    from hoist_demo.report.markdown import write_report
+    from hoist_demo.report.markdown import render_markdown
     from hoist_demo.report.panels import marks
 
-    run, result, rope, status = wound.run, wound.result, wound.rope, statuses(wound.known)
-    recording, hoist, winding = result.recording, run.hoist, run.winding
-    host = {"Hoist": hoist, "Winding": winding, "Coupling": run.coupling, "Gains": run.gains}
-    given = [*tables(host, status), *rope_tables(rope, wound.level, fidelities_of(recording), status)]
+    result, rope, hoist = wound.result, wound.rope, wound.run.hoist
+    recording = result.recording
     data = write_data(wound.known, directory / "data.csv")
     written: list[Path] = []
     pictures: list[Path] = []
@@ -95,21 +110,17 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
         if recording.shape_at(0) is not None:
             written.append(directory / "shapes.csv")
             write_shapes(recording, shape_rows(recording), written[1])
-        pictures = write_figures(recording, hoist, directory, marks(result, winding), rope.locked)
+        pictures = write_figures(recording, hoist, directory, marks(result))
     if (exposed := wound.exposed) is not None:
         written.append(directory / "exposure.csv")
         write_csv(exposed, written[-1])
         picture = write_exposure_figure(exposed, directory / "exposure.png")
         exposures = {"What each place in the rope went through": picture}
-        spectra = spectra_table(recording)
-        if (vibrations := write_spectra_figure(spectra, exposed["s"], directory / "spectra.png")) is not None:
-            exposures["How it vibrates there"] = vibrations
+        if (spectra := spectra_table(recording))["frequency"].size:
             written.append(directory / "spectra.csv")
             write_csv(spectra, written[-1])
         pictures += exposures.values()
-    page, title, rows = directory / "report.html", wound.title, wound.rows
-    reports = [
-        write_report(directory / "report.md", title, rows, pictures, given),
-        run_report(result, hoist, winding, rows, title, page, given, rope.locked, rope.parameters, exposures),
-    ]
-    return [*written, data, *pictures, *reports]
+    report = directory / "report.md"
+    report.write_text(render_markdown(wound.report, pictures), encoding="utf-8")
+    page = run_report(result, hoist, wound.report, directory / REPORT, rope, exposures)
+    return [*written, data, *pictures, report, page]

@@ -20,7 +20,8 @@ from hoist_demo.recording.fidelity import mask_neglected, remark
 from hoist_demo.recording.time_series import TIME, Recording, write_csv
 from hoist_demo.report.html.page import number
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
-from hoist_demo.report.summary import exposure_rows, incidents, status
+from hoist_demo.report.summary import exposure_rows
+from hoist_demo.report.verdict import incidents, outcome
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -147,7 +148,7 @@ def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[s
     if last is not None:
         recording = last.result.recording
         rows += [
-            SummaryRow(OUTCOME, "status of the last trip", status(last.result.completed, recording)),
+            SummaryRow(OUTCOME, "status of the last trip", outcome(last.result.completed, recording)),
             SummaryRow(OUTCOME, "simulated time", float(recording.time[-1]), "s"),
         ]
     rows += [SummaryRow(OUTCOME, WARNING, text) for text in warned]
@@ -178,8 +179,7 @@ def _exposure(trips: Recording) -> Recording | None:
 
 def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.exposure_figures import write_exposure_figure
-    from hoist_demo.report.figures import write_duty_figure
+    from hoist_demo.report.figures import write_duty_figure, write_exposure_figure
 
     write_csv(trips, out / "trips.csv")
     written = [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
+import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -56,6 +58,24 @@ def named(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("'' names nothing: give a name, or leave --out away")
     return Path(text)
+
+
+def hear_hang_ups() -> None:
+    """Make a closed terminal an interrupt (Ctrl-C), unless it is ignored, as under nohup."""
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:
+        signal.signal(signal.SIGHUP, _interrupt)
+
+
+def _interrupt(*_: object) -> None:
+    silence()
+    signal.raise_signal(signal.SIGINT)
+
+
+def silence() -> None:
+    """Let what is printed to the terminal go nowhere: one that is gone takes no words."""
+    for stream in (1, 2):
+        if stat.S_ISCHR(os.fstat(stream).st_mode):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from hoist_demo.cases.case import SCENARIOS, Case
 from hoist_demo.cases.table import NAMED, find_case
-from hoist_demo.command_line.demo_results import WoundRun, missing_outputs, write
+from hoist_demo.command_line.demo_results import REPORT, WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
 from hoist_demo.command_line.wind_ropes import wind_ropes
@@ -21,29 +21,30 @@ from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.rope_data import Levels, RopeData
-from hoist_demo.cosimulation.progress import listen, progress_bar
+from hoist_demo.cosimulation.participants.rope_data import Levels
+from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.files.catalogue import Catalogue, with_values
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import GIVEN
-from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.parameters import ASSUMED_DATA, Winding
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.report.rows import CAUSE, WARNING, render
+from hoist_demo.report.rows import SummaryRow, render, render_verdict
 from hoist_demo.ropes.definition import ropes_of
 from hoist_demo.study.provenance import of_host, of_rope
 from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part, tail_rope
-from hoist_demo.study.slip import slip_warning
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
+
+STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
 
 _HOIST = "rope-120"
 
@@ -54,8 +55,8 @@ _DESCRIPTION = """\
 Wind a hoist once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
 exposure.csv and spectra.csv (what each place in the rope went through), data.csv (where each number comes from), PNG
 figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
-The summary table is printed at the end. A hoist with several ropes gives ropes.csv, one row per rope, neighbours.csv,
-one row per pair, signals.csv, data.csv and ropes.png."""
+The verdict is printed at the end: what matters, beside its bounds; the report has all other numbers. A hoist with
+several ropes gives ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv and ropes.png."""
 
 _EPILOG = """\
 examples:
@@ -140,7 +141,8 @@ def _wind(options: argparse.Namespace, default: Path, levels: Callable[[], Level
     hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
     options.hoist = _hoist_of(resume, options.hoist, hoist_values) if resume else options.hoist or _HOIST
     case = find_case(options.hoist)
-    run = build_trip(options.hoist, _winding(options, case) | chosen)
+    asked = _winding(options, case) | chosen
+    run = build_trip(options.hoist, asked)
     for remark in case.remarks:
         _tell(remark)
     statuses = {key: one.status for key, one in identified.items()} | dict.fromkeys(own, GIVEN)
@@ -150,11 +152,11 @@ def _wind(options: argparse.Namespace, default: Path, levels: Callable[[], Level
         print(f"{options.hoist}: nothing wrong")
         return 0
     results_folder(options.out)
+    title = _title(case.name or options.hoist, run.winding)
     rope, signals = _rope(options, run, bool(fmu_part(chosen)))
     missing = missing_outputs(rope.units())
-    _tell(missing)
     try:
-        with listen("hoist_demo") as said:
+        with warnings_of("hoist_demo") as said:
             result = _run(Host(rope, run.hoist, run.winding, run.coupling, run.gains), options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
@@ -162,22 +164,21 @@ def _wind(options: argparse.Namespace, default: Path, levels: Callable[[], Level
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
     run = replace(run, winding=result.winding)
     contradiction = contradictions(run.hoist, data.parameters)
-    for text in (contradiction, slip_warning(result.recording, run.hoist, run.winding)):
-        _tell(text)
     known = [*of_host(run, statuses), *of_rope(case, data, statuses)]
     warned = [*filter(None, (missing, contradiction)), *said]
-    wound = WoundRun(_title(options, run, data), run, result, data, data.level(levels()), known, warned)
-    before = set(options.out.iterdir())
-    with interruption(f"the run is over, its results are being written to {options.out}") as interrupted:
-        written = write(wound, options.out, signals)
-    print(f"{wound.title}\n")
-    # warnings have been told when they arose, and the cause is told last
-    print(render([row for row in wound.rows if row.quantity not in (WARNING, CAUSE)]))
-    print(f"\n{ASSUMED_DATA}\n")
+    wound = WoundRun(title, run, result, data, data.level(levels()), known, warned, asked)
+    # the report of an earlier run is worth more than that of one that failed
+    spared = not result.completed and (options.out / REPORT).exists()
+    out = results_folder(options.out / STOPPED) if spared else options.out
+    with interruption(f"the run is over, its results are being written to {out}") as interrupted:
+        written = write(wound, out, signals)
+    report = wound.report
+    name, rows = report.changed
+    settings_table = render([SummaryRow(name, key, f"{value} {unit}, not {own}") for key, value, unit, own in rows])
+    print("\n\n".join([report.title, render_verdict(report.verdict), *filter(None, [settings_table]), ASSUMED_DATA]))
+    for text in report.verdict.remarks:
+        print(f"balance-rope: {text}", file=sys.stderr)
     print("written: " + ", ".join(str(path) for path in written))
-    if replaced := before.intersection(written):
-        names = ", ".join(sorted(path.name for path in replaced))
-        print(f"replaced in {options.out}: {names} of an earlier run; --out DIR keeps runs apart")
     print(f"open in a browser: {written[-1]}")
     if not result.completed:
         print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
@@ -272,9 +273,7 @@ def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
         return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)
 
 
-def _title(options: argparse.Namespace, run: RunData, rope: RopeData) -> str:
-    kind = "in process" if options.in_process else f"in the FMU {options.fmu.name}, FMI {rope.model['FMI version']}"
-    at = run.winding.emergency_at
-    stop = "" if at is None else f", emergency stop at {at:g} s"
-    trip = f"Winding {run.winding.travel:g} m{stop}: case {options.hoist}, balance rope {kind}"
-    return ", ".join([trip, *options.set])
+def _title(name: str, trip: Winding) -> str:
+    way = f"{abs(trip.travel):g} m {'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
+    stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
+    return f"{name}: the left conveyance {way}{stop}"

@@ -104,7 +104,7 @@ def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) 
 def _summary(
     ropes: Ropes, result: Result, rows: dict[str, dict[str, float]], pairs: Sequence[Neighbours]
 ) -> list[SummaryRow]:
-    from hoist_demo.report.summary import incidents, warnings
+    from hoist_demo.report.verdict import incidents, warnings
     from hoist_demo.ropes.table import COLUMNS, outcome, remarks, unbroken
 
     recording = result.recording

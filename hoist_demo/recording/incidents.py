@@ -1,4 +1,4 @@
-"""What a run was stopped by, or should have been: guards, jams, slack head ropes and slip, and how it went on."""
+"""What a run was stopped by, or should have been: guards, jams, slack head ropes and slip."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.recording.passages import BODIES
-from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.recording.time_series import Recording
 from rope_model import GUARD_CAUSES
 
 SIDES = ("left", "right")
@@ -85,6 +84,12 @@ SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals that te
 
 ALIKE = "make the two sides more alike in weight"  #: What gives friction more room.
 
+#: What is to be said of head ropes that hold where friction alone would not.
+IN_SPITE = (
+    "the model lets them hold, so nothing after that instant is a prediction. Let them slip (hoist.lining.sliding = "
+    f"0.8), brake or accelerate more gently (winding.emergency_deceleration, winding.acceleration), or {ALIKE}"
+)
+
 
 class Slip(NamedTuple):
     """All that the head ropes slid in a run."""
@@ -141,17 +146,13 @@ def held_in_spite(recording: Recording, limit: float) -> str:
         return ""
     return (
         f"the head ropes would slip at t = {recording.time[beyond][0]:.5g} s (tension ratio up to {np.max(ratio):.5g}, "
-        f"limit {limit:.5g}); the model lets them hold, so nothing after that instant is a prediction. Let them slip "
-        "(hoist.lining.sliding = 0.8), brake or accelerate more gently (winding.emergency_deceleration, "
-        f"winding.acceleration), or {ALIKE}"
+        f"limit {limit:.5g}); {IN_SPITE}"
     )
 
 
 GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope that tell it.
 
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
-
-AFTER = 10.0  #: Time after a trip, or a jam, over which it is told what happened [s].
 
 
 class GuardTrip(NamedTuple):
@@ -177,29 +178,3 @@ def told(recording: Recording) -> str:
     """A run's trip as the end of a sentence; "" for none."""
     trip = guard_trip(recording)
     return "" if trip is None else f"; its guard tripped at t = {trip.t:.4g} s ({trip.cause})"
-
-
-def after(t: float, recording: Recording) -> list[tuple[str, float, str]]:
-    """Quantity, value and unit of what the rope did at the utmost in the seconds after an instant t [s]."""
-    within = (recording.time >= t) & (recording.time <= t + AFTER)
-    if not bool(within.any()):
-        return []
-
-    def largest(values: Array) -> float:
-        return float(np.max(np.abs(values)))
-
-    asked = (
-        (("loop.rise",), "largest distance of the loop from its quasi-static height", "m", largest),
-        (("loop.sideways",), "largest distance of the loop from midway between the ends", "m", largest),
-        (("loop.turns",), "largest turns of the legs about each other", "", largest),
-        (tuple(f"clearance.{kind}" for kind in BODIES), "smallest clearance from a body", "m", np.min),
-        (("left.swivel.torque", "right.swivel.torque"), "largest torque at a swivel", "N m", largest),
-        (("left.fy", "right.fy"), "largest pull on a conveyance", "N", lambda pull: np.max(-pull)),
-    )
-    found = []
-    for names, quantity, unit, extreme in asked:
-        rows = [recording[name][within] for name in names if name in recording]
-        values = np.concatenate([row[np.isfinite(row)] for row in rows]) if rows else np.array([])
-        if values.size:
-            found.append((quantity, float(extreme(values)), unit))
-    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +21,7 @@ PASSAGE_SIGNALS = frozenset(
     | {f"contact.{name}" for name in (*BODIES, "rope")}
     | {_DISSIPATED}
 )
+
 
 PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
 
@@ -54,6 +55,15 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
     told += [f"passed into {' and '.join(into)}"] if into else []
     told += [f"passed through {' and '.join(through)}"] if through else []
     return f"{rope} {' and '.join(told)}" if told else ""
+
+
+def without_told(warnings: Iterable[str]) -> list[str]:
+    """Return the rope's warnings but those of which `passages` tells all."""
+    return [text for text in warnings if not any(told in text for told in _TOLD)]
+
+
+#: In warnings of the rope that have no cure.
+_TOLD = ("the rope has struck", "the rope has passed into")
 
 
 def _met(recording: Recording, words: str, since: str, y: str) -> str:

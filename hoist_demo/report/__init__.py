@@ -1,1 +1,1 @@
-"""A run and a study for readers: summary table, figures, Markdown and HTML."""
+"""A run and a study for readers: verdict, figures, tables, Markdown and HTML."""

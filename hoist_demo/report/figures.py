@@ -1,14 +1,13 @@
 """Figures of a run, as PNG files whose bytes depend on the data alone.
 
-Only exposure_figures knows matplotlib, too. Blue is always the left end, orange the right one, grey the reference or
-limit.
-A figure whose signals were not recorded is left out.
+Blue is always the left end, orange the right one, grey the reference or limit. A figure or panel whose signals were not
+recorded, or never move, is left out.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +16,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.rcsetup import cycler
 
 from hoist_demo.parameters import Hoist
-from hoist_demo.recording.time_series import Array, Recording, shape_rows
-from hoist_demo.report.panels import Mark, Panel, derived_signals, panels
+from hoist_demo.recording.time_series import TIME, Array, Recording, shape_rows
+from hoist_demo.report.panels import Mark, Panel, derived_signals, panels, quiet
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
 #: The right end's gaps show the left one where both coincide.
@@ -44,6 +44,7 @@ STYLE: dict[Any, Any] = {
     "legend.fontsize": 8.0,
     "figure.constrained_layout.use": True,
     "axes.formatter.useoffset": False,
+    "axes.prop_cycle": cycler(color=(*ACCENTS, *COLOURS.values(), "black")),
 }
 
 
@@ -63,15 +64,10 @@ _STYLES: dict[str, dict[str, Any]] = {
 }
 
 
-def write_figures(
-    recording: Recording, hoist: Hoist, directory: Path, marks: Sequence[Mark] = (), locked: Collection[str] = ()
-) -> list[Path]:
-    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order.
-
-    `locked` are the ends whose swivel cannot turn.
-    """
+def write_figures(recording: Recording, hoist: Hoist, directory: Path, marks: Sequence[Mark] = ()) -> list[Path]:
+    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
     signals = dict(recording.signals) | {name: x for name, (x, _) in derived_signals(recording, hoist).items()}
-    shown = panels(recording, hoist)
+    shown = [panel for panel in panels(recording, hoist) if not quiet(recording, panel)]
     paths: list[Path] = []
     with matplotlib.rc_context(STYLE):
         for name, groups in _FIGURES.items():
@@ -80,7 +76,7 @@ def write_figures(
                 for ax, panel in zip(axes, own, strict=True):
                     _draw(ax, panel, recording.time, signals)
                 if name == "swivels":
-                    _show_slip(axes, recording, locked)
+                    _show_slip(axes, recording)
                 _mark(figure, marks)
                 paths.append(save_figure(figure, directory / f"{name}.png"))
         if (drawn := shapes(recording)) is not None:
@@ -91,8 +87,7 @@ def write_figures(
 def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> None:
     for line in panel.lines:
         values = signals[line.signal] - (signals[line.signal][0] if line.from_start else 0.0)
-        steps = "steps-post" if panel.steps else "default"
-        ax.plot(time, line.factor * values, drawstyle=steps, label=line.label, **_STYLES[line.style])
+        ax.plot(time, line.factor * values, label=line.label, **_STYLES[line.style])
     if panel.limit is not None:
         ax.axhline(panel.limit[0], color=ACCENTS[2], lw=1.0, ls="--", label=panel.limit[1])
     ax.set_ylabel("" if panel.unit == "1" else f"[{panel.unit}]")
@@ -100,99 +95,99 @@ def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> 
     legend(ax)
 
 
-def _show_slip(axes: Sequence[Axes], recording: Recording, locked: Collection[str]) -> None:
-    """Shade slip of the swivels; where both are locked, say so."""
+def _show_slip(axes: Sequence[Axes], recording: Recording) -> None:
+    """Shade slip of the swivels."""
     for ax in axes:
         for end in COLOURS:
             if (name := f"{end}.swivel.slipping") in recording:
                 _shade(ax, recording.time, recording[name], end)
-        if len(locked) == 2:
-            ax.text(0.5, 0.6, "locked", transform=ax.transAxes, ha="center")
+
+
+#: Title, label of the axis, factor, and signals in one panel with their words.
+_Curves = tuple[str, str, float, Mapping[str, str]]
+_DEGREES = 180.0 / math.pi
 
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
     """Draw the table of `hoist_demo.duty` over the number of the trip."""
-    degrees = 180.0 / math.pi
-    panels: tuple[tuple[str, str, float, dict[str, str]], ...] = (
-        ("Yaw of the loop", "yaw [deg]", degrees, {"loop_yaw": "largest", "yaw_start": "as the trip begins"}),
+    panels: list[_Curves] = [
+        ("Yaw of the loop", "yaw [deg]", _DEGREES, {"loop_yaw": "largest", "yaw_start": "as the trip begins"}),
         ("Sway of the loop", "[m]", 1.0, {"sway": "in plane", "sway_across": "out of plane"}),
         ("Ripple of the end forces", "[N]", 1.0, {"rope_force_ripple": "worse end"}),
         ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
         ("Change against the trip a cycle before", "[%]", 100.0, {"difference": ""}),
-    )
-    shown = [panel for panel in panels if any(_shows(trips, name) for name in panel[-1])]
-    with matplotlib.rc_context(STYLE):
-        figure, axes = stacked_panels([title for title, *_ in shown])
-        for ax, (_, label, factor, curves) in zip(axes, shown, strict=True):
-            for (name, words), colour in zip(curves.items(), ACCENTS, strict=False):
-                if _shows(trips, name):
-                    ax.plot(trips["trip"], factor * trips[name], ".-", ms=3.0, color=colour, label=words)
-            ax.set_ylabel(label)
-            if len(curves) > 1:
-                legend(ax)
-            if "difference" in curves:
-                ax.set_yscale("log")
-        axes[-1].set_xlabel("trip")
-        return save_figure(figure, path)
+    ]
+    return _write_curves(trips, "trip", "trip", panels, path, ".-")
 
 
 def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -> Path:
     """Pulls and yaw of several ropes, by the names under which a group of ropes records them."""
-    panels = (
-        ("Pull on the left conveyance", "$-f_y$ [kN]", -1e-3, "left.fy"),
-        ("Pull on the right one", "$-f_y$ [kN]", -1e-3, "right.fy"),
-        ("Yaw of the loop", "yaw [deg]", 180.0 / math.pi, "loop.yaw"),
-    )
-    shown = [panel for panel in panels if any(_shows(recording, f"{name}.{panel[-1]}") for name in names)]
+    panels: list[_Curves] = [
+        (title, label, factor, {f"{name}.{signal}": name for name in names})
+        for title, label, factor, signal in (
+            ("Pull on the left conveyance", "$-f_y$ [kN]", -1e-3, "left.fy"),
+            ("Pull on the right one", "$-f_y$ [kN]", -1e-3, "right.fy"),
+            ("Yaw of the loop", "yaw [deg]", _DEGREES, "loop.yaw"),
+        )
+    ]
+    return _write_curves(recording, TIME, "time [s]", panels, path)
+
+
+def write_exposure_figure(exposure: Recording, path: Path) -> Path:
+    """Draw what each place in the rope went through, of the table of `hoist_demo.recording.exposure`."""
+    ends = {"largest": "largest", "least": "smallest"}
+    panels: list[_Curves] = [
+        ("Tension", "[kN]", 1e-3, {f"tension.{key}": words for key, words in ends.items()}),
+        ("Torque", "[N m]", 1.0, {f"torque.{key}": words for key, words in ends.items()}),
+        ("Largest curvature", "[1/m]", 1.0, {"curvature.largest": ""}),
+        ("Bending cycles", "number", 1.0, {"curvature.cycles": ""}),
+        ("Time in the bend", "[s]", 1.0, {"bent": ""}),
+    ]
+    return _write_curves(exposure, "s", "place in the rope, from its left end [m]", panels, path)
+
+
+def _write_curves(
+    table: Recording, over: str, label: str, panels: Sequence[_Curves], path: Path, style: str = "-"
+) -> Path:
+    """Draw columns of a table over another one; a panel without numbers is left out."""
+    shown = [panel for panel in panels if any(_shows(table, name) for name in panel[-1])]
     with matplotlib.rc_context(STYLE):
-        figure, axes = _stack(recording, [title for title, *_ in shown])
-        for ax, (_, label, factor, signal) in zip(axes, shown, strict=True):
-            for name in names:
-                ax.plot(recording.time, factor * recording[f"{name}.{signal}"], label=name)
-            ax.set_ylabel(label)
-        legend(axes[0])
+        figure, axes = stacked_panels([title for title, *_ in shown])
+        for ax, (_, unit, factor, curves) in zip(axes, shown, strict=True):
+            for name, words in curves.items():
+                if _shows(table, name):
+                    ax.plot(table[over], factor * table[name], style, ms=3.0, label=words)
+            ax.set_ylabel(unit)
+            if len(curves) > 1:
+                legend(ax)
+            if "difference" in curves:
+                ax.set_yscale("log")
+        axes[-1].set_xlabel(label)
         return save_figure(figure, path)
 
 
 def shapes(recording: Recording) -> Figure | None:
-    """The rope from the front, the side and above at a few instants, and its loop enlarged."""
-    rows = shape_rows(recording, 6)
-    points = [(recording.time[row], recording.shape_at(row)) for row in rows]
+    """Draw the rope and its loop, enlarged, from the front and the side at a few instants."""
+    points = [(recording.time[row], recording.shape_at(row)) for row in shape_rows(recording, 6)]
     drawn = [(t, shape) for t, shape in points if shape is not None and bool(np.all(np.isfinite(shape)))]
     if not drawn:
         return None
     figure = Figure(figsize=(8.0, 7.2))
-    layout: Any = [["front", "side", "top"], ["front loop", "side loop", "top"]]
-    axes = figure.subplot_mosaic(layout, width_ratios=(1.0, 1.0, 1.15), height_ratios=(1.5, 1.0))
+    grid = figure.subplots(2, 2, sharex="col", height_ratios=(1.5, 1.0))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(drawn)))
-    for colour, (t, shape) in zip(colours, drawn, strict=True):
-        x, y, z = shape.T
-        label = f"t = {t:.1f} s"
-        for name in ("front", "front loop"):
-            axes[name].plot(x, y, color=colour, label=label)
-        for name in ("side", "side loop"):
-            axes[name].plot(z, y, color=colour)
-        axes["top"].plot(x, z, color=colour)
     low = min(float(np.min(shape[:, 1])) for _, shape in drawn)
-    labels = {"front": ("x [m]", "y [m]"), "side": ("z [m]", "y [m]"), "top": ("x [m]", "z [m]")}
-    titles = {
-        "front": "Front view, x stretched",
-        "front loop": "Loop, front view",
-        "side": "Side view, z stretched",
-        "side loop": "Loop, side, z stretched",
-        "top": "From above, z stretched",
-    }
-    for name, ax in axes.items():
-        view = name.removesuffix(" loop")
-        ax.set_title(titles[name])
-        ax.set_xlabel(labels[view][0])
-        ax.set_ylabel(labels[view][1])
-        if name != view:
-            ax.set_ylim(low - 0.3, low + 6.0)
-        if view == "side":
-            _widen(ax, 0.05, axis="x")
-    _widen(axes["top"], 0.05)
-    figure.legend(*axes["front"].get_legend_handles_labels(), loc="outside lower center", ncols=len(drawn))
+    for column, (view, axis) in enumerate((("Front view", "x"), ("Side view", "z"))):
+        for row, title in enumerate((f"{view}, {axis} stretched", f"{view} of the loop")):
+            ax = grid[row, column]
+            for colour, (t, shape) in zip(colours, drawn, strict=True):
+                ax.plot(shape[:, 2 * column], shape[:, 1], color=colour, label=f"t = {t:.1f} s")
+            ax.set_title(title)
+            ax.set_ylabel("y [m]")
+            if row == 1:
+                ax.set_xlabel(f"{axis} [m]")
+                ax.set_ylim(low - 0.3, low + 6.0)
+        _widen(grid[0, column], 0.05, axis="x")
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(drawn))
     return figure
 
 

@@ -6,52 +6,44 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.report.html.parameter_tables import Table
-from hoist_demo.report.rows import CAUSE, WARNING, SummaryRow
-
-SAID_FIRST = {CAUSE: "Stopped.", WARNING: "Warning."}  #: Rows that stand above everything, and the word before them.
+from hoist_demo.report.rows import CHANGED, Report
+from hoist_demo.report.verdict import COLUMNS
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",
     "forces": "Motor torque and power, brake torque, head rope tensions and their ratio on the sheave.",
     "loop": "Pull of the balance rope, its loop, clearances and largest stresses.",
-    "shapes": "Balance rope in three projections at several instants; the axes are scaled differently.",
+    "shapes": "Balance rope from the front and the side at several instants; the axes are scaled differently.",
     "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
     "energies": "Energies, work and losses, and what each balance leaves over.",
-    "exposure": "What each place in the rope went through; cycles are counted by the rainflow method.",
-    "spectra": "Amplitudes of tension and torque at each place in the rope, over frequency.",
+    "exposure": "What each place in the rope went through; bending cycles are counted by the rainflow method.",
 }
 
 
-def write_report(
-    path: Path, title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
-) -> Path:
-    """Write the report; the figures lie next to it, `tables` are the data the run was given."""
-    path.write_text(render_markdown(title, rows, figures, tables), encoding="utf-8")
-    return path
-
-
-def render_markdown(
-    title: str, rows: Sequence[SummaryRow], figures: Sequence[Path], tables: Sequence[Table] = ()
-) -> str:
-    """The report as Markdown, figures by file name; on top why a run stopped and what to be warned of."""
-    parts = [f"# {_inline(title)}"]
-    parts += [f"**{SAID_FIRST[row.quantity]}** {_inline(row.text)}" for row in rows if row.quantity in SAID_FIRST]
+def render_markdown(report: Report, figures: Sequence[Path]) -> str:
+    """The report as Markdown: verdict, figures by file name, and the rest."""
+    verdict, changed, rows = report.verdict, report.changed, report.rows
+    parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.words)}**"]
+    parts += _table(COLUMNS, [row.cells for row in verdict.rows])
+    parts += [f"**Warning.** {_inline(text)}" for text in verdict.remarks]
+    parts += _table(CHANGED, changed[1], changed[0])
     parts.append(ASSUMED_DATA)
-    shown = [row for row in rows if row.quantity not in SAID_FIRST]
-    for group in dict.fromkeys(row.group for row in shown):
-        table = [f"## {_inline(group)}", "", "| quantity | value | unit |", "|---|---:|---|"]
-        table += [
-            f"| {_cell(row.quantity)} | {_cell(row.text)} | {_cell(row.unit)} |" for row in shown if row.group == group
-        ]
-        parts.append("\n".join(table))
-    parts.append("## Figures")
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
-    for name, lines in tables:
-        table = [f"## Data: {_inline(name)}", "", "| parameter | value | unit | status |", "|---|---:|---|---|"]
-        table += [f"| {' | '.join(map(_cell, (*line, '')[:4]))} |" for line in lines]
-        parts.append("\n".join(table))
+    for group in dict.fromkeys(row.group for row in rows):
+        found = [(row.quantity, row.text, row.unit) for row in rows if row.group == group]
+        parts += _table(("quantity", "value", "unit"), found, group)
+    for name, lines in report.given:
+        parts += _table(("parameter", "value", "unit", "status"), lines, f"Data: {name}")
     return "\n\n".join(parts) + "\n"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], title: str = "") -> list[str]:
+    """Return a heading and a table, nothing without rows; a row that is short has empty cells."""
+    if not rows:
+        return []
+    lines = [f"| {' | '.join(map(_cell, cells))} |" for cells in (head, *((*row, "")[: len(head)] for row in rows))]
+    lines.insert(1, "|---|---:" + "|---" * (len(head) - 2) + "|")
+    return [*([f"## {_inline(title)}"] if title else []), "\n".join(lines)]
 
 
 def _cell(text: str) -> str:

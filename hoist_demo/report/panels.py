@@ -14,7 +14,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
 from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.time_series import Array, Recording
@@ -47,7 +47,6 @@ class Panel:
     lines: tuple[Line, ...]
     least: float = 0.0
     limit: tuple[float, str] | None = None
-    steps: bool = False
 
 
 def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
@@ -80,8 +79,9 @@ def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
 
 
 def quiet(recording: Recording, panel: Panel) -> bool:
-    """Return True if all recorded signals of a panel keep one value."""
-    return all(line.signal in recording and np.ptp(recording[line.signal]) == 0.0 for line in panel.lines)
+    """Return True if all recorded signals of a panel keep one value, rounding errors apart."""
+    recorded = [abs(line.factor) * np.ptp(recording[line.signal]) for line in panel.lines if line.signal in recording]
+    return len(recorded) == len(panel.lines) and bool(max(recorded) <= 1e-6 * panel.least)
 
 
 def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
@@ -153,7 +153,6 @@ def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
             ("Balance rope, since the start", "kJ", _lines(_ROPE_ENERGIES, kilo, from_start=True)),
             ("Balance rope, dissipated", "J", _lines(LOSSES, from_start=True)),
             ("Residual of the energy balance", "J", _lines(_RESIDUALS)),
-            ("Events of the rope's solver", "1", _lines(_EVENTS), 1.0, None, True),
         ],
     }
 
@@ -181,11 +180,6 @@ _RESIDUALS = {
     "energy.transformations": "transformations",
     "derived.coupling_defect": "coupling",
 }
-_EVENTS = {
-    "count.transformations": "mesh transformations",
-    "count.swivel_events": "stick or slip",
-    "count.rejections": "rejected steps",
-}
 
 
 @dataclass(frozen=True)
@@ -196,9 +190,9 @@ class Mark:
     label: str
 
 
-def marks(result: Result, winding: Winding) -> list[Mark]:
+def marks(result: Result) -> list[Mark]:
     """List faults, creep, the reference's arrival and the place where a run was stopped, in order of time."""
-    times = result.recording.time
+    times, winding = result.recording.time, result.winding
     # Host's reference counts from the start of the record
     start = float(times[0])
     found = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]

@@ -10,13 +10,15 @@ from dataclasses import dataclass
 
 from hoist_demo.report.html.page import Row, number, unit_text
 from hoist_demo.report.html.parameter_tables import Table
+from hoist_demo.report.verdict import COLUMNS, Verdict
 from hoist_demo.study.provenance import SETTING, STATUSES, Known
 
 OUTCOME = "Outcome"  #: Group of the rows that tell how a run went.
 
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
 
-CAUSE = "cause"  #: Quantity of the row that tells why a run stopped.
+#: Significant digits of a number in the summary, which is what the rope's standard accuracy leaves, and of a whole one.
+DIGITS, WHOLE = 4, 10
 
 LONG = 40  #: Characters from which a text has lines of its own in the table.
 
@@ -33,7 +35,22 @@ class SummaryRow:
     @property
     def text(self) -> str:
         """Value for people."""
-        return self.value if isinstance(self.value, str) else number(self.value)
+        whole = not isinstance(self.value, str) and float(self.value).is_integer()
+        return self.value if isinstance(self.value, str) else number(self.value, WHOLE if whole else DIGITS)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a report says, in reading order; `changed` are the settings that differ, `given` all data of the run."""
+
+    title: str
+    verdict: Verdict
+    changed: Table = ("", [])
+    rows: Sequence[SummaryRow] = ()
+    given: Sequence[Table] = ()
+
+
+CHANGED = ("parameter", "value", "unit", "of the case")  #: Head of the table of settings that differ.
 
 
 def for_people(value: float, unit: str) -> tuple[float, str]:
@@ -53,6 +70,15 @@ def render(rows: Sequence[SummaryRow]) -> str:
         else:
             lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip())
     return "\n".join(lines[1:])
+
+
+def render_verdict(verdict: Verdict) -> str:
+    """The verdict as plain text: its words and its rows."""
+    lines = textwrap.wrap(verdict.words, 110)
+    cells = [COLUMNS, *(row.cells for row in verdict.rows)] if verdict.rows else []
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
+    return "\n".join([*lines, "", *table])
 
 
 TITLE = "Data that this rests on, by status"

@@ -43,7 +43,7 @@ from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure, missing_swing
-from hoist_demo.study.slip import slip_warning
+from hoist_demo.study.slip import slip_warnings
 from rope_model import EndMotion
 
 #: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
@@ -172,7 +172,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     units, fidelity = {name: result.recording.units[name] for name in kept}, ", ".join(fidelities_of(result.recording))
     status = "completed" if result.completed else "stopped"
     clock |= {"all": time.perf_counter() - begin, "processor": time.process_time() - worked}
-    warned = slip_warning(result.recording, run.hoist, run.winding), contradictions(run.hoist, data.parameters)
+    warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradictions(run.hoist, data.parameters))
     missing = missing_swing(result, run.hoist, run.arrival) if math.isnan(metrics["swing_frequency"]) else ""
     passed, told = passages(result.recording), tuple(filter(None, warned))
     return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, told, missing, passed)

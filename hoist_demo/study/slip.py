@@ -1,43 +1,77 @@
-"""Warnings about the head ropes' hold on the sheave."""
+"""The head ropes' hold on the sheave: slip safety in each part of a trip, beside what is asked of it."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from hoist_demo.design.statics import AT_REST, MOVING
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.incidents import ALIKE, held_in_spite, jams, slack_ropes
-from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.recording.incidents import ALIKE, IN_SPITE, jams, slack_ropes, slip
+from hoist_demo.recording.time_series import Recording
 
 _GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
 
 
-def slip_warning(recording: Recording, hoist: Hoist, winding: Winding) -> str:
-    """Return the warning that real head ropes slip, or have little friction left; "" for none."""
+class Hold(NamedTuple):
+    """Smallest slip safety in a part of a trip."""
+
+    when: str
+    safety: float
+    t: float  # s
+    asked: float
+    rule: str  # where that comes from
+    cure: str
+
+    @property
+    def enough(self) -> bool:
+        """Return True if it is what is asked for."""
+        return self.safety >= self.asked
+
+
+def holds(recording: Recording, hoist: Hoist, winding: Winding) -> list[Hold]:
+    """Judge the hold at rest, in normal winding, and from the first event that is no part of that; [] if not recorded.
+
+    Ropes that slid between two samples had the limit's ratio there; the first sample is at rest.
+    """
     if "drive.tension_ratio" not in recording:
-        return ""
-    ratio = recording["drive.tension_ratio"]
-    margin = _margin_warning(recording.time, ratio, _normal_until(recording, winding), hoist)
-    return (held_in_spite(recording, hoist.tension_ratio_limit) if hoist.lining is None else "") or margin
+        return []
+    time, ratio = recording.time, recording["drive.tension_ratio"].copy()
+    until, event = _normal_until(recording, winding)
+    limit, slid = hoist.tension_ratio_limit, slip(recording)
+    if slid is not None:
+        first = int(np.searchsorted(time, slid.t))
+        ratio[first] = max(float(ratio[first]), limit * (1.0 + 1e-9))  # just beyond
+    usual = "usual [assumed]"
+    parts = [
+        ("at rest", time == time[0], AT_REST, usual, ALIKE),
+        ("in normal winding", time <= until, MOVING, usual, _GENTLER),
+        (f"from {event} on", time > until, 1.0, "below it they slip", ALIKE),
+    ]
+    found = []
+    for when, rows, asked, rule, remedy in parts:
+        if bool(rows.any()):
+            k = int(np.argmax(np.where(rows, ratio, 0.0)))
+            safety = hoist.slip_safety(float(ratio[k]))
+            cure = IN_SPITE if safety < 1.0 and hoist.lining is None else remedy
+            found.append(Hold(when, safety, float(time[k]), asked, rule, cure))
+    return found
 
 
-def _normal_until(recording: Recording, winding: Winding) -> float:
-    """Time [s] of the first event that is no part of normal winding, or of the record's end."""
-    events = [jam.t for jam in jams(recording)] + [slack.t for slack in slack_ropes(recording)]
+def slip_warnings(recording: Recording, hoist: Hoist, winding: Winding) -> list[str]:
+    """List where the head ropes hold less well than is asked, and what cures that."""
+    return [
+        f"slip safety {one.when} is {one.safety:.2f}, not {one.asked:g}: {one.cure}"
+        for one in holds(recording, hoist, winding)
+        if not one.enough
+    ]
+
+
+def _normal_until(recording: Recording, winding: Winding) -> tuple[float, str]:
+    """Time [s] of the first event that is no part of normal winding, and its name; or the record's end."""
+    events = [(jam.t, "the jam") for jam in jams(recording)]
+    events += [(slack.t, "slack head ropes") for slack in slack_ropes(recording)]
     if winding.emergency_at is not None:
-        events.append(float(recording.time[0]) + winding.emergency_at)
-    return min(events, default=float(recording.time[-1]))
-
-
-def _margin_warning(time: Array, ratio: Array, until: float, hoist: Hoist) -> str:
-    """Return the warning that less friction is left than the rules ask for; the first sample is at rest."""
-    largest = int(np.argmax(np.where(time <= until, ratio, 0.0)))
-    for asked, k, words, cure in ((AT_REST, 0, "at rest", ALIKE), (MOVING, largest, "in normal winding", _GENTLER)):
-        safety = hoist.slip_safety(float(ratio[k]))
-        if safety < asked:
-            return (
-                f"the head ropes' slip safety {words} is {safety:.5g} at t = {time[k]:.5g} s (tension ratio "
-                f"{ratio[k]:.5g}, limit {hoist.tension_ratio_limit:.5g}), and {asked:g} is "
-                f"usually asked for: {cure}"
-            )
-    return ""
+        events.append((float(recording.time[0]) + winding.emergency_at, "the emergency stop"))
+    return min(events, default=(float(recording.time[-1]), ""))

@@ -130,7 +130,8 @@ void switch_swivels(Simulator *rope, State *state);
 int chatters(const State *state);
 
 /* adaptation.c */
-void transform_if_due(Simulator *rope, State *state);
+/* how Newton's method ended in the last transformation: CONVERGED, or the state is that of no rope */
+int transform_if_due(Simulator *rope, State *state);
 void with_loop_yaw(State *state);
 int raise_fidelity(Simulator *rope, State *state, const char *why, char *message);
 

@@ -127,6 +127,11 @@ def find_compiler() -> tuple[str, ...] | None:
     return None
 
 
+def compiler_name(command: Sequence[str]) -> str:
+    """Return the name by which people know a compiler's command: python runs ziglang."""
+    return "ziglang" if "ziglang" in command else Path(command[0]).name
+
+
 def cache_folder() -> Path:
     """Folder for compiled kernels: BALANCE_ROPE_CACHE, or balance-rope in the user's cache folder."""
     if chosen := os.environ.get("BALANCE_ROPE_CACHE"):
@@ -174,7 +179,7 @@ def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder:
     made = folder / f"{name}-{_key(*command, *(file.name for file in objects.values()))}{LIBRARY_SUFFIX}"
 
     def link() -> None:
-        progress.warning(_ANNOUNCED, name, Path(command[0]).name)
+        progress.warning(_ANNOUNCED, name, compiler_name(command))
         compile_objects(sources, command, objects)
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             new = Path(scratch) / made.name
@@ -265,7 +270,7 @@ def _compile(
 
     def build() -> None:
         if sources:
-            progress.warning(_ANNOUNCED, Path(name).stem, Path(command[0]).name)
+            progress.warning(_ANNOUNCED, Path(name).stem, compiler_name(command))
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             for file, code in sources.items():
                 (Path(scratch) / file).write_text(code, encoding="utf-8")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.rule import judges, off, shares, slip
 from evidence.mesh_rule.scenes import JUDGE, KINDS, draw
 from evidence.promise.scenes import Sample
-from evidence.promise.wind import errors, wind
+from evidence.promise.scenes import draw as samples
+from evidence.promise.wind import REQUESTS, errors, wind
 from evidence.rendering import DOCS
 from evidence.tables import read, table
 from hoist_demo.parameters import Winding
@@ -102,6 +104,19 @@ def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rop
     )
     assert errors(rule, finer)[0] < 0.5 * sample.scene.accuracy.end_force
     assert errors(coarser, finer)[0] > sample.scene.accuracy.end_force
+
+
+@pytest.mark.slow
+def test_pumped_waves_leave_the_loop_right_where_a_tenth_of_the_default_error_is_asked_for() -> None:
+    sample = next(islice(samples(733, 27), 26, None))  # 356 m, an emergency stop
+    tight = REQUESTS["tight"]
+    mesh = fit_mesh(sample.scene.with_(accuracy=tight))
+    rule, finer, coarser = (
+        wind(sample, sample.interval, accuracy=tight, mesh=replace(mesh, grading_length=share * mesh.grading_length))
+        for share in (1.0, 0.4, 10**0.5)
+    )
+    assert errors(rule, finer)[2] < 0.5 * tight.loop
+    assert errors(coarser, finer)[2] > tight.loop
 
 
 def test_the_smallest_radius_of_a_free_loop_is_the_elastica_s() -> None:

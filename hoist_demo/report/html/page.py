@@ -87,9 +87,9 @@ def _value(text: str) -> str:
     return "value long" if len(text) > LONG else "value"
 
 
-def number(value: float) -> str:
-    """Five significant digits for people, without an exponent where ten places do."""
-    text = f"{value:.5g}"
+def number(value: float, digits: int = 5) -> str:
+    """Significant digits for people, without an exponent where ten places do."""
+    text = f"{value:.{digits}g}"
     return f"{float(text):.10g}" if "e+" in text else text
 
 

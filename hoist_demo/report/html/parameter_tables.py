@@ -30,14 +30,15 @@ def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str], statuses:
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
     parameters: list[Row] = [
-        (name, _word(rope.display(name)), unit_text(unit), statuses.get(name, ""))
+        (name, word(rope.display(name)), unit_text(unit), statuses.get(name, ""))
         for name in rope.parameters
         for unit in (rope.units.get(name, ""),)
     ]
     return [("Balance rope", head), ("Parameters of the balance rope", parameters)]
 
 
-def _word(value: object) -> str:
+def word(value: object) -> str:
+    """Return a value for people."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return number(value) if isinstance(value, int | float) else str(value)

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import numpy as np
 
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.incidents import guard_trip, told_of_jams, told_of_slip
-from hoist_demo.recording.passages import FAR, PASSED, passages
+from hoist_demo.parameters import Hoist
+from hoist_demo.recording.incidents import guard_trip
+from hoist_demo.recording.passages import FAR
 from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
 from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.packing import along
-from hoist_demo.report.rows import WARNING, SummaryRow
+from hoist_demo.report.rows import CHANGED, Report
+from hoist_demo.report.verdict import COLUMNS, Verdict
 from rope_model.texts import html_text
 
 MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
 
 MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 
-NONE_KNOWN: Mapping[str, object] = {}  #: Parameters of a rope of which none are known.
+NONE_KNOWN = RopeData({}, {}, {})  #: A rope of which nothing is known.
 
 NO_PICTURES: Mapping[str, Path] = {}
 
@@ -32,48 +34,51 @@ SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rop
 def run_report(
     result: Result,
     hoist: Hoist,
-    winding: Winding,
-    rows: Sequence[SummaryRow],
-    title: str,
+    report: Report,
     path: Path,
-    given: Sequence[parameter_tables.Table] = (),
-    locked: Collection[str] = (),
-    parameters: Mapping[str, object] = NONE_KNOWN,
+    rope: RopeData = NONE_KNOWN,
     pictures: Mapping[str, Path] = NO_PICTURES,
 ) -> Path:
-    """Write the report of a run to `path`; `rows` are its summary, `given` are tables of its data.
+    """Write the report of a run to `path`: verdict, pictures, and the rest.
 
-    `locked` ends cannot turn; `parameters` of the rope by FMI name have the shaft that is drawn; `pictures` are PNG
-    files by what they show.
+    `rope` has the shaft that is drawn; `pictures` are PNG files by what they show.
     Same run, same bytes but the clock's.
     """
-    said = [] if result.completed else [("Stopped.", result.cause)]
-    if passed := passages(result.recording):
-        through = PASSED in passed
-        after = ": later results describe no real rope." if through else "."
-        said.insert(0, ("Passed through." if through else "Struck.", passed + after))
-    if trip := guard_trip(result.recording):
-        said.append(("Guard.", f"{trip.cause} tripped at t = {trip.t:.4g} s; the safety circuit opened."))
-    if incidents := (told_of_jams(result.recording) + told_of_slip(result.recording)).removeprefix("; "):
-        said.append(("Head ropes and guides.", f"{incidents[0].upper()}{incidents[1:]}."))
-    said += [("Warning.", row.text) for row in rows if row.quantity == WARNING]
-    note = "".join(f'<p class="note stopped"><strong>{w}</strong> {html_text(text)}</p>' for w, text in said)
     numbers = "".join(
-        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows if row.group == group])
-        for group in dict.fromkeys(row.group for row in rows)
+        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in found])
+        for group in dict.fromkeys(row.group for row in report.rows)
+        for found in ([row for row in report.rows if row.group == group],)
     )
     body = page.fill(
         "run.html",
         numbers=numbers,
         pictures="".join(page.picture(*item) for item in pictures.items()),
-        given="".join(page.table(name, rows) for name, rows in given),
+        given="".join(page.table(*table) for table in report.given),
     )
-    data = _data(result, hoist, winding, locked) | {"shaft": drawn_shaft(parameters, result.recording)}
+    data = _data(result, hoist, rope.locked)
+    data |= {"shaft": drawn_shaft(rope.parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
-    return page.write(path, page.render("run", title, body, note, scripts))
+    return page.write(path, page.render("run", report.title, body, _verdict(report.verdict, report.changed), scripts))
 
 
-def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str]) -> dict[str, object]:
+_NO = '<td class="tripped">NO</td>'
+
+
+def _verdict(verdict: Verdict, changed: parameter_tables.Table) -> str:
+    kind = "note good" if verdict.good else "note stopped"
+    parts = [f'<p class="{kind}"><strong>{html_text(verdict.words)}</strong></p>']
+    if verdict.rows:
+        rows = page.grid(COLUMNS, [row.cells for row in verdict.rows])
+        parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
+    parts += [f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>' for text in verdict.remarks]
+    if changed[1]:
+        parts.append(
+            f"<details open><summary>{html_text(changed[0])}</summary>{page.grid(CHANGED, changed[1])}</details>"
+        )
+    return "".join(parts)
+
+
+def _data(result: Result, hoist: Hoist, locked: Collection[str]) -> dict[str, object]:
     """All that the scripts read; a run without a recorded row leaves the numbers of its end only."""
     recording = result.recording
     if not recording.signals:
@@ -90,7 +95,7 @@ def _data(result: Result, hoist: Hoist, winding: Winding, locked: Collection[str
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
         "panels": [_panel(panel, recording) for panel in shown],
-        "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result, winding)],
+        "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result)],
         "transformations": panels.transformations(recording),
         "slips": {end: panels.slips(recording, end) for end in ("left", "right")},
         "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
@@ -121,7 +126,6 @@ def _panel(panel: panels.Panel, recording: Recording) -> dict[str, object]:
         "unit": panel.unit,
         "lines": lines,
         "least": panel.least,
-        "steps": panel.steps,
         "limit": None if panel.limit is None else {"value": panel.limit[0], "label": panel.limit[1]},
         "quiet": panels.quiet(recording, panel),
     }

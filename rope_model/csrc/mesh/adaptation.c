@@ -13,7 +13,7 @@ static void with_energy_change(Simulator *rope, State *state) {
 }
 
 /* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow, into
-   trial; 0 when there is none, and the state is as it was */
+   trial; the state is as it was where Newton's method does not converge */
 static int dynamic_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = rope_system(rope, state);
@@ -23,33 +23,44 @@ static int dynamic_equilibrium(Simulator *rope, State *state, double time, doubl
     memcpy(now->q, m.q, FIELDS * bytes);
     const Progress newton =
         chain_of(rope, state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
-    if (newton.status != CONVERGED) return 0;
+    if (newton.status != CONVERGED) return newton.status;
     wires_slip(rope, state, now->q);
     with_angles_along(rope, state, now->q, m.v, m.a, m.b);
     memcpy(m.q, now->q, bytes);
-    return 1;
+    return CONVERGED;
 }
 
-static void on_partition(Simulator *rope, State *state, int direction) {
+/* how Newton's method ended */
+static int on_partition(Simulator *rope, State *state, int direction) {
     const Arrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
     partition_transform(&state->pattern, direction, m.elements, m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     if (state->fidelity == RIGID) /* its shape and energies do not come from the mesh */
-        return;
+        return CONVERGED;
     transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
     wires_carry(rope, state, old_s);
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     rope_system_refer(rope, state, m.q);
-    dynamic_equilibrium(rope, state, RELAXATION_TIME, rope->scene.solver.newton_tolerance);
+    const Solver *solver = &rope->scene.solver;
+    double time = RELAXATION_TIME;
+    int status;
+    while ((status = dynamic_equilibrium(rope, state, time, solver->newton_tolerance)) != CONVERGED) {
+        if (time <= solver->step_min) return status;
+        time = fmax(0.5 * time, solver->step_min);
+        state->counts.rejections += 1;
+    }
     with_energy_change(rope, state);
+    return CONVERGED;
 }
 
-void transform_if_due(Simulator *rope, State *state) {
-    int direction;
-    while ((direction = (int)transformation_due(&state->pattern, model_bottom(rope, state, state->t), DUE_EARLY)))
-        on_partition(rope, state, direction);
+int transform_if_due(Simulator *rope, State *state) {
+    int direction, status = CONVERGED;
+    while (status == CONVERGED &&
+           (direction = (int)transformation_due(&state->pattern, model_bottom(rope, state, state->t), DUE_EARLY)))
+        status = on_partition(rope, state, direction);
+    return status;
 }
 
 void with_loop_yaw(State *state) {
@@ -73,7 +84,7 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
         return 1;
     }
     if (was == RIGID && !flexible_start(rope, state, message)) return 0;
-    if (dynamic_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE))
+    if (dynamic_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE) == CONVERGED)
         memcpy(m.reaction, rope->trial.reaction, sizeof(double) * (size_t)m.nodes * DOF);
     else
         with_angles_along(rope, state, m.q, m.v, m.a, m.b);

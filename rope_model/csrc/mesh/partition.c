@@ -21,6 +21,7 @@ Mesh fit_mesh(const Scene *scene) {
     const double asked = fitted.loop_error > 0 ? fitted.loop_error : MESH_SHARE * scene->accuracy.loop;
     const FittedMesh of = fit_elements(scene, asked, log10(FADE_ERROR / asked));
     fitted.kind = of.equal > 0 ? EEM : TMN;
+    fitted.loop_error = 0; /* these kinds do not read it */
     if (fitted.kind == EEM)
         fitted.elements = as_int(of.equal);
     else {

@@ -100,7 +100,9 @@ static int rigid_step(Simulator *rope, State *state, double t_end, char *message
 /* the state after one accepted step; 0 and a message when there is none */
 int step_towards(Simulator *rope, State *state, double t_end, char *message) {
     if (state->fidelity == RIGID) return rigid_step(rope, state, t_end, message);
-    transform_if_due(rope, state);
+    const int transformed = transform_if_due(rope, state);
+    if (transformed != CONVERGED)
+        return say_transformation_fails(message, rope->scene.solver.step_min, ENDED[transformed]);
     release_swivels(rope, state);
     const double stop = next_stop(rope, state, t_end);
     double step_next;

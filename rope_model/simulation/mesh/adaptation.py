@@ -16,7 +16,7 @@ from rope_model.simulation.fidelity import lowest_sufficient
 from rope_model.simulation.mesh.mesh_pattern import DUE_EARLY, transformation_due
 from rope_model.simulation.mesh.partition import Partition, transform
 from rope_model.simulation.mesh.transfer import transfer_fields
-from rope_model.simulation.messages import fidelity_messages
+from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.fidelity_rules import carries_torque
 from rope_model.simulation.model import RopeModel, ends_of, energies, with_angles_along
 from rope_model.simulation.rigid import flexible_start, with_elastic_strain
@@ -26,18 +26,21 @@ from rope_model.simulation.wires import carry, fresh_memory
 
 log = logging.getLogger(__name__)
 
-#: s: slower motions keep their shape in a transformation
+#: s: slower motions keep their shape in a transformation, unless Newton's method needs a shorter time
 RELAXATION_TIME = 0.1
 
 
-def transform_if_due(model: RopeModel, state: RopeState) -> RopeState:
-    """The state on the transformed mesh when the loop has travelled far enough."""
+def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
+    """The state on the transformed mesh when the loop has travelled far enough, or why there is none."""
     while direction := transformation_due(state.partition, model.bottom(state.paths, state.motion.t), DUE_EARLY):
-        state = _on_partition(model, state, transform(state.partition, direction))
+        transformed = _on_partition(model, state, transform(state.partition, direction))
+        if isinstance(transformed, str):
+            return transformed
+        state = transformed
     return state
 
 
-def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState:
+def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState | str:
     if state.fidelity == "rigid":  # its shape and energies do not come from the mesh
         return state._replace(partition=new)
     old_s, new_s = state.partition.nodes_s, new.nodes_s
@@ -49,22 +52,27 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     reaction[[0, -1]] = m.reaction[[0, -1]]
     z = carry(state.hysteresis, state.partition.lengths, new.lengths)
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
-    solution = _dynamic_equilibrium(model, moved)
-    if solution.newton.converged:
-        system = model.system(moved)
-        z = system.slip(solution.q).z
-        moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
+    time, step_min = RELAXATION_TIME, model.scene.solver.step_min
+    while not (solution := _dynamic_equilibrium(model, moved, time)).newton.converged:
+        log.debug("t = %.6f s: transformation within %.3g s rejected: %s", m.t, time, solution.newton.status.text)
+        if time <= step_min:
+            return messages.transformation_fails(step_min, solution.newton.status.text)
+        time = max(0.5 * time, step_min)
+        moved = moved._replace(counts=moved.counts.plus(rejections=1))
+    system = model.system(moved)
+    z = system.slip(solution.q).z
+    moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
     return _with_energy_change(model, moved)
 
 
-def _dynamic_equilibrium(model: RopeModel, state: RopeState) -> Solution[Evaluation]:
+def _dynamic_equilibrium(model: RopeModel, state: RopeState, time: float) -> Solution[Evaluation]:
     """The state in equilibrium with its accelerations.
 
     Where elements became fewer, the new cubic is a little too short or too long, which the stiffness would turn into a
-    blow.  An inertia that stands for RELAXATION_TIME lets the stiff part give way and holds the rest.
+    blow.  An inertia that stands for this ``time`` (s) lets the stiff part give way and holds the rest.
     """
     m = state.motion
-    c = np.array([1.0, 0.0, RELAXATION_TIME**-2])
+    c = np.array([1.0, 0.0, time**-2])
     return model.system(state).solve(m.q, m.v, m.a, m.reaction, c, model.scene.solver.newton_tolerance)
 
 

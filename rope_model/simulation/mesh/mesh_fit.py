@@ -36,8 +36,9 @@ MESH_SHARE = 0.5
 LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
 #: longitudinal waves after an emergency stop pump the legs' waves of half their frequency (pumped_grading): elements
 #: that such a wave has with a leg of PUMPED_LEG of the rope, fewer where it grows by less than exp(PUMPED_GROWTH);
-#: tuned on emergency stops of seeded ropes of 60 to 1200 m
-PUMPED_ELEMENTS, PUMPED_LEG, PUMPED_GROWTH = 5.0, 0.75, 8.0
+#: tuned on emergency stops of seeded ropes of 60 to 1200 m; for a smaller loop error than PUMPED_ERROR (m) elements are
+#: shorter by its fourth root
+PUMPED_ELEMENTS, PUMPED_LEG, PUMPED_GROWTH, PUMPED_ERROR = 5.0, 0.75, 8.0, 5e-3
 #: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
 NATURAL_RADIUS = 0.912
 #: share of loop_error that the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips
@@ -77,7 +78,7 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
     grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
-    grading = smaller(grading, pumped_grading(scene))
+    grading = smaller(grading, pumped_grading(scene) * sqrt(smaller(loop_error / PUMPED_ERROR, 1.0)))
     return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
 
 

@@ -190,6 +190,13 @@ def step_to_event_fails(why: str) -> str:
     return f"the step to a swivel event fails: {why}"
 
 
+def transformation_fails(step_min: float, why: str) -> str:
+    return (
+        f"the transformation of the mesh fails, within step_min = {step_min:g} s too: {why}. Use equal elements "
+        "(mesh.kind = eem), a smaller step_min, or a gentler motion"
+    )
+
+
 def swivel_chatters() -> str:
     return "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
 

@@ -55,7 +55,10 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
     """
     if state.fidelity == "rigid":
         return _rigid_step(model, state, t_end)
-    state = release_swivels(model, transform_if_due(model, state))
+    transformed = transform_if_due(model, state)
+    if isinstance(transformed, str):
+        return transformed
+    state = release_swivels(model, transformed)
     system = model.system(state)
     stop = _next_stop(model, state, t_end)
     while True:
@@ -163,7 +166,9 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
 
 def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     """``state`` as the rigid model has it at ``t``."""
-    state = transform_if_due(model, state._replace(motion=replace(state.motion, t=t)))
+    transformed = transform_if_due(model, state._replace(motion=replace(state.motion, t=t)))
+    assert not isinstance(transformed, str)  # no mesh is too hard for a rope that does not bend
+    state = transformed
     rope = rigid_rope(model.scene, ends_at(state.paths, t), t, state.partition.nodes_s)
     return state._replace(
         motion=rope.motion, energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity)

@@ -36,7 +36,7 @@ function clear(element) {
 function short(value) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size === 0) return "0";
+  if (size < 1e-12) return "0"; // rounding
   if (size >= 1e6 || size < 1e-4) return value.toExponential(2).replace("-", "−").replace("e-", "e−").replace("e+", "e");
   const text = value.toFixed(Math.min(6, Math.max(0, 3 - Math.floor(Math.log10(size)))));
   return text.replace("-", "−");

@@ -36,6 +36,7 @@ function lowest(points) {
 }
 
 const VIEWS = { oblique: [-0.6, 0.35], front: [0, 0], side: [-Math.PI / 2, 0], above: [0, Math.PI / 2] };
+const NEAR = 20; // m above the loop: what is higher is in the overviews
 const CAR = { width: 1.2, height: 3, depth: 1.6 }; // m, a drawing of a conveyance and not its data
 
 class RopeView {
@@ -48,6 +49,14 @@ class RopeView {
     [this.turn, this.tilt] = fixed ? VIEWS.front : VIEWS.oblique;
     this.stretch = [1, 1, 1];
     this.across = 7; // m shown over the smaller side, unless fixed
+  }
+
+  // as far away as shows the loop, and what is near it: the dividers and the lower conveyance
+  show(t) {
+    const points = this.curves.at(t), [, bottom] = points[lowest(points)], { car, data } = this.shaft;
+    const ends = [points[0], points[points.length - 1]].map(([, y]) => y + car.above + car.height);
+    const heights = [...ends, ...data.dividers.map(({ y }) => y + 0.5)].map((y) => y - bottom);
+    this.across = Math.max(7, ...heights.filter((above) => above < NEAR).map((above) => 1.35 * above));
   }
 
   resize() {

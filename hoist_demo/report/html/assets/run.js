@@ -35,6 +35,7 @@ function start() {
   makeReadout(player, times, values);
   explainMarks();
   drawAll();
+  player.go(opening(times, values));
   player.followAddress();
   window.addEventListener("resize", drawAll);
   const print = (width) => {
@@ -43,6 +44,15 @@ function start() {
   };
   window.addEventListener("beforeprint", () => print(400));
   window.addEventListener("afterprint", () => print(0));
+}
+
+// what matters most: the hardest strike, else what the verdict names
+function opening(times, values) {
+  let found = { force: 0, t: DATA.open ?? DATA.span[0] };
+  for (const name of Object.keys(DATA.signals).filter((each) => /^contact\.\w+$/.test(each))) {
+    values(name).forEach((force, k) => (found = force > found.force ? { force, t: times[k] } : found));
+  }
+  return found.t;
 }
 
 function makePlots(player, times, values) {
@@ -114,7 +124,7 @@ function makeRope(player, times, values) {
   const wide = new RopeView(byId("overview-wide"), curves, shaft, bodies);
   const all = [loop, slim, wide];
   // a shaft that is drawn has a shape of its own
-  if (bodies.walled) byId("stretch").value = "1";
+  if (bodies.walled || DATA.shaft.dividers.length) byId("stretch").value = "1";
   const draw = () => all.forEach((view) => view.draw(player.t));
 
   const thumbs = Array.from({ length: INSTANTS }, (_, k) => {
@@ -149,6 +159,7 @@ function makeRope(player, times, values) {
     byId("wide-caption").textContent = `wide × ${factor}`;
     stretch();
   };
+  loop.show(opening(times, values));
   loop.listen(draw);
   byId("views").addEventListener("click", ({ target }) => {
     if (target.dataset.view) [loop.turn, loop.tilt] = VIEWS[target.dataset.view];

@@ -84,7 +84,7 @@ class Shaft {
     const found = this.contacts(t, points);
     for (const { kind, force, point } of found) {
       const [x, y] = view.project(point), words = `${kind.replace("_", " ")} ${short(force)} N`;
-      add(view.svg, "circle", { class: "contact", cx: x.toFixed(1), cy: y.toFixed(1), r: Math.min(14, 4 + Math.log10(1 + force) * 2).toFixed(1) });
+      add(view.svg, "circle", { class: "contact", cx: x.toFixed(1), cy: y.toFixed(1), r: view.fixed ? 3 : Math.min(14, 4 + Math.log10(1 + force) * 2).toFixed(1) });
       if (!view.fixed) add(view.svg, "text", { class: "contact-label halo", x: (x + 12).toFixed(1), y: (y + 4).toFixed(1) }, words);
     }
     view.svg.dataset.contacts = found.map(({ kind }) => kind).join(" ");
