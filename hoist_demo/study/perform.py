@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -187,8 +188,11 @@ def _best(
     else:
         equal = sum(standings[k].rank == one.rank for k in finite)
         told = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
-    warned = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
-    told += "".join(f". Warning: {text}" for text in list(warned)[:MOST])
+    found = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
+    # what all runs warn of says least about this choice
+    common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
+    warned = sorted(found, key=lambda text: common[kind_of(text)])
+    told += "".join(f". Warning: {text}" for text in warned[:MOST])
     told += f". {len(warned) - MOST} more warnings of its runs" if len(warned) > MOST else ""
     return Best(runs, told, one.comparable)
 
