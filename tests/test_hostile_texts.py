@@ -261,7 +261,7 @@ FILES: dict[str, Callable[[Path], object]] = {
 MORE = {
     "hoists": "name = 'a'\n[[rope]]\nEI = { value = 300.0, unit = 'N.m2', status = 'assumed', source = 'b' }\n",
     "duties": "[duty]\n[fixed]\nfrom = 'rope.toml'\n[[trip]]\nwinding.travel = 10.0\n",
-    "studies": "[study]\n[tune]\nsubject_to = { swing_right = 1.0 }\n[sample]\nmethod = 'grid'\nruns = 3\nseed = 1\n",
+    "studies": "[study]\nsubject_to = { swing_right = 1.0 }\nover = ['rope.EI']\n[sample]\nmethod = 'grid'\nruns = 3\n",
     "measurements": MEASURED
     + "[known]\ntorque_factor = { low = 0.1, high = 0.1, status = 'assumed', source = 'a' }\n"
     + "[sought]\nEI = { low = 1, high = 2 }\n"

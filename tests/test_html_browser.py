@@ -16,7 +16,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist
 from hoist_demo.report.html.packing import ROPE_ROWS
 from hoist_demo.report.html.run import run_report
-from hoist_demo.report.html.study import study_report
+from hoist_demo.report.html.study import Judgement, study_report
 from hoist_demo.report.rows import Report
 from hoist_demo.report.verdict import judge
 
@@ -94,6 +94,15 @@ heading("swing").click(); seen.down = column(5);
 document.querySelector('#runs tr[data-run="2"]').click();
 seen.marked = [...document.querySelectorAll(".run-line.marked")].map((line) => line.dataset.run);
 seen.dots = document.querySelectorAll(".dot").length;
+seen.fits = byId("runs").scrollWidth <= byId("runs").parentElement.clientWidth + 1;
+const labels = [...document.querySelectorAll("#columns label")];
+const shown = (name) => labels.find((label) => label.textContent.trim() === name).firstChild;
+for (const [id, name] of [["across", "slip_safety"], ["up", "clearance"]]) {
+  byId(id).value = COLUMNS.findIndex((column) => column.name === name);
+  byId(id).dispatchEvent(new Event("change"));
+}
+seen.front = [...document.querySelectorAll("circle.front title")].map((title) => title.textContent.match(/\\d+/)[0]);
+for (const name of ["slip_safety", "clearance"]) if (shown(name).checked) shown(name).click();
 const brush = document.querySelectorAll(".brush")[0], box = brush.getBoundingClientRect();
 const point = (kind, part, target) => target.dispatchEvent(new PointerEvent(kind,
   {clientX: box.left + 5, clientY: box.bottom - part * box.height, bubbles: true, buttons: 1}));
@@ -118,9 +127,10 @@ def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
             "cause": ["", "head rope <b>gone</b>", "", ""],
         }
     )
-    meta = {"parameters": ["jerk", "controller"], "best": {"metric": "swing", "sense": "min"}, "title": "Jerks"}
-    folder = tmp_path_factory.mktemp("study")
-    return look(study_report(table, {"swing": "mm"}, meta, folder / "study.html"), _STUDY, request.param)
+    table["slip_safety"], table["clearance"] = [2.0, 1.5, 1.9, 1.8], [0.5, 2.0, 0.7, 0.4]
+    meta = {"parameters": ["jerk", "controller"], "title": "Jerks"}
+    folder, judged = tmp_path_factory.mktemp("study"), Judgement(("swing",), best=(3,), told="run 4")
+    return look(study_report(table, {"swing": "mm"}, meta, folder / "study.html", (), judged), _STUDY, request.param)
 
 
 def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: SimpleNamespace) -> None:
@@ -178,8 +188,11 @@ def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Simple
     said = seen_study.said
     assert seen_study.console == [] == said["requests"]
     assert said["width"] <= said["room"]
-    assert (said["lines"], said["best"], said["axes"], said["dots"]) == (4, "3", 3, 3)
+    # as many columns as have room: all five of a wide page
+    assert (said["lines"], said["best"], said["axes"], said["dots"]) == (4, "3", 5 if said["room"] > 400 else 3, 3)
     assert said["chosen"] == ["jerk", "swing"]
+    # more is better in both; the fourth is beaten by the first, the second has failed
+    assert (sorted(said["front"]), said["fits"]) == (["1", "3"], True)
     # what the packing rounds to zero reads as zero
     assert said["unpacked"] == [-1.0, 0.0, pytest.approx(2.0)]
     assert said["ticks"] == ["0.012320", "0.012322", "0.012324", "0.012326"]

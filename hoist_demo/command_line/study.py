@@ -44,14 +44,13 @@ def add_study(commands: Commands) -> None:
 def _study(options: argparse.Namespace) -> int:
     # dask, pandas and pyarrow are needed here only, and load slowly
     try:
-        from hoist_demo.report.html.study import study_report
+        from hoist_demo.report.html.study import Judgement, study_report
         from hoist_demo.study.cluster import cluster, run_samples
         from hoist_demo.study.perform import perform, write_what_is_there
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
     from hoist_demo.cosimulation.participants.fmu_description import fmi_version
-    from hoist_demo.report.html.page import unit_text
     from hoist_demo.report.rows import render, told
     from hoist_demo.report.rows import table as data_table
     from hoist_demo.study.definition import read_study
@@ -66,7 +65,7 @@ def _study(options: argparse.Namespace) -> int:
         return 0
 
     store = Store(results_folder(options.out or Path("out") / "study" / options.study.stem))
-    keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.tuning is None else []
+    keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.plan is None else []
     total = len(set(keys)) or None
     there = len(store.finished_keys(keys))
     if there:
@@ -95,19 +94,31 @@ def _study(options: argparse.Namespace) -> int:
     print(
         f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end{passed}: {performed.table}"
     )
+    for remark in performed.remarks:
+        print(f"not monotonic: {remark}")
     if performed.best is not None:
-        best = (f"{key} = {value:.6g} {unit_text(study.units[key])}".rstrip() for key, value in performed.best.items())
-        print("best: " + ", ".join(best))
-    if performed.nearest:
-        print(f"search: {performed.nearest}", file=sys.stderr)
+        print(performed.best.told, file=sys.stdout if performed.best.found else sys.stderr)
     results = read_results(performed.table)
     parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
-    meta: dict[str, Any] = {"title": study.title, "parameters": parameters, "best": performed.judged}
-    meta |= {"study file": options.study.name, "case": study.case, "FMU": study.fmu.name, "SHA-256": study.fmu_hash}
+    meta: dict[str, Any] = {
+        "title": study.title,
+        "parameters": parameters,
+        "study file": options.study.name,
+        "hoist": study.hoist,
+    }
+    meta |= {"FMU": study.fmu.name, "SHA-256": study.fmu_hash}
     meta |= {"FMI version": fmi_version(study.fmu), "version": version("balance-rope")}
     known = of_study(study)
     write_data(known, store.directory / "data.csv")
     print("\n" + render(told(known)) + "\n")
-    report = study_report(results.table, results.units, meta, store.directory / "report.html", [data_table(known)])
+    judged = Judgement(
+        tuple(study.goal.metrics) if study.goal else (),
+        performed.choices,
+        performed.best.runs if performed.best else (),
+        performed.best.told if performed.best else "",
+        performed.remarks,
+    )
+    page, data = store.directory / "report.html", [data_table(known)]
+    report = study_report(results.table, results.units, meta, page, data, judged)
     print(f"open in a browser: {report}")
     return 1 if performed.causes else 0

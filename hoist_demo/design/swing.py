@@ -24,15 +24,15 @@ class SwingMode:
     amplitude: float  # of the record's unit, at its first instant
 
 
-def fit_swing(time: Array, x: Array) -> SwingMode | None:
-    """The strongest mode of an evenly sampled record; None where nothing swings or it does not look like one."""
+def fit_swing(time: Array, x: Array) -> SwingMode | str:
+    """Return the strongest mode of an evenly sampled record; else why there is none, in words."""
     from scipy.optimize import least_squares  # as slow to load as all the rest of a demo
 
     t = time - time[0]
     drift = np.polynomial.Polynomial.fit(t, x, 1)
     rest = x - drift(t)
     if t.size < 16 or float(np.ptp(rest)) < 1e-9:
-        return None
+        return "the record is too short" if t.size < 16 else "nothing swings"
     spectrum = np.abs(np.fft.rfft(rest * np.hanning(t.size), 8 * t.size))
     frequencies = np.fft.rfftfreq(8 * t.size, t[1] - t[0])
     w0 = 2.0 * math.pi * max(float(frequencies[int(np.argmax(spectrum))]), 0.5 / t[-1])
@@ -52,6 +52,6 @@ def fit_swing(time: Array, x: Array) -> SwingMode | None:
     # a fit that ends at its bounds has found a drift or a bump, not a mode
     bounded = not 0.51 * w0 < w_d < 1.49 * w0 or decay > 0.99 * w0
     if bounded or np.var(fit.fun) > 0.5 * np.var(rest):
-        return None
+        return "no single damped mode fits what swings"
     c = np.linalg.lstsq(basis(fit.x), x, rcond=None)[0]
     return SwingMode(w_d / (2.0 * math.pi), decay / math.hypot(w_d, decay), math.hypot(c[2], c[3]))

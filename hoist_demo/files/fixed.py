@@ -64,6 +64,6 @@ def cure(place: str) -> str:
     key = place.rpartition(" ")[2]
     for holder in _HOLDERS:
         key = key.removeprefix(holder)
-    if key == "case":
+    if key.rpartition(".")[2] == "case":
         return 'write hoist = "NAME", or hoist = "FILE.toml"'
     return cure_of(key) if "." in key else "see docs/reference/files.md"

@@ -87,14 +87,19 @@ def optional(kind: Any) -> Any:
     return kind | None, None
 
 
-def givens(table: BaseModel | None, prefix: str = "") -> Iterator[tuple[str, Given]]:
-    """Yield the values that a table of parameters sets, by dotted names."""
+def contents(table: BaseModel | None, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield all that a table and those in it set, by dotted names."""
     for name, field in () if table is None else type(table).model_fields.items():
         key, content = f"{prefix}{field.alias or name}", getattr(table, name)
-        if isinstance(content, Given):
+        if isinstance(content, BaseModel):
+            yield from contents(content, f"{key}.")
+        elif content is not None:
             yield key, content
-        elif isinstance(content, BaseModel):
-            yield from givens(content, f"{key}.")
+
+
+def givens(table: BaseModel | None, prefix: str = "") -> Iterator[tuple[str, Given]]:
+    """Yield the values that a table of parameters sets, by dotted names."""
+    return ((key, content) for key, content in contents(table, prefix) if isinstance(content, Given))
 
 
 def validated(path: Path, model: type[T], raw: Mapping[str, Any], cure: Callable[[str], str]) -> T:

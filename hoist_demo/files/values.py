@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
+from tokenize import TokenError
 from typing import Annotated, Any, get_args
 
 from pydantic import PlainValidator, WithJsonSchema
@@ -105,7 +106,7 @@ def _factor(unit: str, to: str) -> tuple[float, float] | None:
     try:
         one = registry.Quantity(1.0, registry.parse_units(powers(unit.replace(".", "*"))))
         factor = float(one.to(registry.parse_units(powers(to.replace(".", "*")) if to != "1" else "")).magnitude)
-    except (pint.PintError, ValueError, AttributeError, TypeError, AssertionError, SyntaxError, KeyError):
+    except (pint.PintError, ValueError, AttributeError, TypeError, AssertionError, SyntaxError, KeyError, TokenError):
         return None
     whole = round(1.0 / factor) if 0.0 < factor < 1.0 else 0
     return (1.0, float(whole)) if whole and math.isclose(1.0 / factor, whole, rel_tol=1e-12) else (factor, 1.0)

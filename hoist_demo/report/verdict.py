@@ -20,7 +20,7 @@ from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, told, told_o
 from hoist_demo.recording.passages import BODIES, FAR, PASSED, outcome_of, passages
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
-from hoist_demo.report.slip import holds, slip_warnings
+from hoist_demo.study.slip import holds, slip_warnings
 
 HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turned over.
 

@@ -1,49 +1,128 @@
 """A study file (TOML), read and checked as a whole before anything runs.
 
-    [study]    title, fmu, case, signals, and minimise or maximise = a metric, which chooses the best run
-    [fixed]    values of all runs
+    [study]     title, fmu, hoist, signals; minimise or maximise = a metric, or { metric = weight };
+                subject_to = { metric = { below, above } }; judge and over say how choices are compared
+    [fixed]     values of all runs
     [[variant]] name and values of one variant; the runs of [vary] are made for every variant
-    [sample]   method = "grid" (the default), or "latin-hypercube" with runs and seed
-    [vary]     lists (grid) or ranges { low, high } (latin-hypercube, tune)
-    [tune]     instead of [sample]: minimise = { metric = weight }, subject_to = { metric = { below, above } },
-               sample, searches, steps, seed
+    [sample]    method = "grid" (the default); "latin-hypercube" with runs and seed; "tune" with points, searches, steps
+                and seed
+    [vary]      lists, or ranges { low, high } to draw from; a search keeps every bound for all values of a list
 
-A value is a plain one in SI units, or { value, unit, status }, whose status tells where it comes from; a list is [...]
-or { values, unit }; a range may have scale = "log". Later ones count: fixed, then variant, then vary; in fixed and
-variant from = "FILE" takes the values of that file's [fixed] before all. All errors of a file are told at once.
+A value is that of a hoist's file. A list is [...] or { values, unit }; a range may have scale = "log". Later ones
+count: the hoist, fixed, variant, vary; in fixed and variant from = "FILE" takes a rope's parameter file first.
 """
 
 from __future__ import annotations
 
+import difflib
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from hoist_demo.cases.table import NAMED, find_case
+from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, create_model, model_validator
+
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
-from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
-from hoist_demo.files.catalogue import SECTIONS, Catalogue
-from hoist_demo.files.reading import FileError, flat
-from hoist_demo.files.values import VARIED
+from hoist_demo.cosimulation.participants.fmu_description import read_outputs
+from hoist_demo.design.tuning import Plan
+from hoist_demo.files.catalogue import Catalogue, of_run
+from hoist_demo.files.fixed import Head, cure, fixed_model, fixed_values, plain, statuses
+from hoist_demo.files.reading import FileError, Table, contents, flat, nested, read_toml, table_of, validated
+from hoist_demo.files.values import VARIED, Given, Text
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
+from hoist_demo.study.goal import Goal, Judge, bounds_on, read_weights
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.reading import Problems, read_statuses, read_tables, read_text, strip_unit, with_file
 from hoist_demo.study.run import Probe, RunData, build_trip
-from hoist_demo.study.tuning import Range, Tuning, grid, latin_hypercube, read_tuning, seed_of, whole_number
+from hoist_demo.study.tuning import Range, grid, latin_hypercube, varied
 from rope_model.texts import printable
 
-METHODS = ("grid", "latin-hypercube")
+#: what a study without variants compares its choices over
+LOADS = ("hoist.payload_left", "hoist.payload_right")
+Count = Annotated[int, Field(ge=1, strict=True)]
+Varied = tuple[Value, ...] | Range
+Weights = Annotated[Any, PlainValidator(read_weights), WithJsonSchema({"type": ["string", "object"]})]
 
-_TABLES = {"study": dict, "fixed": dict, "variant": list, "sample": dict, "vary": dict, "tune": dict}
-_KEYS = {
-    "study": {"title", "fmu", "hoist", "signals", "minimise", "maximise"},
-    "variant": {"name", "values"},
-    "sample": {"method", "runs", "seed"},
-    "tune": {"minimise", "subject_to", "sample", "searches", "steps", "seed"},
-}
+
+class Grid(Table):
+    """All combinations of lists."""
+
+    method: Literal["grid"] = "grid"
+
+
+class LatinHypercube(Table):
+    """So many points of the ranges."""
+
+    method: Literal["latin-hypercube"]
+    runs: Count
+    seed: int = Field(default=0, ge=0, strict=True)
+
+
+class Tune(Table):
+    """A search of the ranges for the best point: sizes left out follow from their number."""
+
+    method: Literal["tune"]
+    points: Count | None = None
+    searches: Count = 2
+    steps: Count | None = None
+    seed: int = Field(default=0, ge=0, strict=True)
+
+    def plan(self, dimensions: int) -> Plan:
+        """Return the extent of the search; ValueError where it is too small."""
+        plan = Plan(self.points or 4 * dimensions, self.searches, self.steps or 8 * dimensions, self.seed)
+        if plan.searches > plan.sample:
+            raise ValueError(f"searches = {plan.searches} must be at most points = {plan.sample}: each begins at one")
+        if plan.steps < (least := 2 * dimensions + 2):
+            raise ValueError(f"steps = {plan.steps} must be at least {least}, two per range and two more: give more")
+        return plan
+
+
+_BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for m, unit in UNITS.items()], bounds_on)
+
+
+class _Study(Head):
+    fmu: Text = "build/balance_rope.fmu"
+    signals: tuple[Text, ...] = ()
+    minimise: Weights = None
+    maximise: Weights = None
+    subject_to: _BOUNDS | None = None  # type: ignore[valid-type]
+    judge: Judge = "worst"
+    over: list[Text] | None = None
+
+    @model_validator(mode="after")
+    def _is_one(self) -> _Study:
+        if self.minimise and self.maximise:
+            raise ValueError(f"minimise = {self.minimise!r} must stand without maximise: keep one of them")
+        if self.judge == "share" and not self.subject_to:
+            raise ValueError("judge = 'share' must have bounds: give subject_to")
+        if self.subject_to and not (self.minimise or self.maximise or self.judge == "share"):
+            raise ValueError("subject_to must have minimise or maximise beside it, or judge = 'share': give one")
+        return self
+
+    @property
+    def goal(self) -> Goal | None:
+        """What is best, where the file says so."""
+        if not (self.minimise or self.maximise or self.subject_to):
+            return None
+        bounds = tuple(bound for _, pair in contents(self.subject_to) for bound in pair)
+        return Goal(self.minimise or self.maximise or {}, -1.0 if self.maximise else 1.0, bounds, self.judge)
+
+
+@cache
+def study_model() -> type[Table]:
+    """Return the model of a study's file."""
+    one_of = Annotated[Grid | LatinHypercube | Tune, Field(discriminator="method")]
+    sample = Annotated[one_of, BeforeValidator(lambda t: {"method": "grid", **t} if isinstance(t, dict) else t)]
+    values: Any = fixed_model() | None
+    variant = create_model("Variant", __base__=Table, name=(Text, ""), values=(values, None))
+    vary = create_model("Vary", __base__=Table, **of_run(varied))
+    fields: dict[str, Any] = {"study": (_Study, _Study()), "fixed": (values, None), "vary": (vary | None, None)}
+    fields |= {"variant": (list[variant], []), "sample": (sample, Grid())}  # type: ignore[valid-type]
+    made: type[Table] = create_model("StudyFile", __base__=Table, **fields)
+    return made
 
 
 @dataclass(frozen=True)
@@ -62,20 +141,30 @@ class Study:
     title: str
     fmu: Path
     fmu_hash: str
-    case: str
+    hoist: str
     signals: tuple[str, ...]
     units: Mapping[str, str]  # of every key that is set
     given: Mapping[str, str]  # where each of them comes from; varied where it differs between runs
     samples: tuple[Sample, ...]  # all runs; for a search the corners of its ranges
     variants: Mapping[str, Mapping[str, Value]]  # fixed values of each variant
-    ranges: Mapping[str, Range]
-    tuning: Tuning | None
-    best: Mapping[str, str] | None = None  # metric and sense by which the best run is chosen; a search has its own
+    varied: Mapping[str, Varied]
+    chosen: tuple[str, ...]  # of these, what tells one choice from another; the rest is what they are compared over
+    goal: Goal | None
+    plan: Plan | None  # of a search
 
-    def sample(self, variant: str, values: Mapping[str, Value]) -> Sample:
-        """A run of this study with the given values."""
-        everything = {**self.variants[variant], **values}
-        return Sample(variant, everything, build_trip(self.case, everything, self.signals))
+    def samples_at(self, values: Mapping[str, Value]) -> list[Sample]:
+        """Return the runs of a search at a point: for every variant and all values of the lists."""
+        lists = {key: v for key, v in self.varied.items() if isinstance(v, tuple)}
+        return [
+            Sample(name, run, build_trip(self.hoist, run, self.signals))
+            for name, fixed in self.variants.items()
+            for drawn in grid(lists)
+            for run in [{**fixed, **values, **drawn}]
+        ]
+
+    def choice(self, sample: Sample) -> tuple[Value, ...]:
+        """Return what is chosen in a run; runs of one choice are judged together."""
+        return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.chosen))
 
 
 #: Passes the drawn values on one by one while they are checked, which takes a while.
@@ -83,238 +172,116 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
-    """The study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
-    return _Reader(path, fmu).study(progress)
+    """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
+    raw = nested(read_toml(path))
+    file: Any = validated(path, study_model(), raw, _cure)
+    head, problems = file.study, list[str]()
+    rope = fmu or Path(head.fmu)
 
-
-class _Reader:
-    """Collects the problems while it reads."""
-
-    def __init__(self, path: Path, fmu: Path | None) -> None:
-        self.path, self.fmu = path, fmu
-        self.problems = Problems()
-        self.raw = read_tables(path, "a study", _TABLES, self.problems)
-        self.catalogue, self.fmu_is_there = Catalogue({}), False
-
-    def study(self, progress: Progress) -> Study:
-        self._unknown_keys()
-        head = self.raw.get("study", {})
-        title = read_text("[study] title", head.get("title", printable(self.path.stem)), self.problems)
-        fmu = self.fmu if self.fmu is not None else Path(str(head.get("fmu", "build/balance_rope.fmu")))
-        with self.problems.collect("[study] fmu" if self.fmu is None else "--fmu"):
-            self._open(fmu)
-        case, signals = head.get("hoist", "rope-120"), tuple[str, ...]()
-        with self.problems.collect("[study]"):
-            find_case(str(case))
-        with self.problems.collect("[study]"):
-            signals = self._signals(head.get("signals", []), fmu)
-        best: dict[str, str] | None = None
-        with self.problems.collect("[study]"):
-            best = self._best(head)
-        variants = self._variants(self._values("fixed", self.raw.get("fixed", {})))
-        vary = self._vary()
-        tuning: Tuning | None = None
-        if "tune" in self.raw:
-            with self.problems.collect("[tune]"):
-                tuning = read_tuning(self.raw.get("tune", {}), len(vary))
-        drawn = self._draw(vary, tuning)
-        if str(case) not in NAMED:
-            raise FileError(self.path, self.problems)
-        samples = self._accepted_samples(
-            case, signals, Probe(fmu) if self.fmu_is_there else None, variants, progress(drawn)
-        )
-        if self.problems:
-            raise FileError(self.path, self.problems)
-        keys = {key: None for values in variants.values() for key in values} | dict.fromkeys(vary)
-        return Study(
-            title=title,
-            fmu=fmu,
-            fmu_hash=hashlib.sha256(fmu.read_bytes()).hexdigest(),
-            case=case,
-            signals=signals,
-            units=self.catalogue.units(keys),
-            given=self._given(vary, samples),
-            samples=tuple(samples),
-            variants=variants,
-            ranges={key: r for key, r in vary.items() if isinstance(r, Range)},
-            tuning=tuning,
-            best=best,
-        )
-
-    def _given(self, vary: Iterable[str], samples: Sequence[Sample]) -> dict[str, str]:
-        given = read_statuses(self.raw.get("fixed", {}))
-        for table in self.raw.get("variant", []):
-            given |= read_statuses(table.get("values", {}))
-        differing = {key for key in given for sample in samples if sample.values.get(key) != samples[0].values.get(key)}
-        return given | dict.fromkeys({*vary, *differing}, VARIED)
-
-    def _accepted_samples(
-        self,
-        case: str,
-        signals: tuple[str, ...],
-        probe: Probe | None,
-        variants: Mapping[str, dict[str, Value]],
-        drawn: Iterable[dict[str, Value]],
-    ) -> list[Sample]:
-        """All runs, variant by variant, each accepted by the data classes and by the FMU, where there is one."""
-        found: dict[str, list[Sample]] = {variant: [] for variant in variants}
-        for values in drawn:
-            for variant, fixed in variants.items():
-                everything = {**fixed, **values}
-                problems: list[str] = []
-                try:
-                    data = build_trip(case, everything, signals)
-                    problems = probe.rejection(data) if probe is not None else []
-                    found[variant].append(Sample(variant, everything, data))
-                except ValueError:
-                    possible, problems = _possible_values(case, everything)
-                    # a rope hangs in its shaft: asked with another one, the FMU would tell a second error that is none
-                    problems += probe.rejection(build_trip(case, possible)) if probe is not None else []
-                for problem in problems:
-                    problem = f"variant {variant}: {problem}" if variant else problem
-                    if problem not in self.problems:
-                        self.problems.append(problem)
-        return [sample for samples in found.values() for sample in samples]
-
-    def _open(self, fmu: Path) -> None:
+    def tried(where: str, make: Callable[[], Any], otherwise: Any) -> Any:
         try:
-            self.catalogue, self.fmu_is_there = Catalogue(read_parameters(fmu)), True
+            return make()
         except ValueError as error:
-            raise ValueError(f"{error}; until then nothing of this file that is the FMU's can be checked") from error
+            problems.append(f"{where}: {error}")
+            return otherwise
 
-    def _is_checkable(self, key: str) -> bool:
-        """Return True if the key is the host's, or the FMU is there to ask."""
-        return self.fmu_is_there or key == "controller" or key.partition(".")[0] in SECTIONS
-
-    def _signals(self, names: Any, fmu: Path) -> tuple[str, ...]:
-        if not isinstance(names, list):
-            raise ValueError(f'signals = {names!r} must be a list of names: write ["loop.yaw"]')
-        if self.fmu_is_there:
-            return match_signals(map(str, names), [*DRIVE_UNITS, *read_outputs(fmu)])
-        return tuple(map(str, names))
-
-    def _best(self, head: dict[str, Any]) -> dict[str, str] | None:
-        senses = {"minimise": "min", "maximise": "max"}
-        given = {name: head[name] for name in senses if name in head}
-        if not given:
-            return None
-        name, metric = next(iter(given.items()))
-        if len(given) == 2 or "tune" in self.raw:
-            raise ValueError(f"{name} = {metric!r} must be the only word on what is best: keep one, or [tune] minimise")
-        if metric not in tuple(UNITS):
-            raise ValueError(f"{name} = {metric!r} is not a metric: choose of {', '.join(UNITS)}")
-        return {"metric": metric, "sense": senses[name]}
-
-    def _unknown_keys(self) -> None:
-        for name, allowed in _KEYS.items():
-            content = self.raw.get(name, {})
-            for table in content if isinstance(content, list) else [content]:
-                for key in table.keys() - allowed:
-                    self.problems.append(
-                        f"[{name}] {key} = {table[key]!r} is not a key: the keys are {', '.join(sorted(allowed))}"
-                    )
-        if "tune" in self.raw and "sample" in self.raw:
-            self.problems.append("[tune] must not stand beside [sample]: keep one of them")
-
-    def _variants(self, fixed: dict[str, Value]) -> dict[str, dict[str, Value]]:
-        """Values of each variant, fixed ones included; one variant without a name when there are none."""
-        tables = self.raw.get("variant", [])
-        if not tables:
-            return {"": fixed}
-        variants: dict[str, dict[str, Value]] = {}
-        for number, table in enumerate(tables, 1):
-            name = read_text("[[variant]] name", table.get("name", number), self.problems)
-            if name in variants:
-                self.problems.append(f"[[variant]] name = {name!r} must be given once: choose another name")
-            variants[name] = fixed | self._values(f"variant {name}", table.get("values", {}))
-        return variants
-
-    def _values(self, where: str, table: Mapping[str, Any]) -> dict[str, Value]:
-        found: dict[str, Value] = {}
-        given: Mapping[str, Any] = {}
-        with self.problems.collect(f"[{where}]"):
-            given = with_file(table)
-        for key, content in flat(given):
-            with self.problems.collect(f"[{where}]"):
-                if not self._is_checkable(key):
-                    continue
-                parameter = self.catalogue[key]
-                content = strip_unit(parameter, content)
-                if isinstance(content, (list, dict)):
-                    raise ValueError(f"{key} = {content!r} must be one value here: vary it in [vary]")
-                found[key] = parameter.read(content)
-        return found
-
-    def _vary(self) -> dict[str, tuple[Value, ...] | Range]:
-        found: dict[str, tuple[Value, ...] | Range] = {}
-        for key, content in flat(self.raw.get("vary", {})):
-            with self.problems.collect("[vary]"):
-                if not self._is_checkable(key):
-                    continue
-                parameter = self.catalogue[key]
-                content = strip_unit(parameter, content)
-                if isinstance(content, dict):
-                    found[key] = self._range(parameter, content)
-                elif isinstance(content, list) and content:
-                    found[key] = tuple(parameter.read(value) for value in content)
-                else:
-                    raise ValueError(f"{key} = {content!r} must be a list or {{ low, high }}: fix it in [fixed]")
-        return found
-
-    def _range(self, parameter: Parameter, content: dict[str, Any]) -> Range:
-        key = parameter.name
-        if not {"low", "high"} <= content.keys() <= {"low", "high", "scale"}:
-            raise ValueError(f"{key} = {content!r} must have low and high (and may have scale): give both")
-        if parameter.kind not in ("Real", "Integer"):
-            raise ValueError(f"{key} = {content!r} must be a list, for it is no number: list its values")
-        low, high = (float(parameter.read(content[name])) for name in ("low", "high"))
-        scale = content.get("scale", "linear")
-        if scale not in ("linear", "log"):
-            raise ValueError(f"{key}.scale = {scale!r} must be linear or log: choose one")
-        if not low < high:
-            raise ValueError(f"{key}.low = {low!r} must be below high = {high!r}: exchange them")
-        if scale == "log" and low <= 0.0:
-            raise ValueError(f"{key}.low = {low!r} must be above 0 for scale = 'log': raise it or take linear")
-        return Range(low, high, scale == "log", parameter.kind == "Integer")
-
-    def _draw(self, vary: Mapping[str, tuple[Value, ...] | Range], tuning: Tuning | None) -> list[dict[str, Value]]:
-        """The samples of [vary]; for a search the corners of its ranges, to be checked."""
-        sample = self.raw.get("sample", {})
-        method = "tune" if tuning or "tune" in self.raw else sample.get("method", "grid")
-        lists = {key: v for key, v in vary.items() if isinstance(v, tuple)}
-        ranges = {key: v for key, v in vary.items() if isinstance(v, Range)}
-        with self.problems.collect("[sample]" if method != "tune" else "[tune]"):
-            if method not in (*METHODS, "tune"):
-                raise ValueError(f"method = {method!r} must be one of {', '.join(METHODS)}: choose one")
-            if method == "grid":
-                for name in sample.keys() & {"runs", "seed"}:
-                    raise ValueError(f"{name} = {sample[name]!r} has no meaning with method = 'grid': leave it out")
-                if ranges:
-                    raise ValueError(f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}")
-                return grid(lists)
-            if lists:
-                raise ValueError(f"{next(iter(lists))} is a list, {method} needs {{ low, high }}: give a range")
-            if not ranges:
-                raise ValueError(f"{method} needs ranges: give at least one {{ low, high }} in [vary]")
-            if method == "tune":
-                return grid({key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()})
-            return latin_hypercube(ranges, whole_number(sample, "runs"), seed_of(sample))
-        return [{}]  # the fixed values are still worth a look
-
-
-def _possible_values(case: str, values: Mapping[str, Value]) -> tuple[dict[str, Value], list[str]]:
-    """Return the compatible subset of a wrong run's values, and the conflict of each other value with it."""
-    possible: dict[str, Value] = {}
-    problems = dict.fromkeys(values, "")
-    for _ in values:  # some become possible by others
-        before = len(possible)
-        for key in [key for key in values if key not in possible]:
+    outputs = tried("study.fmu" if fmu is None else "--fmu", lambda: read_outputs(rope), None)
+    known = [*DRIVE_UNITS, *(outputs or ())]
+    signals = head.signals if outputs is None else tried("study", lambda: match_signals(head.signals, known), ())
+    if find_case(head.hoist).ropes:
+        problems.append(f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out")
+    given = tried("fixed", lambda: fixed_values(file.fixed), {})
+    variants: dict[str, dict[str, Given]] = {} if file.variant else {"": given}
+    for k, table in enumerate(file.variant, 1):
+        if (name := table.name or str(k)) in variants:
+            problems.append(f"variant {k}: name = {name!r} must be given once: name another")
+        variants[name] = {**given, **tried(f"variant {k}", partial(fixed_values, table.values), {})}
+    found = dict(contents(file.vary))
+    vary: dict[str, Varied] = {key: found[key] for key, _ in flat(raw.get("vary", {}))}
+    chosen = tried("study", lambda: _chosen(head, file.sample, vary, len(variants)), ())
+    plan, points = tried("sample", lambda: _draw(file.sample, vary, head.goal), (None, [{}]))
+    probe = None if outputs is None else Probe(rope)
+    samples: dict[str, list[Sample]] = {name: [] for name in variants}
+    for values in progress(points):
+        for name, fixed in variants.items():
+            run = {**plain(fixed), **values}
             try:
-                build_trip(case, {**possible, key: values[key]})
-                possible[key] = values[key]
-                del problems[key]
+                sample = Sample(name, run, build_trip(head.hoist, run, tuple(signals)))
+                samples[name].append(sample)
+                rejected = [] if probe is None else probe.rejection(sample.data)
             except ValueError as error:
-                problems[key] = f"{key} = {values[key]!r}: {error}"
-        if len(possible) == before:
-            break
-    return possible, list(problems.values())
+                rejected = [str(error)]
+            problems += [f"variant {name}: {text}" if name else text for text in rejected]
+    if problems:
+        raise FileError(path, problems)
+    everything = tuple(sample for found in samples.values() for sample in found)
+    stated = {key: status for values in variants.values() for key, status in statuses(values).items()}
+    differing = {k for k in stated if len({sample.values.get(k) for sample in everything}) > 1}
+    return Study(
+        title=head.title or printable(path.stem),
+        fmu=rope,
+        fmu_hash=hashlib.sha256(rope.read_bytes()).hexdigest(),
+        hoist=head.hoist,
+        signals=tuple(signals),
+        units=Catalogue().units({**stated, **vary}),
+        given=stated | dict.fromkeys([*differing, *vary], VARIED),
+        samples=everything,
+        variants={name: plain(values) for name, values in variants.items()},
+        varied=vary,
+        chosen=chosen,
+        goal=head.goal,
+        plan=plan,
+    )
+
+
+def _draw(sample: Any, vary: Mapping[str, Varied], goal: Goal | None) -> tuple[Plan | None, list[dict[str, Value]]]:
+    """Return the plan of a search, and the samples of [vary]: of a search the corners of its ranges, to be checked."""
+    lists = {key: v for key, v in vary.items() if isinstance(v, tuple)}
+    ranges = {key: v for key, v in vary.items() if isinstance(v, Range)}
+    if sample.method == "grid":
+        if ranges:
+            raise ValueError(f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}")
+        return None, grid(lists)
+    if not ranges:
+        raise ValueError(f"method = {sample.method!r} must have ranges: give at least one {{ low, high }} in [vary]")
+    if sample.method == "tune":
+        if goal is None or goal.judge == "share":
+            raise ValueError("method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'")
+        corners = grid(lists | {key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()})
+        return sample.plan(len(ranges)), corners
+    if lists:
+        raise ValueError(f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a range")
+    return None, latin_hypercube(ranges, sample.runs, sample.seed)
+
+
+def _chosen(head: Any, sample: Any, vary: Mapping[str, Any], variants: int) -> tuple[str, ...]:
+    """Return the varied keys that tell choices apart."""
+    if sample.method == "tune":
+        return tuple(key for key, v in vary.items() if isinstance(v, Range))
+    over = head.over
+    if over is None:
+        over = list(vary) if variants > 1 else [key for key in vary if key in LOADS]
+    for key in {*over} - {*vary}:
+        raise ValueError(f"over = {key!r} must be varied: name keys of [vary]")
+    chosen = tuple(key for key in vary if key not in over)
+    if head.goal and sample.method == "latin-hypercube" and over and chosen:
+        raise ValueError(
+            f"over = {over!r} must be all of [vary], or none: a hypercube meets each choice once, so its best would be "
+            "the luckiest. Compare [[variant]]s, take a grid, or write over = [] to compare single runs"
+        )
+    return chosen
+
+
+_OLD = {"tune": '[sample] method = "tune", and minimise and subject_to in [study]'}
+
+
+def _cure(place: str) -> str:
+    """Return what may have been meant by an unknown key."""
+    table, _, key = place.rpartition(".")
+    if table.endswith("subject_to"):
+        return f"metrics are {', '.join(difflib.get_close_matches(key, UNITS, n=3) or UNITS)}"
+    if place in _OLD:
+        return f"write {_OLD[place]}"
+    models: dict[str, type[Table]] = {"study": _Study, "sample": Tune, "": study_model()}
+    model = models.get(table.partition(".")[0])
+    return cure(place) if model is None or key == "case" else f"the keys are {', '.join(model.model_fields)}"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
@@ -17,7 +18,7 @@ from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY
 from hoist_demo.recording.incidents import GUARD_CODES, GUARD_SIGNALS, guard_trip, largest_ratio, slack_ropes, slip
-from hoist_demo.recording.passages import PASSAGE_SIGNALS
+from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 
 ENDS = ("left", "right")
@@ -45,7 +46,11 @@ METRICS = {
     "sway_across": ("m", "likewise, out of the plane"),
     "loop_swing": ("m", "of the loop's lowest point in the plane, peak to peak, after arrival"),
     "loop_yaw": ("rad", "largest magnitude"),
+    "loop_sideways": ("m", "largest distance of the loop's lowest point from midway between the ends"),
+    "loop_rise": ("m", "largest height of the loop's lowest point over its quasi-static place"),
+    "loop_turns": ("1", "of one side of the rope about the other, largest magnitude; half a turn: the loop is over"),
     "clearance": ("m", "smallest, between the legs"),
+    **{f"clearance_{name}": ("m", f"smallest, from {words}, where there is one") for name, words in BODIES.items()},
     "left_slip": ("rad", "path of the left swivel's slip"),
     "right_slip": ("rad", "likewise, right"),
     "left_slip_time": ("s", "during which the left swivel slips"),
@@ -64,6 +69,12 @@ METRICS = {
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
 }
 
+#: Metrics of which more is better; of those that are neither better nor worse nothing is chosen.
+MORE_IS_BETTER = frozenset({"slip_safety", "clearance", *(f"clearance_{name}" for name in BODIES)})
+NEUTRAL = frozenset(
+    {"position_error", "swing_frequency", "swing_damping", "guard_cause", "guard_time", "simulated_time"}
+)
+
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
 #: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
@@ -73,7 +84,16 @@ ROPE_SIGNALS = frozenset(
         for end in ENDS
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
-    | {"loop.x", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.work_ends", FIDELITY}
+    | {
+        "loop.x",
+        "loop.z",
+        "loop.yaw",
+        "loop.clearance",
+        *(f"loop.{name}" for name in ("rise", "sideways", "turns")),
+        "stress.bending_max",
+        "energy.work_ends",
+        FIDELITY,
+    }
     | PASSAGE_SIGNALS
     | GUARD_SIGNALS
 )
@@ -145,8 +165,13 @@ def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
     for name, signal in (("sway", "loop.x"), ("sway_across", "loop.z")):
         if signal in recording:
             found[name] = _largest(recording[signal] - recording[signal][0])
-    if "loop.yaw" in recording:
-        found["loop_yaw"] = _largest(recording["loop.yaw"])
+    for name in ("yaw", "turns", "sideways", "rise"):
+        if f"loop.{name}" in recording:
+            found[f"loop_{name}"] = _largest(recording[f"loop.{name}"])
+    for name in BODIES:
+        if f"nearest.{name}.clearance" in recording:
+            smallest = float(recording[f"nearest.{name}.clearance"][-1])
+            found[f"clearance_{name}"] = smallest if smallest < FAR else math.nan
     if "loop.clearance" in recording:
         found["clearance"] = float(np.min(recording["loop.clearance"]))
     if recording.has(*GUARD_SIGNALS):
@@ -175,20 +200,41 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
 
 def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> dict[str, float]:
     """Swing of conveyances and loop within the window after the reference has arrived."""
-    t = recording.time - recording.time[0]
-    tail = (t >= arrived) & (t <= arrived + arrival.window)
+    tail = _tail(recording, arrived, arrival)
     if np.count_nonzero(tail) < 2:
         return {}
-    rim = hoist.sheave_radius * recording["drive.angle"]
-    swings = {end: recording[f"conveyance.{end}.y"] - sign * rim for end, sign in (("left", 1.0), ("right", -1.0))}
-    found = {f"swing_{end}": float(np.ptp(swing[tail])) for end, swing in swings.items()}
-    larger = max(ENDS, key=lambda end: found[f"swing_{end}"])
-    mode: SwingMode | None = fit_swing(t[tail], swings[larger][tail])
-    if mode is not None:
+    found = {f"swing_{end}": float(np.ptp(swing)) for end, swing in _swings(recording, hoist, tail).items()}
+    mode = _mode(recording, hoist, tail)
+    if isinstance(mode, SwingMode):
         found |= {"swing_frequency": mode.frequency, "swing_damping": mode.damping}
     if "loop.x" in recording:
         found["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))
     return found
+
+
+def missing_swing(result: Result, hoist: Hoist, arrival: Arrival) -> str:
+    """Return why a run has no swing frequency, in words."""
+    if not result.completed or not result.recording.signals:
+        return "swing_frequency: the run stopped before it arrived"
+    tail = _tail(result.recording, result.trajectory.duration, arrival)
+    if np.count_nonzero(tail) < 2:
+        return "swing_frequency: the record ends as the reference arrives: give winding.settle"
+    return f"swing_frequency: {_mode(result.recording, hoist, tail)}"
+
+
+def _tail(recording: Recording, arrived: float, arrival: Arrival) -> NDArray[np.bool_]:
+    t = recording.time - recording.time[0]
+    return np.asarray((t >= arrived) & (t <= arrived + arrival.window))
+
+
+def _swings(recording: Recording, hoist: Hoist, tail: NDArray[np.bool_]) -> dict[str, Array]:
+    """Height of each conveyance against its rope's end at the sheave [m]."""
+    rim = hoist.sheave_radius * recording["drive.angle"]
+    return {end: (recording[f"conveyance.{end}.y"] - s * rim)[tail] for end, s in (("left", 1.0), ("right", -1.0))}
+
+
+def _mode(recording: Recording, hoist: Hoist, tail: NDArray[np.bool_]) -> SwingMode | str:
+    return fit_swing(recording.time[tail], max(_swings(recording, hoist, tail).values(), key=np.ptp))
 
 
 def _ripple(time: Array, force: Array) -> float:

@@ -3,30 +3,39 @@
 from __future__ import annotations
 
 import math
-import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from hoist_demo.design.tuning import Judged, search
+from hoist_demo.design.tuning import Judged, Plan, search
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.time_series import Array
 from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.goal import Goal, Standing
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.store import Store
-from hoist_demo.study.tuning import Tuning
+from hoist_demo.study.store import SEPARATOR, Store, kind_of
+from hoist_demo.study.trends import not_monotonic
+from hoist_demo.study.tuning import Range
 
-_NUMBER = re.compile(r"\d[\d.e+-]*")  #: Warnings that differ in their numbers only are of one kind.
-
-#: Column of a search: the weighted sum that it minimises, over all variants of the point; none where it exceeds a
-#: bound.
-COST = "cost"
-EXCESS = "excess"  #: Column of a search with bounds: the largest excess, as a part of its bound.
-
-WARNINGS = "warnings"  #: Column with what a run has warned of.
+#: Columns where a study says what is best, each of all runs of a choice: the sum by which it is judged, the share of
+#: its runs that keep the bounds, and the largest excess over a bound as a part of it.
+JUDGED, WITHIN, EXCESS = "judged", "within", "excess"
+MOST = 3  #: Warnings that are told with the best choice.
+WARNINGS, MISSING = "warnings", "missing"  #: Columns with what a run has warned of, and why a metric is missing.
 
 #: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
 Run = Callable[[Sequence[Sample]], list[str]]
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best choice, or the nearest where none keeps the bounds."""
+
+    runs: tuple[int, ...]  # places of its runs in the table
+    told: str  # in words, the worst of its runs and their warnings included
+    found: bool  # whether it keeps what was asked for
 
 
 @dataclass(frozen=True)
@@ -38,133 +47,166 @@ class Performed:
     causes: Mapping[str, str]  # of the runs that did not complete, by number and name
     passages: Mapping[str, str]  # what the rope passed through, likewise
     warnings: Mapping[str, list[str]]  # numbers and names of the runs, by the first text of each kind
-    best: Mapping[str, Value] | None  # values of a search; None where no point keeps its bounds
-    nearest: str  # what the best point of a search exceeds, where none keeps its bounds
-    judged: Mapping[str, str] | None  # by what column the best run is chosen, and in which sense
+    remarks: Sequence[str]  # where a result is not monotonic in what varies
+    choices: Sequence[int]  # number of each run's choice
+    best: Best | None  # None where nothing says what is best, or no run can be compared
 
 
 def perform(study: Study, store: Store, run: Run) -> Performed:
     """Run the study's samples, or its search, and write the table."""
-    if study.tuning is None:
-        samples: list[Sample] = list(study.samples)
-        return _write(study, store, samples, run(samples))
-    return _write(study, store, *_search(study, store, run))
+    if study.plan is not None:
+        return _write(study, store, *_search(study, study.plan, store, run))
+    samples: list[Sample] = list(study.samples)
+    return _write(study, store, samples, run(samples))
 
 
 def write_what_is_there(study: Study, store: Store) -> Path | None:
     """Table of an interrupted study's recorded runs, of a search their folder; None where nothing is recorded."""
-    if study.tuning is not None:
+    if study.plan is not None:
         return store.directory if store.holds_runs else None
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
     return _write(study, store, [s for s, _ in there], [key for _, key in there]).table if there else None
 
 
-@dataclass(frozen=True)
-class _Searched:
-    """A search's outcome for the table."""
+def _search(study: Study, plan: Plan, store: Store, run: Run) -> tuple[list[Sample], list[str]]:
+    """All runs of the search in their order, and their keys."""
+    ranges = {key: r for key, r in study.varied.items() if isinstance(r, Range)}
+    assert study.goal is not None
+    goal = study.goal
 
-    costs: Sequence[float]  # of each run, that of its point; NaN where a run failed or a bound is exceeded
-    excesses: Sequence[float]  # of each run, the largest of its point; none without bounds
-    best: Mapping[str, Value] | None
-    nearest: str
-
-
-def _search(study: Study, store: Store, run: Run) -> tuple[list[Sample], list[str], _Searched]:
-    """All runs of the search in their order; every point is run for every variant."""
-    assert study.tuning is not None
-    tuning, names = study.tuning, list(study.ranges)
-
-    def values(x: Array) -> dict[str, Value]:
-        return {name: study.ranges[name].at(float(u)) for name, u in zip(names, x, strict=True)}
-
-    def samples_of(points: Array) -> list[Sample]:
-        return [study.sample(variant, values(x)) for x in points for variant in study.variants]
+    def samples_of(points: Array) -> list[list[Sample]]:
+        return [
+            study.samples_at({key: r.at(float(u)) for (key, r), u in zip(ranges.items(), x, strict=True)})
+            for x in points
+        ]
 
     def judged(points: Array) -> list[Judged]:
-        width = len(study.variants)
-        each = [_judged(store, key, tuning) for key in run(samples_of(points))]
-        return [_together(each[k : k + width]) for k in range(0, len(each), width)]
+        each = samples_of(points)
+        keys = iter(run([sample for samples in each for sample in samples]))
+        return [goal.standing([_record(store, next(keys))["outcome"] for _ in samples]).judged for samples in each]
 
-    found = search(judged, len(names), tuning.plan)
-    best = found.judged[found.best]
-    each = [point for point in found.judged for _ in study.variants]
-    samples = samples_of(found.points)
-    return (
-        samples,
-        [sample.data.key(study.fmu_hash) for sample in samples],
-        _Searched(
-            costs=[point.cost if point.kept else math.nan for point in each],
-            excesses=[max(point.excess) if point.finite else math.nan for point in each] if tuning.bounds else [],
-            best=values(found.points[found.best]) if best.kept else None,
-            nearest="" if best.kept else _told(tuning, best),
-        ),
+    found = search(judged, len(ranges), plan)
+    samples = [sample for samples in samples_of(found.points) for sample in samples]
+    return samples, [sample.data.key(study.fmu_hash) for sample in samples]
+
+
+def _record(store: Store, key: str) -> dict[str, Any]:
+    if (record := store.read(key)) is None:
+        raise RuntimeError(f"run {key} has left no record in {store.directory}: start the study again")
+    return record
+
+
+def _write(study: Study, store: Store, samples: Sequence[Sample], keys: Sequence[str]) -> Performed:
+    outcomes = [_record(store, key)["outcome"] for key in keys]
+    varied = [name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1]
+    named = [f"run {number}{_named(sample, varied)}" for number, sample in enumerate(samples, 1)]
+    numbers: dict[tuple[Value, ...], int] = {}
+    choices = [numbers.setdefault(study.choice(sample), len(numbers)) for sample in samples]
+    standings = _standings(study.goal, choices, outcomes)
+    rows = [
+        _row(study, number, sample, key, outcome, standings[choice] if standings else None)
+        for number, (sample, key, outcome, choice) in enumerate(zip(samples, keys, outcomes, choices, strict=True), 1)
+    ]
+    warnings: dict[str, list[str]] = {}
+    for name, outcome in zip(named, outcomes, strict=True):
+        for text in outcome["warnings"]:
+            alike = next((first for first in warnings if kind_of(first) == kind_of(text)), text)
+            warnings.setdefault(alike, []).append(name)
+    judged = {JUDGED: study.goal.unit if study.goal else "1", WITHIN: "1", EXCESS: "1"}
+    return Performed(
+        table=store.write_table(rows, {**study.units, **UNITS, **judged}, study.title),
+        runs=len(rows),
+        causes={n: o["cause"] for n, o in zip(named, outcomes, strict=True) if o["status"] != "completed"},
+        passages={n: o["passed"] for n, o in zip(named, outcomes, strict=True) if o["passed"]},
+        warnings=warnings,
+        remarks=not_monotonic(study, samples, outcomes),
+        choices=choices,
+        best=_best(study, samples, outcomes, choices, standings),
     )
 
 
-def _judged(store: Store, key: str, tuning: Tuning) -> Judged:
-    """Weighted sum and excesses of a run; infinite where it failed or did not show one of the metrics."""
-    record = store.read(key)
-    failed = Judged(math.inf, (math.inf,) * len(tuning.bounds))
-    if record is None or record["outcome"]["status"] != "completed":
-        return failed
-    metrics = record["outcome"]["metrics"]
-    cost = sum(weight * float(metrics[name]) for name, weight in tuning.minimise.items())
-    found = Judged(cost, tuple(bound.excess(metrics) for bound in tuning.bounds))
-    return found if found.finite else failed
+def _standings(
+    goal: Goal | None, choices: Sequence[int], outcomes: Sequence[Mapping[str, Any]]
+) -> Mapping[int, Standing]:
+    """Return the judgement of each choice."""
+    if goal is None:
+        return {}
+    runs: dict[int, list[Mapping[str, Any]]] = {}
+    for choice, outcome in zip(choices, outcomes, strict=True):
+        runs.setdefault(choice, []).append(outcome)
+    return {choice: goal.standing(found) for choice, found in runs.items()}
 
 
-def _together(variants: Sequence[Judged]) -> Judged:
-    """A point that is run for several variants: the sum of their costs, and the largest of each excess."""
-    excess = tuple(max(found) for found in zip(*(one.excess for one in variants), strict=True))
-    return Judged(sum(one.cost for one in variants), excess)
+def _row(
+    study: Study, number: int, sample: Sample, key: str, outcome: Mapping[str, Any], standing: Standing | None
+) -> dict[str, object]:
+    head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
+    row: dict[str, object] = head | {name: sample.values.get(name) for name in study.units if name != "controller"}
+    row |= {name: outcome[name] for name in ("status", "cause", "fidelity")}
+    if outcome["passed"]:
+        row["status"] = f"{outcome['status']}, but {outcome['passed']}"
+    row |= {WARNINGS: SEPARATOR.join(outcome["warnings"]), MISSING: outcome["missing"]}
+    if standing is not None and study.goal is not None:
+        cost = study.goal.sense * standing.judged.cost
+        row |= {JUDGED: cost if math.isfinite(cost) else math.nan, WITHIN: standing.within}
+        if study.goal.bounds:
+            row[EXCESS] = max(standing.judged.excess) if standing.judged.finite else math.nan
+    return row | {name: outcome["metrics"].get(name, math.nan) for name in UNITS}
 
 
-def _told(tuning: Tuning, best: Judged) -> str:
-    """Return the bounds that the point exceeds, in words."""
-    parts = [
-        f"{bound.metric} is {100.0 * excess:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
-        for bound, excess in zip(tuning.bounds, best.excess, strict=True)
-        if excess > 0.0
-    ]
-    return f"no point keeps subject_to, in the nearest one {', '.join(parts)}: loosen it, or widen the ranges"
+def _best(
+    study: Study,
+    samples: Sequence[Sample],
+    outcomes: Sequence[Mapping[str, Any]],
+    choices: Sequence[int],
+    standings: Mapping[int, Standing],
+) -> Best | None:
+    """Return the best choice in words, with what its runs warn of."""
+    goal = study.goal
+    finite = [k for k, one in standings.items() if one.judged.finite or (one.by_share and one.within > 0.0)]
+    if goal is None:
+        return None
+    if not finite:
+        return Best((), "no choice can be compared: each has a run that stopped, or misses a metric", found=False)
+    first = min(finite, key=lambda k: standings[k].rank)
+    if not standings[first].comparable:
+        first = min(finite, key=lambda k: standings[k].judged.rank)
+    one, runs = standings[first], tuple(k for k, choice in enumerate(choices) if choice == first)
+    variant, *values = study.choice(samples[runs[0]])
+    shown = [str(variant)] if variant else []
+    shown += [_valued(key, value, study.units[key]) for key, value in zip(study.chosen, values, strict=True)]
+    what = ", ".join(shown) or f"run {runs[0] + 1}"
+    if one.by_share:
+        judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
+    else:
+        word = f", the {goal.judge} of {len(runs)} runs" if len(runs) > 1 else ""
+        judged = f"{goal.words} = {_number(goal.sense * one.judged.cost)} {_unit(goal.unit)}".rstrip() + word
+    if not one.comparable:
+        exceeded = goal.exceeded(one.judged)
+        told = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
+    else:
+        equal = sum(standings[k].rank == one.rank for k in finite)
+        told = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
+    found = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
+    # what all runs warn of says least about this choice
+    common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
+    warned = sorted(found, key=lambda text: common[kind_of(text)])
+    told += "".join(f". Warning: {text}" for text in warned[:MOST])
+    told += f". {len(warned) - MOST} more warnings of its runs" if len(warned) > MOST else ""
+    return Best(runs, told, one.comparable)
 
 
-def _write(
-    study: Study, store: Store, samples: Sequence[Sample], keys: Sequence[str], searched: _Searched | None = None
-) -> Performed:
-    rows: list[dict[str, object]] = []
-    causes: dict[str, str] = {}
-    passages: dict[str, str] = {}
-    warnings: dict[str, list[str]] = {}
-    varied = [name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1]
-    for number, (sample, key) in enumerate(zip(samples, keys, strict=True), 1):
-        record = store.read(key)
-        if record is None:
-            raise RuntimeError(f"run {key} has left no record in {store.directory}: start the study again")
-        outcome, named = record["outcome"], f"run {number}{_named(sample, varied)}"
-        if outcome["status"] != "completed":
-            causes[named] = outcome["cause"]
-        for text in outcome.get("warnings", ()):
-            alike = next((first for first in warnings if _NUMBER.sub("", first) == _NUMBER.sub("", text)), text)
-            warnings.setdefault(alike, []).append(named)
-        chosen = {name: sample.values.get(name) for name in study.units if name != "controller"}
-        head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
-        result = {name: outcome[name] for name in ("status", "cause", "fidelity")}
-        if passed := outcome.get("passed", ""):
-            result["status"] += f", but {passed}"
-            passages[named] = passed
-        result[WARNINGS] = "; ".join(outcome["warnings"])
-        if searched is not None:
-            result[COST] = searched.costs[number - 1]
-            if searched.excesses:
-                result[EXCESS] = searched.excesses[number - 1]
-        rows.append(head | chosen | result | {name: outcome["metrics"].get(name, math.nan) for name in UNITS})
-    table = store.write_table(rows, {**study.units, **UNITS, COST: "1", EXCESS: "1"}, study.title)
-    if searched is None:
-        return Performed(table, len(rows), causes, passages, warnings, None, "", study.best)
-    judged = {"metric": COST, "sense": "min"}
-    return Performed(table, len(rows), causes, passages, warnings, searched.best, searched.nearest, judged)
+def _valued(key: str, value: Value, unit: str) -> str:
+    return f"{key} = {_number(value)} {_unit(unit)}".rstrip()
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit.replace(".", " ")
+
+
+def _number(value: Value) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
 def _named(sample: Sample, varied: Sequence[str]) -> str:

@@ -86,7 +86,7 @@ def of_study(study: Study) -> list[Known]:
     run, parameters = study.samples[0].data, read_parameters(study.fmu)
     values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
-    known = [*of_host(run, study.given), *of_rope(find_case(study.case), rope, study.given)]
+    known = [*of_host(run, study.given), *of_rope(find_case(study.hoist), rope, study.given)]
     return [one._replace(value=VARIED) if one.status == VARIED else one for one in known]
 
 

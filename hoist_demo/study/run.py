@@ -40,10 +40,10 @@ from hoist_demo.parameters import (
 )
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
-from hoist_demo.recording.incidents import held_in_spite
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
+from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure, missing_swing
+from hoist_demo.study.slip import slip_warnings
 from rope_model import EndMotion
 
 #: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
@@ -65,7 +65,7 @@ _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 class RunData:
     """Everything that decides a run's result but the FMU's bytes."""
 
-    case: str
+    case: str  # the hoist, by name or file
     controller: str
     hoist: Hoist
     winding: Winding
@@ -80,6 +80,7 @@ class RunData:
     def key(self, fmu_hash: str) -> str:
         """Name of the run, 24 hexadecimal digits."""
         data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
+        del data["case"]  # all that its file says is in the rest
         for controller, tuning in _TUNING_OF.items():
             if self.controller != controller:
                 del data[tuning]
@@ -101,7 +102,8 @@ class Outcome:
     clock: Mapping[str, float]  # s: wall time of the design, the rope, the drive and all, processor time; no result
     units: Mapping[str, str] = field(default_factory=dict)  # of the signals
     fidelity: str = ""  # of the rope's model, that ran: why a metric may be missing
-    warnings: tuple[str, ...] = ()  # of coupling and rope
+    warnings: tuple[str, ...] = ()  # of hoist, coupling and rope
+    missing: str = ""  # why a metric is
     passed: str = ""  # what the rope passed through
 
 
@@ -116,7 +118,11 @@ def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ())
         section, _, field = key.partition(".")
         if section in SECTIONS:
             chosen[section][field] = value
-    data = {name: with_values(data[name], chosen[name]) for name in SECTIONS}
+    for name in SECTIONS:
+        try:
+            data[name] = with_values(data[name], chosen[name])
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from error
     fmu, controller = {**given.rope, **fmu_part(values)}, str(values.get("controller", "pi-feed-forward"))
     run = RunData(case, controller, fmu=fmu, signals=signals, **data)
     require_trip_fits(run.hoist, run.winding)
@@ -141,7 +147,7 @@ def execute(run: RunData, fmu: Path) -> Outcome:
     """Design, wind and measure; whatever goes wrong is an outcome, with its cause."""
     with warnings_of("hoist_demo") as warnings:
         outcome = _outcome(run, fmu)
-    return replace(outcome, warnings=(*warnings, *outcome.warnings))
+    return replace(outcome, warnings=(*outcome.warnings, *warnings))
 
 
 def _outcome(run: RunData, fmu: Path) -> Outcome:
@@ -166,9 +172,10 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     units, fidelity = {name: result.recording.units[name] for name in kept}, ", ".join(fidelities_of(result.recording))
     status = "completed" if result.completed else "stopped"
     clock |= {"all": time.perf_counter() - begin, "processor": time.process_time() - worked}
-    passed, held = passages(result.recording), held_in_spite(result.recording, run.hoist.tension_ratio_limit)
-    warned = held if run.hoist.lining is None else "", contradictions(run.hoist, data.parameters)
-    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, tuple(filter(None, warned)), passed)
+    warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradictions(run.hoist, data.parameters))
+    missing = missing_swing(result, run.hoist, run.arrival) if math.isnan(metrics["swing_frequency"]) else ""
+    passed, told = passages(result.recording), tuple(filter(None, warned))
+    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, told, missing, passed)
 
 
 def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tuple[Result, float]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -26,6 +27,13 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Units = Mapping[str, str]
+SEPARATOR = " | "  #: Between the warnings of a run in the table.
+_NUMBER = re.compile(r"\d[\d.e+-]*")
+
+
+def kind_of(text: str) -> str:
+    """Return a warning without its numbers: those that differ in them only are of one kind."""
+    return _NUMBER.sub("", text)
 
 
 @dataclass(frozen=True)
@@ -76,6 +84,7 @@ class Store:
             "cause": outcome.cause,
             "fidelity": outcome.fidelity,
             "warnings": outcome.warnings,
+            "missing": outcome.missing,
             "passed": outcome.passed,
         }
         kept = {**said, "metrics": dict(outcome.metrics)}

@@ -1,15 +1,16 @@
-"""The report of a study: all runs in parallel coordinates, a scatter plot and a sortable table, in one file.
+"""The report of a study: all runs in parallel coordinates, one column against another, and a sortable table.
 
-`meta` may hold `title`, `parameters` (names of the columns that were varied; the other columns are metrics) and
-`best` = {"metric": name, "sense": "min" or "max"}, by which the best run is chosen among those that did not fail.
+`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns are metrics).
 Whatever else it holds, a text or a number, is shown under Data, and so are parameters that are the same in all runs.
-Only what differs between runs has an axis. A run has failed when its `cause` is not empty.
+Only what differs between runs has an axis. A run has failed when its `cause` is not empty. The page shows as many
+columns as it has room for: what varies, what the study judges by, what tells of danger, then the rest.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +19,28 @@ import pandas as pd
 from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import Table
+from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
+from hoist_demo.study.store import SEPARATOR, kind_of
 from rope_model.texts import html_text
 
 STATUS, CAUSE = "status", "cause"
-WARNINGS = "warnings"  # texts, of no axis
+WARNINGS, MISSING = "warnings", "missing"  # texts of runs, told by kind and no columns
+ROUNDING = 1e-9  # of a number, within which two are one
 RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
-ROUNDING = 1e-9  # values that differ by less are one
-_OWN = ("title", "parameters", "best")
+_OWN = ("title", "parameters")
+#: columns that are shown first behind what varies and what is judged
+_FIRST = ("judged", "within", "excess", "slip_safety", "clearance", "loop_turns", "rope_force_peak", "sway")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What a study finds best, and what it remarks on."""
+
+    metrics: Sequence[str] = ()  # that it judges by
+    choices: Sequence[int] = ()  # number of each run's choice; none: each is its own
+    best: Sequence[int] = ()  # places of the runs of the best choice
+    told: str = ""
+    remarks: Sequence[str] = ()
 
 
 def study_report(
@@ -33,51 +49,56 @@ def study_report(
     meta: Mapping[str, Any],
     path: str | Path,
     more: Sequence[Table] = (),
+    judged: Judgement | None = None,
 ) -> Path:
     """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none).
 
     `more` are tables of the data.
     """
-    path = Path(path)
-    parameters, asked = [str(name) for name in meta.get("parameters", ())], meta.get("best")
-    best = None if asked is None else (str(asked["metric"]), str(asked["sense"]))
+    path, judged = Path(path), judged or Judgement()
+    parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values, units = _in_engineering_units(
         {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
     )
-    names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY)]
-    varied = {name for name in names if len(set(values[name])) > 1}
+    names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY, WARNINGS, MISSING)]
+    varied = {name for name in names if _differ(values[name])}
     fixed = [name for name in parameters if name in names and name not in varied]
     nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
+    first = [*parameters, *judged.metrics, *_FIRST]
     listed = [name for name in names if name not in {*fixed, *nowhere}]
-    # parameters first: they are read before what follows from them
-    order = sorted(listed, key=lambda name: (name == WARNINGS, name not in parameters)) + [KEY] * (KEY in values)
+    # parameters first: they are read before what follows from them; what does not differ comes last
+    listed.sort(key=lambda name: (name not in parameters, name not in varied, _place(name, first)))
     columns = [
         {
             "name": name,
             "unit": page.unit_text(units.get(name, "")),
             "role": "parameter" if name in parameters else "metric",
             # without anything that differs, as with a single run, all numbers have one
-            "axis": (name in varied if varied else name != KEY) and name != WARNINGS,
+            "axis": name in varied if varied else True,
             "values": values[name],
+            "better": 0 if name in NEUTRAL or name not in UNITS else -1 if name in MORE_IS_BETTER else 1,
         }
-        for name in order
+        for name in listed
     ]
-    chosen = _best(table, causes, best)
     data = {
         "columns": columns,
         "statuses": [str(status) for status in table[STATUS]],
         "causes": causes,
-        "best": chosen,
-        "by": None if best is None else best[0],
+        "choices": list(judged.choices) or list(range(len(causes))),
+        "best": list(judged.best),
+        "by": list(judged.metrics),
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
+    told = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
+    told += [judged.told and f"{judged.told[:1].upper()}{judged.told[1:]}."]
     body = page.fill(
         "study.html",
-        outcome=html_text(
-            _passed(table) + _outcome(causes, chosen, best, table, stated) + _warned(table) + _early(table)
-        ),
+        outcome="</p><p>".join(html_text(text.strip()) for text in told if text),
+        remarks=_list("Not monotonic", judged.remarks)
+        + _list("Warnings", _by_text(table, WARNINGS))
+        + _list("Missing", _by_text(table, MISSING)),
         given=page.table("Study", rest)
         + page.table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
@@ -86,6 +107,33 @@ def study_report(
         + "".join(page.table(title, rows) for title, rows in more),
     )
     return page.write(path, page.render("study", title, body, scripts=page.running(("study.js",), data)))
+
+
+def _differ(values: Sequence[float | str | None]) -> bool:
+    """Return True if the values differ by more than rounding does."""
+    numbers = [value for value in values if isinstance(value, float)]
+    if len(numbers) < len(values):
+        return len(set(values)) > 1
+    return max(numbers) - min(numbers) > ROUNDING * max(map(abs, numbers))
+
+
+def _place(name: str, order: Sequence[str]) -> int:
+    return order.index(name) if name in order else len(order)
+
+
+def _list(title: str, lines: Sequence[str]) -> str:
+    """A titled list; nothing without lines."""
+    items = "".join(f"<li>{html_text(line)}</li>" for line in lines)
+    return f"<h2>{html_text(title)}</h2><ul>{items}</ul>" if lines else ""
+
+
+def _by_text(table: pd.DataFrame, column: str) -> list[str]:
+    """Each text of a column with its runs; those that differ in their numbers only are one."""
+    kinds: dict[str, tuple[str, list[int]]] = {}
+    for k, cell in enumerate(table[column] if column in table.columns else ()):
+        for text in cell.split(SEPARATOR) if isinstance(cell, str) and cell else ():
+            kinds.setdefault(kind_of(text), (text, []))[1].append(k + 1)
+    return [f"{_listed(runs)}: {text}" for text, runs in kinds.values()]
 
 
 def _in_engineering_units(
@@ -103,54 +151,7 @@ def _in_engineering_units(
 def _passed(table: pd.DataFrame) -> str:
     """A sentence about runs in which the rope passed through something; "" where there are none."""
     runs = [k + 1 for k, text in enumerate(table[STATUS]) if PASSED in str(text)]
-    return f"In {_listed(runs)} the rope passed into or through something, the status says what. " if runs else ""
-
-
-def _warned(table: pd.DataFrame) -> str:
-    """A sentence where runs have warned; "" where none has."""
-    if WARNINGS not in table.columns:
-        return ""
-    runs = [k + 1 for k, text in enumerate(table[WARNINGS]) if isinstance(text, str) and text]
-    return f" Of {_listed(runs)} there are warnings, the last column of the table." if runs else ""
-
-
-def _best(table: pd.DataFrame, causes: Sequence[str], best: tuple[str, str] | None) -> int | None:
-    """Place of the best run; None when none is asked for or none can be compared."""
-    if best is None:
-        return None
-    metric, sense = best
-    values = pd.to_numeric(table[metric])
-    candidates = [(float(value), k) for k, value in enumerate(values) if causes[k] == "" and not pd.isna(value)]
-    if not candidates:
-        return None
-    sign = 1.0 if sense == "min" else -1.0
-    return min(candidates, key=lambda pair: (sign * pair[0], pair[1]))[1]
-
-
-def _outcome(
-    causes: Sequence[str],
-    chosen: int | None,
-    best: tuple[str, str] | None,
-    table: pd.DataFrame,
-    units: Mapping[str, str],
-) -> str:
-    failed = sum(cause != "" for cause in causes)
-    text = f"{len(causes)} runs, {failed} failed."
-    if best is None:
-        return f"{text} No metric was named by which a best run could be chosen: minimise or maximise in [study]."
-    if chosen is None:
-        return f"{text} No run that can be compared by {best[0]}."
-    smallest = "smallest" if best[1] == "min" else "largest"
-    values = pd.to_numeric(table[best[0]])
-    factor, unit = page.engineering(abs(float(values.iloc[chosen])), units.get(best[0], ""))
-    value = f"{page.number(factor * float(values.iloc[chosen]))} {page.unit_text(unit)}".rstrip()
-    text += f" Best run: {chosen + 1}, with the {smallest} {best[0]} of {value}"
-    equal = [
-        k + 1
-        for k, other in enumerate(values)
-        if k != chosen and causes[k] == "" and math.isclose(other, values.iloc[chosen], rel_tol=ROUNDING)
-    ]
-    return f"{text}, the first of {len(equal) + 1} with this value: also {_listed(equal)}." if equal else f"{text}."
+    return f"In {_listed(runs)} the rope passed into or through something, the status says what." if runs else ""
 
 
 def _listed(runs: Sequence[int], most: int = 8) -> str:

@@ -2,9 +2,12 @@
 // A run is its row's place in the table that Python was given; a column's values are numbers, words or null.
 
 const COLUMNS = DATA.columns.map((column) => ({ ...column, scale: makeAxis(column) }));
-const AXES = COLUMNS.map((_, k) => k).filter((k) => COLUMNS[k].axis); // places of the columns that are drawn
+const AXIS = 96; // px that an axis, or a column of the table, takes
+const SHOWN = new Set(); // places of the columns that are shown
+let AXES = []; // of these, what is drawn
 const NAME = 13, LETTER = 6; // letters in a line of an axis's name; px that a letter of a tick takes at most
 const RUNS = DATA.columns.length ? DATA.columns[0].values.map((_, k) => k) : [];
+const best = new Set(DATA.best);
 const failed = (run) => DATA.causes[run] !== "";
 const kept = new Map(); // column -> [lo, hi] as parts of its axis
 let marked = null, sorted = { column: null, down: false };
@@ -39,13 +42,13 @@ function shown(run) {
 
 function kind(run) {
   return [
-    failed(run) ? "failed" : "", run === DATA.best ? "best" : "", run === marked ? "marked" : "", shown(run) ? "" : "faded",
+    failed(run) ? "failed" : "", best.has(run) ? "best" : "", run === marked ? "marked" : "", shown(run) ? "" : "faded",
   ].filter(Boolean).join(" ");
 }
 
 // runs outside of the chosen ranges at the back, then the rest, the failed ones, the best and the marked one in front
 function inOrder() {
-  const rank = (run) => (run === marked ? 3 : run === DATA.best ? 2 : failed(run) ? 1 : 0) + (shown(run) ? 0 : -4);
+  const rank = (run) => (run === marked ? 3 : best.has(run) ? 2 : failed(run) ? 1 : 0) + (shown(run) ? 0 : -4);
   return [...RUNS].sort((a, b) => rank(a) - rank(b));
 }
 
@@ -54,9 +57,33 @@ function mark(run) {
   drawAll();
 }
 
+// columns for which the page has room
+function room() {
+  return Math.max(3, Math.floor(byId("parallel").parentElement.clientWidth / AXIS) - 1);
+}
+
+function choose() {
+  AXES = [...SHOWN].filter((k) => COLUMNS[k].axis).sort((a, b) => a - b);
+  for (const k of [...kept.keys()]) if (!SHOWN.has(k)) kept.delete(k);
+  byId("columns-title").textContent = `Columns: ${SHOWN.size} of ${COLUMNS.length} are shown`;
+}
+
+function drawChooser() {
+  COLUMNS.forEach(({ name }, k) => {
+    const label = add(byId("columns"), "label"), box = add(label, "input", { type: "checkbox" });
+    box.checked = SHOWN.has(k);
+    label.append(` ${name}`);
+    box.addEventListener("change", () => {
+      SHOWN[box.checked ? "add" : "delete"](k);
+      choose();
+      drawAll();
+    });
+  });
+}
+
 function drawParallel() {
   const svg = clear(byId("parallel")), height = 394, top = 60, bottom = height - 14;
-  const width = Math.max(svg.parentElement.clientWidth, 96 * AXES.length);
+  const width = Math.max(svg.parentElement.clientWidth, AXES.length > room() ? AXIS * AXES.length : 0);
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   svg.style.width = `${width}px`;
   const x = (k) => 48 + (AXES.indexOf(k) * (width - 130)) / Math.max(1, AXES.length - 1), y = (part) => bottom - part * (bottom - top);
@@ -150,14 +177,43 @@ function drawScatter() {
   const full = ({ name, unit }) => (unit ? `${name} [${unit}]` : name);
   add(svg, "text", { class: "tick", x: x(1), y: height - 4, "text-anchor": "end" }, full(across));
   add(svg, "text", { class: "tick", x: 4, y: 11 }, full(up));
+  drawFront(svg, across, up, (a, b) => [x(across.scale.place(a)), y(up.scale.place(b))]);
   for (const run of inOrder()) {
     const [a, b] = [across.values[run], up.values[run]];
     if (a === null || b === null) continue;
     const place = { cx: x(across.scale.place(a)).toFixed(1), cy: y(up.scale.place(b)).toFixed(1) };
-    const dot = add(svg, "circle", { class: `dot ${kind(run)}`, ...place, r: run === DATA.best || run === marked ? 6 : 4 });
+    const dot = add(svg, "circle", { class: `dot ${kind(run)}`, ...place, r: best.has(run) || run === marked ? 6 : 4 });
     add(dot, "title", {}, `run ${run + 1}: ${valueText(a)}, ${valueText(b)}`);
     dot.addEventListener("click", () => mark(run));
   }
+}
+
+// Pareto: choices of which no other one is better in both metrics, each at the worst of its runs
+function drawFront(svg, across, up, place) {
+  byId("front").textContent = "";
+  if (!across.better || !up.better || across === up) return;
+  const worst = new Map(); // choice -> its worst values; null where a run failed or has none
+  for (const run of RUNS) {
+    const found = [across, up].map(({ values, better }) => (values[run] === null || failed(run) ? NaN : better * values[run]));
+    const before = worst.get(DATA.choices[run]) ?? [-Infinity, -Infinity];
+    worst.set(DATA.choices[run], found.map((value, i) => Math.max(value, before[i]))); // NaN stays
+  }
+  const points = [...worst].filter(([, found]) => !found.some(Number.isNaN));
+  const beaten = ([, p]) => points.some(([, q]) => q[0] <= p[0] && q[1] <= p[1] && (q[0] < p[0] || q[1] < p[1]));
+  const front = points.filter((point) => !beaten(point)).sort(([, p], [, q]) => p[0] - q[0] || p[1] - q[1]);
+  const at = ([, [a, b]]) => place(across.better * a, up.better * b).map((value) => value.toFixed(1));
+  let d = "";
+  front.forEach((point, k) => {
+    const [px, py] = at(point);
+    d += k ? `H${px}V${py}` : `M${px} ${py}`; // what lies beyond a step is worse in one of both
+  });
+  add(svg, "path", { class: "front", d });
+  for (const point of front) {
+    const [px, py] = at(point), runs = RUNS.filter((run) => DATA.choices[run] === point[0]).map((run) => run + 1);
+    add(add(svg, "circle", { class: "front", cx: px, cy: py, r: 8 }), "title", {}, `runs ${runs.join(", ")}, at their worst`);
+  }
+  const several = points.length < RUNS.filter((run) => !failed(run)).length ? ", each at the worst of its runs" : "";
+  byId("front").textContent = `Rings: the ${front.length} of ${points.length} choices of which no other is better in both${several}.`;
 }
 
 function valueText(value) {
@@ -183,14 +239,21 @@ function drawTable() {
   };
   heading("run", "", null);
   heading("status", "", "status");
-  COLUMNS.forEach((column, k) => heading(column.unit ? `${column.name} [${column.unit}]` : column.name, column.role, k));
+  const places = [...SHOWN].sort((a, b) => a - b), foldable = (text) => text.replace(/(?<=[_.])/g, "\u200b");
+  for (const k of places) {
+    const { name, unit, role } = COLUMNS[k];
+    heading(foldable(unit ? `${name} [${unit}]` : name), role, k);
+  }
   const value = (run) => (sorted.column === "status" ? DATA.statuses[run] : sorted.column === null ? run : COLUMNS[sorted.column].values[run]);
   const listed = RUNS.filter((run) => shown(run) || run === marked);
   for (const run of listed.sort((a, b) => compare(value(a), value(b)) || a - b)) {
     const row = add(body, "tr", { class: kind(run), "data-run": run });
-    add(row, "td", {}, `${run + 1}${run === DATA.best ? " ★" : ""}`);
+    add(row, "td", {}, `${run + 1}${best.has(run) ? " ★" : ""}`);
     add(row, "td", {}, DATA.statuses[run]);
-    for (const { values } of COLUMNS) add(row, "td", { class: "value" }, valueText(values[run]));
+    for (const k of places) {
+      const value = COLUMNS[k].values[run];
+      add(row, "td", { class: typeof value === "string" ? "word" : "value" }, valueText(value));
+    }
     row.addEventListener("click", () => mark(run));
   }
   byId("kept").textContent = kept.size ? `${RUNS.filter(shown).length} of ${RUNS.length} runs are in the chosen ranges.` : "";
@@ -220,10 +283,15 @@ function drawAll() {
 
 function start() {
   if (!COLUMNS.length) return;
-  // what was varied against what matters most
-  const axis = (role) => AXES.filter((k) => COLUMNS[k].role === role && COLUMNS[k].name !== DATA.by);
-  const by = COLUMNS.findIndex(({ name }) => name === DATA.by), metrics = by < 0 ? axis("metric") : [by, ...axis("metric")];
-  const first = axis("parameter")[0] ?? metrics[1] ?? 0, second = metrics[0] ?? COLUMNS.length - 1;
+  COLUMNS.slice(0, room()).forEach((_, k) => SHOWN.add(k));
+  choose();
+  drawChooser();
+  // the two metrics that the study judges by, else what was varied against what matters most
+  const axis = (role) => COLUMNS.map((_, k) => k).filter((k) => COLUMNS[k].axis && COLUMNS[k].role === role && !by.includes(k));
+  const by = DATA.by.map((asked) => COLUMNS.findIndex(({ name }) => name === asked)).filter((k) => k >= 0);
+  const metrics = [...by, ...axis("metric")], judged = by.filter((k) => COLUMNS[k].better);
+  const first = judged.length > 1 ? judged[0] : axis("parameter")[0] ?? metrics[1] ?? 0;
+  const second = (judged.length > 1 ? judged[1] : metrics[0]) ?? COLUMNS.length - 1;
   for (const [id, chosen] of [["across", first], ["up", second]]) {
     COLUMNS.forEach(({ name }, k) => add(byId(id), "option", { value: k }, name));
     byId(id).value = chosen;

@@ -1,0 +1,138 @@
+"""What is best: a choice is judged by all its runs, each against the same disturbances, and by bounds on every run.
+
+A run that failed keeps no bound and has no finite cost. Judging: by the worst run, by the mean of all, or by the share
+of runs that keep the bounds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any, Literal
+
+from pydantic import PlainValidator, WithJsonSchema
+
+from hoist_demo.design.tuning import Judged
+from hoist_demo.files.values import read_value
+from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.study.metrics import UNITS
+
+Judge = Literal["worst", "mean", "share"]
+_SENSES = {"below": 1.0, "above": -1.0}
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Bound on a metric of every run."""
+
+    metric: str
+    value: float
+    sense: float  # 1: below the value, -1: above it
+
+    def excess(self, metrics: Mapping[str, float]) -> float:
+        """Return the excess over the bound, as a part of it unless it is 0; 0 or less if it is kept."""
+        return self.sense * (metrics[self.metric] - self.value) / (abs(self.value) or 1.0)
+
+
+def bounds_on(parameter: Parameter) -> Any:
+    """Return the type of a metric in subject_to for pydantic: what it holds is a tuple of Bounds."""
+    return Annotated[Any, PlainValidator(partial(_read_bounds, parameter)), WithJsonSchema({"type": "object"})]
+
+
+def _read_bounds(parameter: Parameter, content: Any) -> tuple[Bound, ...]:
+    words = {*content} if isinstance(content, Mapping) else set()
+    if not words & {*_SENSES} or not words <= {*_SENSES, "unit"}:
+        raise ValueError(
+            f"{parameter.name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}"
+        )
+    metric, unit = parameter.name.rpartition(".")[2], content.get("unit")
+    return tuple(
+        Bound(metric, float(read_value(parameter, content[word], unit)), sense)
+        for word, sense in _SENSES.items()
+        if word in content
+    )
+
+
+def read_weights(content: Any) -> dict[str, float]:
+    """Return the weights of metrics: of a name it is 1; a ValueError names metric, value and cure."""
+    weights = {content: 1.0} if isinstance(content, str) else content
+    if not isinstance(weights, Mapping) or not weights:
+        raise ValueError(f"{content!r} must be a metric, or metrics with weights: write {{ cycle_time = 1.0 }}")
+    for name, weight in weights.items():
+        if name not in UNITS:
+            raise ValueError(f"{name} is not a metric: choose of {', '.join(UNITS)}")
+        if isinstance(weight, bool) or not isinstance(weight, int | float) or not math.isfinite(weight):
+            raise ValueError(f"{name} = {weight!r} must be a finite number: give its weight")
+    return {name: float(weight) for name, weight in weights.items()}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """One choice, judged by all its runs."""
+
+    judged: Judged
+    within: float  # share of runs that are complete and keep all bounds
+    by_share: bool
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """Smaller is better."""
+        return (-self.within, self.judged.cost) if self.by_share else self.judged.rank
+
+    @property
+    def comparable(self) -> bool:
+        """True if the choice can be the best."""
+        return self.within > 0.0 if self.by_share else self.judged.kept
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is best, and what every run must keep."""
+
+    weights: Mapping[str, float]  # of each metric; 1 / its unit
+    sense: float  # 1: the smallest sum is best, -1: the largest
+    bounds: tuple[Bound, ...] = ()
+    judge: Judge = "worst"
+
+    def of_run(self, outcome: Mapping[str, Any]) -> Judged:
+        """Return cost and excesses of a run's recorded outcome; infinite where it failed or a metric is missing."""
+        metrics = outcome["metrics"]
+        cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
+        found = Judged(cost, tuple(bound.excess(metrics) for bound in self.bounds))
+        failed = Judged(math.inf, (math.inf,) * len(self.bounds))
+        return found if found.finite and outcome["status"] == "completed" else failed
+
+    def standing(self, outcomes: Sequence[Mapping[str, Any]]) -> Standing:
+        """Return the judgement of a choice by its runs."""
+        runs = [self.of_run(outcome) for outcome in outcomes]
+        kept = [run for run in runs if run.kept]
+        costs = [run.cost for run in (kept or runs if self.judge == "share" else runs)]
+        cost = max(costs) if self.judge == "worst" else sum(costs) / len(costs)
+        excess = tuple(max(found) for found in zip(*(run.excess for run in runs), strict=True))
+        return Standing(Judged(cost, excess), len(kept) / len(runs), self.judge == "share")
+
+    @property
+    def metrics(self) -> dict[str, None]:
+        """The metrics that it names."""
+        return dict.fromkeys([*self.weights, *(bound.metric for bound in self.bounds)])
+
+    @property
+    def words(self) -> str:
+        """The goal's sum in words."""
+        return " + ".join(name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items())
+
+    @property
+    def unit(self) -> str:
+        """Unit of the sum, where it has one."""
+        units = {UNITS[name] for name, weight in self.weights.items() if weight == 1.0}
+        return units.pop() if len(self.weights) == 1 and units else "1"
+
+    def exceeded(self, judged: Judged) -> str:
+        """Return the bounds that are not kept, in words; "" for none."""
+        return ", ".join(
+            f"{bound.metric} is {100.0 * excess:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
+            for bound, excess in zip(self.bounds, judged.excess, strict=True)
+            if excess > 0.0
+        )

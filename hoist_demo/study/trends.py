@@ -1,0 +1,110 @@
+"""Sentences on results that do not rise or fall with what varies: what a reader of a few runs would take for granted.
+
+Along one varied number, all else equal: whether the rope struck, the run failed, or a bound was exceeded, where that
+comes and goes; and metrics with an extremum inside, which stands out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.parameters.quantity import Value
+from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.goal import Bound, Goal
+from hoist_demo.study.metrics import UNITS
+
+#: of the range of a result, and of its size
+PROMINENCE, NOISE = 0.1, 0.01
+_WATCHED = ("slip_safety", "clearance", "loop_turns")  #: Metrics of a study that does not say what matters.
+
+Outcome = Mapping[str, Any]
+
+
+def not_monotonic(study: Study, samples: Sequence[Sample], outcomes: Sequence[Outcome]) -> list[str]:
+    """Return a sentence for each such result, where it shows first."""
+    catalogue, found = Catalogue(), dict[tuple[str, str], list[str]]()
+    lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
+    if study.plan is None and len(lists) == len(study.varied):
+        for key in (key for key in lists if not catalogue[key].choices):
+            for rest, runs in _lines(key, lists, samples, outcomes):
+                for what, words in _along(study.goal, key, runs):
+                    found.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)
+    return [said[0] + (f", and so in {len(said) - 1} more rows" if len(said) > 1 else "") for said in found.values()]
+
+
+Line = Sequence[tuple[float, Outcome]]
+
+
+def _lines(
+    key: str, lists: Mapping[str, Sequence[Value]], samples: Sequence[Sample], outcomes: Sequence[Outcome]
+) -> Iterator[tuple[str, Line]]:
+    """Yield the runs along a number, from its smallest value, behind all else that was varied."""
+    lines: dict[str, dict[float, Outcome]] = {}
+    for sample, outcome in zip(samples, outcomes, strict=True):
+        value = sample.values[key]
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            others = [f"{name} = {sample.values[name]}" for name in lists if name != key and len(lists[name]) > 1]
+            lines.setdefault(", ".join(filter(None, [sample.variant, *others])), {})[value] = outcome
+    for rest, line in lines.items():
+        if len(line) > 2:
+            yield rest, sorted(line.items(), key=lambda pair: pair[0])
+
+
+def _along(goal: Goal | None, key: str, runs: Line) -> Iterator[tuple[str, str]]:
+    """Yield each result that is not monotonic, and the words on it."""
+    for what, happened in _events(goal):
+        said = [happened(outcome) for _, outcome in runs]
+        # what happens at the lower end only is told, too: more is expected to be worse
+        if any(said) and sum(a != b for a, b in pairwise(said)) > 1 - (said[0] and not said[-1]):
+            yield what, f"{what} at {key} = {_values(runs, said, True)}, not at {_values(runs, said, False)}"
+    for metric in goal.metrics if goal else _WATCHED:
+        pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] == "completed"]
+        if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
+            x, y, word = turn
+            shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
+            yield metric + word, f"{metric} has its {word}, {shown}, at {key} = {x:g}, inside its range"
+
+
+def _metric(outcome: Outcome, name: str) -> float:
+    return float(outcome["metrics"].get(name, math.nan))
+
+
+def _events(goal: Goal | None) -> Iterator[tuple[str, Callable[[Outcome], bool]]]:
+    yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
+    yield "Runs stopped early", lambda outcome: outcome["status"] != "completed"
+    for bound in goal.bounds if goal else ():
+        word = "above" if bound.sense > 0.0 else "below"
+        yield f"{bound.metric} is {word} {bound.value:g}", partial(_is_beyond, bound)
+
+
+def _is_beyond(bound: Bound, outcome: Outcome) -> bool:
+    return bound.excess({bound.metric: _metric(outcome, bound.metric)}) > 0.0
+
+
+def _values(runs: Sequence[tuple[float, Outcome]], said: Sequence[bool], wanted: bool) -> str:
+    """The values of some runs: 12, 14 to 18."""
+    groups: list[list[float]] = []
+    for k, ((x, _), one) in enumerate(zip(runs, said, strict=True)):
+        if one is wanted and k and said[k - 1] is wanted:
+            groups[-1].append(x)
+        elif one is wanted:
+            groups.append([x])
+    return ", ".join(f"{g[0]:g}" if len(g) == 1 else f"{g[0]:g} to {g[-1]:g}" for g in groups)
+
+
+def _turn(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, str] | None:
+    """Return place, value and kind of an extremum inside; None for a result that only rises, or only falls."""
+    if len(pairs) < 3:
+        return None
+    y = [value for _, value in pairs]
+    least = max(PROMINENCE * (max(y) - min(y)), NOISE * max(map(abs, y)))
+    for word, sign in (("largest value", 1.0), ("smallest value", -1.0)):
+        k = max(range(len(y)), key=lambda i: sign * y[i])
+        if 0 < k < len(y) - 1 and sign * y[k] - max(sign * y[0], sign * y[-1]) > least > 0.0:
+            return pairs[k][0], y[k], word
+    return None
