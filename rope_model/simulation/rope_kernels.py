@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
-from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
+from rope_model.numerics.block_chain import ChainFunctions, ChainParts, ElementSource, chain_functions, chain_parts
 from rope_model.numerics.kernels import (
     LIBRARY_SUFFIX,
     Kernel,
@@ -78,7 +78,7 @@ class RopeKernels:
                 functions, partial(_build, elements, fidelity, bodies), form, library
             )
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
-        self.elements, self.fidelity = elements, fidelity
+        self.elements, self.fidelity, self.kinds = elements, fidelity, bodies
         # sums of solve and evaluate
         air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if _touched(bodies) else ()
         self.balance = (*BALANCE, *air, *contact)
@@ -149,7 +149,12 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies
 @cache
 def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
-    element = element_functions(fidelity)
+    return chain_parts(rope_element(fidelity, bodies))
+
+
+def rope_element(fidelity: ElementFidelity, bodies: Kinds = ()) -> ElementSource:
+    """Return the element with all that acts on it."""
+    element: ElementSource = element_functions(fidelity)
     if CURVED in bodies:
         element = curved_element(element)
     if WIRES in bodies:
@@ -157,7 +162,7 @@ def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     if AIR in bodies:
         element = air_element(fidelity, element)
     touched = _touched(bodies)
-    return chain_parts(contact_element(fidelity, element, touched) if touched else element)
+    return contact_element(fidelity, element, touched) if touched else element
 
 
 def _touched(bodies: Kinds) -> Kinds:
