@@ -23,7 +23,8 @@ import casadi as ca
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import eigsh, splu
+from scipy.linalg import eigh
+from scipy.sparse.linalg import splu
 
 from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
@@ -43,7 +44,23 @@ _MODES = {"locked": LOCKED, "free": 1, "sticking": COULOMB}
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
 _SHOWN = ("angle", "rate", "motor_rate", "torque", "y_left", "y_right", "v_left", "v_right", "pull_left", "pull_right")
 _TENSIONS = ("tension_left", "tension_right")
-_OFFSET = (2 * np.pi * 1e-3) ** 2  #: 1/s^2, by which squares of frequencies are shifted: K alone may be singular.
+_SLOWEST = 2 * np.pi * 1e-3  #: rad/s, below which a motion is none of vibration.
+#: What moves in a mode: the hoist, or the rope along its legs, in the loop's plane, out of it, or about itself.
+PARTS = ("hoist", "vertical", "in plane", "out of plane", "twist")
+_DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind the first.
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (free coordinates, modes) of unit mass.
+
+    `shares` (PARTS, modes) are the parts of the kinetic energy.
+    """
+
+    frequencies: Array
+    damping: Array
+    shapes: Array
+    shares: Array
 
 
 @dataclass(frozen=True)
@@ -84,14 +101,18 @@ class LinearModel:
             found.append((C + z * C_v + z * z * C_a) @ x + self.through)
         return np.array(found)
 
-    def modes(self, count: int) -> tuple[Array, Array]:
-        """Lowest undamped frequencies [Hz], held coordinates at rest, and shapes (coordinates, count), M-orthonormal."""
+    def modes(self, highest: float) -> Modes:
+        """All modes up to the frequency [Hz], held coordinates at rest and without what lags."""
         n = self.free
-        K, M = (0.5 * (A + A.T) for A in (self.stiffness[:n, :n], self.mass[:n, :n]))
-        # ARPACK's own start is random
-        squares, shapes = eigsh(K, min(count, n - 2), M, sigma=-_OFFSET, v0=np.ones(n))
-        order = np.argsort(squares)
-        return np.sqrt(np.maximum(squares[order], 0.0)) / (2 * np.pi), shapes[:, order]
+        K, M = (0.5 * (A + A.T).toarray() for A in (self.stiffness[:n, :n], self.mass[:n, :n]))
+        squares, shapes = eigh(K, M, subset_by_value=(-np.inf, (2 * np.pi * highest) ** 2))
+        omega = np.sqrt(np.maximum(squares, 0.0))
+        damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (2 * np.maximum(omega, _SLOWEST))
+        # kinetic energy by the coordinates' first part: the hoist, or a direction of the rope
+        kind = ["hoist" if not name.startswith("rope.") else PARTS[1 + _DIRECTION[int(name[-1])]] for name in self.names[:n]]
+        energy = shapes * (M @ shapes)
+        shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
+        return Modes(omega / (2 * np.pi), damping, shapes, shares)
 
     def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
         """Return the model with these inputs and outputs only; ValueError for others than it has."""
@@ -149,7 +170,18 @@ def linearise(
     """
     hoist = _smooth(case.hoist, held_by)
     rope = _rope(rope_data({**case.rope, **_swivels(swivels)}, level))
-    return tuple(_at(hoist, rope, part, held_by) for part in at)
+    return tuple(_assembled(x, *_parts(hoist, rope, x, held_by), hoist.tail_rope_number) for x in at)
+
+
+def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
+    """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
+    hung, drive = _parts(_smooth(case.hoist, held_by), _rope(rope_data(dict(case.rope))), at, held_by)
+    M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
+    C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
+    return LinearModel(
+        at, (*drive.coordinates, *drive.lags), 0, len(drive.lags), M, D, K, drive.inputs, drive.B, drive.outputs,
+        (C, C_v, C_a), drive.through, drive.rest_inputs, drive.rest_outputs,
+    )  # fmt: skip
 
 
 def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
@@ -274,15 +306,14 @@ def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[floa
     )  # fmt: skip
 
 
-def _at(hoist: Hoist, rope: RopeSimulator, part: float, held_by: HeldBy) -> LinearModel:
-    """Return the model at this part of the travel."""
-    if not 0.0 <= part <= 1.0:
-        raise ValueError(f"at = {part:g} must be within 0 and 1: it is a part of the travel")
-    left, right = part * hoist.shaft_travel, (1.0 - part) * hoist.shaft_travel
+def _parts(hoist: Hoist, rope: RopeSimulator, at: float, held_by: HeldBy) -> tuple[LinearRope, _Hoist]:
+    """Return rope and hoist at this part of the travel."""
+    if not 0.0 <= at <= 1.0:
+        raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
+    left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
     hung = _hung(rope, EndMotion(y=left), EndMotion(y=right))
-    forces = tuple(float(hung.rest[hung.outputs.index(f"{side}.fy")]) for side in SIDES)
-    drive = _linear_hoist(hoist, (left, right), (forces[0], forces[1]), held_by)
-    return _assembled(part, hung, drive, hoist.tail_rope_number)
+    forces = [float(hung.rest[hung.outputs.index(f"{side}.fy")]) for side in SIDES]
+    return hung, _linear_hoist(hoist, (left, right), (forces[0], forces[1]), held_by)
 
 
 def _assembled(at: float, rope: LinearRope, hoist: _Hoist, number: int) -> LinearModel:
