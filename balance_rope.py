@@ -24,6 +24,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.demo import add_demo
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.identify import add_identify
+    from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import rope_values, settings
     from hoist_demo.command_line.results import named, results_folder
     from hoist_demo.command_line.ropes import add_ropes
@@ -72,6 +73,8 @@ first steps:
   balance-rope ropes ROPES.toml        wind several balance ropes that differ, in one hoist
   balance-rope identify MEASURED.toml  find the rope's properties from measurements
   balance-rope uncertain SCENE.toml    wind with all that is not known of the rope: spread, and what causes it
+  balance-rope modes                   frequencies and damping of hoist and rope along the trip
+  balance-rope linearise               linear models for controller design
   balance-rope COMMAND --help          what a command can do
 """
 
@@ -90,6 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_ropes(commands)
     add_identify(commands)
     add_uncertain(commands)
+    add_linear(commands)
     for command in commands.choices.values():  # -v is understood behind the command as well
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"

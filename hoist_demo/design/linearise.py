@@ -280,13 +280,17 @@ def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[floa
     n, short = len(coordinates), {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
     q = [names.index(name) for name in coordinates]
     v = [names.index(short.get(name, f"{name}_rate")) for name in coordinates]
-    lag = [k for k in range(len(names)) if k not in (*q, *v)]
+    deflection = "brake_deflection"
+    lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
     numbers = numbers_of(hoist)
     found = _derivatives(parts_of(hoist))(x, np.zeros(n), u, state.free_lengths, numbers)
-    by_x, by_a, by_u, values = (np.asarray(part) for part in found)
+    by_x, by_a, by_u, values = (np.array(part) for part in found)
     # rows: Lagrange's, tensions, rates, what is shown
     rates, shown = n + 2, n + 2 + len(names)
     late = [rates + k for k in lag]
+    if deflection in names:  # it follows the rim: a spring
+        k = names.index(deflection)
+        by_x[:, q] += np.outer(by_x[:, k], by_x[rates + k, v])
     size = n + len(lag)
     M, D, K = (np.zeros((size, size)) for _ in range(3))
     M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
@@ -297,7 +301,7 @@ def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[floa
     B[:n, len(given)] = -by_x[:n, 0]
     B[1, -2] = B[2, -1] = 1.0
     seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
-    C = np.hstack((by_x[seen][:, [*q, *lag]],))
+    C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
     return _Hoist(
         coordinates, tuple(names[k] for k in lag), (M, D, K), (*given, "torque", "force_left", "force_right"), B,
