@@ -80,7 +80,8 @@ casadi: rope_model.physics.element rope_model.physics.air_element rope_model.phy
     rope_model.codegen.formulas rope_model.codegen.tables rope_model.simulation.outputs.linear hoist_demo.design
     hoist_demo.drive
     hoist_demo.drive_fmu.kernels
-scipy: rope_model.simulation.outputs.modal rope_model.simulation.outputs.linear hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
+scipy: rope_model.simulation.outputs.modal rope_model.simulation.outputs.linear
+    hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
     hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description

@@ -80,21 +80,35 @@ def write_modes(
 def add_linear(commands: Commands) -> None:
     """Add the subcommands `linearise` and `modes`."""
     linearise = add_command(
-        commands, "linearise", _linearise, "linear models for controller design", _LINEARISE, _EPILOG.format(name="linearise")
+        commands,
+        "linearise",
+        _linearise,
+        "linear models for controller design",
+        _LINEARISE,
+        _EPILOG.format(name="linearise"),
     )
     modes = add_command(
         commands, "modes", _modes, "frequencies and damping along the trip", _MODES, _EPILOG.format(name="modes")
     )
     for command, name in ((linearise, "linearise"), (modes, "modes")):
-        command.add_argument("--case", choices=tuple(NAMED), default="rope-120", metavar="NAME", help="hoist (%(default)s)")
         command.add_argument(
-            "--at", type=float, nargs="+", default=_HEIGHTS, metavar="PART", help="left height over travel (five from 0 to 1)"
+            "--case", choices=tuple(NAMED), default="rope-120", metavar="NAME", help="hoist (%(default)s)"
+        )
+        command.add_argument(
+            "--at",
+            type=float,
+            nargs="+",
+            default=_HEIGHTS,
+            metavar="PART",
+            help="left height over travel (five from 0 to 1)",
         )
         command.add_argument(
             "--swivels", choices=("as given", "locked", "free", "sticking"), default="as given", help="(%(default)s)"
         )
         command.add_argument("--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)")
-        command.add_argument("--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)")
+        command.add_argument(
+            "--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)"
+        )
     linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
     linearise.add_argument("--states", type=int, default=20, metavar="N", help="of each model (%(default)s)")
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):

@@ -28,8 +28,16 @@ from scipy.sparse.linalg import splu
 
 from hoist_demo.cases.case import COULOMB, LOCKED, Case, swivels
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, extra_coordinates, numbers_of, parts_of, state_names
-from hoist_demo.drive.outputs import OUTPUTS, SHOWN
+from hoist_demo.drive.equations import (
+    INPUT_NAMES,
+    SIDES,
+    equations,
+    extra_coordinates,
+    numbers_of,
+    parts_of,
+    state_names,
+)
+from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import Hoist
 from rope_model import EndMotion, Level, RopeSimulator, Scene
@@ -52,7 +60,7 @@ _DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind 
 
 @dataclass(frozen=True)
 class Modes:
-    """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (free coordinates, modes) of unit mass.
+    """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (coordinates, modes) of unit mass.
 
     `shares` (PARTS, modes) are the parts of the kinetic energy.
     """
@@ -109,7 +117,9 @@ class LinearModel:
         omega = np.sqrt(np.maximum(squares, 0.0))
         damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (2 * np.maximum(omega, _SLOWEST))
         # kinetic energy by the coordinates' first part: the hoist, or a direction of the rope
-        kind = ["hoist" if not name.startswith("rope.") else PARTS[1 + _DIRECTION[int(name[-1])]] for name in self.names[:n]]
+        kind = [
+            "hoist" if not name.startswith("rope.") else PARTS[1 + _DIRECTION[int(name[-1])]] for name in self.names[:n]
+        ]
         energy = shapes * (M @ shapes)
         shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
         return Modes(omega / (2 * np.pi), damping, shapes, shares)
@@ -175,7 +185,7 @@ def linearise(
 
 def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
-    hung, drive = _parts(_smooth(case.hoist, held_by), _rope(rope_data(dict(case.rope))), at, held_by)
+    _, drive = _parts(_smooth(case.hoist, held_by), _rope(rope_data(dict(case.rope))), at, held_by)
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
@@ -221,7 +231,7 @@ def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
 
 @dataclass(frozen=True)
 class _Hoist:
-    """The hoist's part; the first `coordinates` are free, what lags comes behind. Dense, (coordinates + lags) square."""
+    """The hoist's part: `coordinates` first, what lags behind. Matrices are dense, (coordinates + lags) square."""
 
     coordinates: tuple[str, ...]
     lags: tuple[str, ...]
@@ -294,7 +304,12 @@ def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[floa
     size = n + len(lag)
     M, D, K = (np.zeros((size, size)) for _ in range(3))
     M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
-    D[n:, :n], D[n:, n:], K[n:, :n], K[n:, n:] = -by_x[late][:, v], np.eye(len(lag)), -by_x[late][:, q], -by_x[late][:, lag]
+    D[n:, :n], D[n:, n:], K[n:, :n], K[n:, n:] = (
+        -by_x[late][:, v],
+        np.eye(len(lag)),
+        -by_x[late][:, q],
+        -by_x[late][:, lag],
+    )
     given = ["torque_command", *(["brake"] if held_by == "brake" else [])]
     B = np.zeros((size, len(given) + 3))
     B[n:, : len(given)] = by_u[late][:, [INPUT_NAMES.index(name) for name in given]]
@@ -324,7 +339,9 @@ def _assembled(at: float, rope: LinearRope, hoist: _Hoist, number: int) -> Linea
     """Return hoist and ropes, joined at the heights of the ends."""
     size, drives, n_lags = rope.free.size, len(hoist.coordinates), len(hoist.lags)
     nodes = size // 7
-    ends = {f"{side}.{name}": (0 if side == "left" else 7 * (nodes - 1)) + k for side in SIDES for name, k in _END.items()}
+    ends = {
+        f"{side}.{name}": (0 if side == "left" else 7 * (nodes - 1)) + k for side in SIDES for name, k in _END.items()
+    }
     shared = {ends[f"{side}.y"]: hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
     # a swivel that turns freely does not feel the conveyance's yaw
     held = {name: k for name, k in ends.items() if k not in shared and not rope.free[k]}

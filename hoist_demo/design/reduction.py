@@ -1,4 +1,4 @@
-"""Small first-order models from linear models along a trip:
+"""Small first-order models from linear models along a trip.
 
     X' = A X + B u ,     y = C X + D u .
 
@@ -82,7 +82,9 @@ class ReducedModel:
 
     def scheduled(self) -> Any:
         """CasADi function (part of the travel, X, u) -> X', y, linear between the heights and constant beyond."""
-        part, X, u = (ca.SX.sym(name, size) for name, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2])))
+        part, X, u = (
+            ca.SX.sym(name, size) for name, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2]))
+        )
         at, heights = np.array(self.at), len(self.at)
         inside = ca.fmin(ca.fmax(part, at[0]), at[-1])
         hats = [ca.SX(1.0)] * heights
@@ -137,27 +139,37 @@ def reduced(models: Sequence[LinearModel], states: int = 20, band: float = 2.0) 
         C, D = _fitted(A, B, C, D, grid[::2], exact[::2])
         systems.append((A, B, C, D))
         errors.append(_errors(_response(A, B, C, D, grid), exact))
-    matrices = (np.array(parts) for parts in zip(*systems, strict=True))
+    A, B, C, D = (np.array(parts) for parts in zip(*systems, strict=True))
     decibels, degrees, share = (np.array(parts) for parts in zip(*errors, strict=True))
-    rest = (np.array([getattr(m, name) for m in models]) for name in ("rest_inputs", "rest_outputs"))
-    at = tuple(m.at for m in models)
-    return ReducedModel(at, first.inputs, first.outputs, *matrices, *rest, band, decibels, degrees, share)
+    rest_inputs, rest_outputs = np.array([m.rest_inputs for m in models]), np.array([m.rest_outputs for m in models])
+    return ReducedModel(
+        tuple(m.at for m in models), first.inputs, first.outputs, A, B, C, D, rest_inputs, rest_outputs, band,
+        decibels, degrees, share,
+    )  # fmt: skip
 
 
 _System = tuple[Array, Array, Array, Array]
+Complex = NDArray[np.complex128]
 
 
 def _line(band: float) -> NDArray[np.complex128]:
     """Complex frequencies at which errors are measured [rad/s]."""
-    return ALPHA + 2j * np.pi * np.geomspace(SLOWEST, band, 150)
+    line: Complex = ALPHA + 2j * np.pi * np.geomspace(SLOWEST, band, 150)
+    return line
 
 
-def _response(A: Array, B: Array, C: Array, D: Array, s: Array) -> NDArray[np.complex128]:
-    I = np.eye(len(A))
-    return np.array([C @ np.linalg.solve(z * I - A, B) + D for z in s])
+def _response(A: Array, B: Array, C: Array, D: Array, s: Complex) -> Complex:
+    found: Complex = C @ _states(A, B, s) + D
+    return found
 
 
-def _errors(found: Array, exact: Array) -> tuple[Array, Array, Array]:
+def _states(A: Array, B: Array, s: Complex) -> Complex:
+    """(s - A)^-1 B, (s, states, inputs)."""
+    found: Complex = _states(A, B, s)
+    return found
+
+
+def _errors(found: Complex, exact: Complex) -> tuple[Array, Array, Array]:
     """Largest errors [dB], [degrees] and over the largest gain, (outputs, inputs); 0 where there is no response."""
     largest = np.abs(exact).max(axis=0)
     some = np.abs(exact) > _LEAST * largest
@@ -168,7 +180,7 @@ def _errors(found: Array, exact: Array) -> tuple[Array, Array, Array]:
 
 
 def _modal(model: LinearModel, band: float, least: int) -> _System:
-    """First-order model of the modes that matter, at least so many, of what follows held ends, and of what lags."""
+    """First-order model of the modes that matter, at least so many, what follows held ends, and what lags."""
     n, total = model.free, len(model.names)
     found = model.modes(BEYOND * band)
     share = telling(model, found, band)
@@ -235,7 +247,7 @@ def _balanced(system: _System, states: int, gains: Array) -> _System:
     """Return the system with fewer states; ``gains`` (outputs, inputs) scale the channels."""
     A, B, C, D = system
     if not 1 <= states <= len(A):
-        raise ValueError(f"states = {states} must be within 1 and {len(A)}, twice the modes up to {BEYOND:g} times the band: take fewer")
+        raise ValueError(f"states = {states} must be within 1 and {len(A)}, those of its modes: take fewer")
     of_outputs = 1.0 / np.where(gains.max(axis=1) > 0.0, gains.max(axis=1), 1.0)
     of_inputs = 1.0 / np.maximum((of_outputs[:, None] * gains).max(axis=0), 1e-300)
     bound = float(np.linalg.eigvals(A).real.max())
@@ -248,9 +260,9 @@ def _balanced(system: _System, states: int, gains: Array) -> _System:
     return _stable(W.T @ A @ V, bound), W.T @ B, C @ V, D
 
 
-def _fitted(A: Array, B: Array, C: Array, D: Array, s: Array, exact: Array) -> tuple[Array, Array]:
+def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) -> tuple[Array, Array]:
     """Return C and D changed as little as the fit to samples needs, channels without response as they are."""
-    x = np.linalg.solve(s[:, None, None] * np.eye(len(A)) - A, B[None].astype(complex))
+    x = _states(A, B, s)
     known = np.concatenate((x, np.broadcast_to(np.eye(B.shape[1]), (len(s), *[B.shape[1]] * 2))), axis=1)
     missing, found = exact - (C @ x + D), np.hstack((C, D))
     for i, row in enumerate(missing.swapaxes(0, 1)):
@@ -281,9 +293,9 @@ def _stable(A: Array, bound: float) -> Array:
     return made
 
 
-def _turned(A: Array, B: Array, C: Array, s: Array, before: Array | None) -> tuple[Array, Array, Array, Array]:
+def _turned(A: Array, B: Array, C: Array, s: Complex, before: Array | None) -> tuple[Array, Array, Array, Array]:
     """Return the system in states close to the samples of the height before, and its own samples."""
-    x = np.linalg.solve(s[:, None, None] * np.eye(len(A)) - A, B[None].astype(complex))
+    x = _states(A, B, s)
     flat = np.moveaxis(x, 1, 0).reshape(len(A), -1)
     samples = np.hstack((flat.real, flat.imag))
     if before is not None:

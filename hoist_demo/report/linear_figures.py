@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -15,7 +16,10 @@ from hoist_demo.design.linearise import LinearModel, Modes
 from hoist_demo.design.reduction import ALPHA, SLOWEST
 from hoist_demo.report.figures import ACCENTS, REFERENCE, STYLE, save_figure
 
-_SHOWN = (("rate", "Torque to sheave speed", "[rad/s per N m]"), ("pull_left", "Torque to head-rope pull, left", "[N per N m]"))
+_SHOWN = (
+    ("rate", "Torque to sheave speed", "[rad/s per N m]"),
+    ("pull_left", "Torque to head-rope pull, left", "[N per N m]"),
+)
 _COLOURS = "viridis"  #: Of heights, and of the hoist's share.
 
 
@@ -32,7 +36,9 @@ def write_modes_figure(
         omega = 2 * np.pi * np.geomspace(SLOWEST, band, 300)
         for (name, title, unit), (gain, phase) in zip(_SHOWN, axes[1:].T, strict=True):
             some = [models[k] for k in sorted({0, len(models) // 2, len(models) - 1})]
-            curves = [(m, f"at {m.at:g}", {"color": _colour(m.at)}) for m in some]
+            curves: list[tuple[LinearModel, str, dict[str, Any]]] = [
+                (m, f"at {m.at:g}", {"color": _colour(m.at)}) for m in some
+            ]
             curves.append((without, f"no balance rope, at {without.at:g}", {"color": REFERENCE, "ls": "--"}))
             for model, label, style in curves:
                 # narrow peaks as a record of some 1/alpha shows them
@@ -51,9 +57,7 @@ def _colour(at: float) -> tuple[float, ...]:
     return tuple(matplotlib.colormaps[_COLOURS](0.9 * at))
 
 
-def _frequencies(
-    figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float
-) -> None:
+def _frequencies(figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float) -> None:
     for model, found in zip(models, modes, strict=True):
         order = np.argsort(found.shares[0])
         size, share = 3.0 + 30.0 * found.shares[0][order], found.shares[0][order]

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
-from rope_model.numerics.block_chain import ChainFunctions, ChainParts, ElementSource, chain_functions, chain_parts
+from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
 from rope_model.numerics.kernels import (
     LIBRARY_SUFFIX,
     Kernel,
@@ -38,6 +38,7 @@ from rope_model.physics.element import (
     NODE_DOF,
     STRAINS,
     ElementFidelity,
+    ElementFunctions,
     element_functions,
 )
 from rope_model.physics.shaft import KINDS
@@ -152,9 +153,9 @@ def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     return chain_parts(rope_element(fidelity, bodies))
 
 
-def rope_element(fidelity: ElementFidelity, bodies: Kinds = ()) -> ElementSource:
+def rope_element(fidelity: ElementFidelity, bodies: Kinds = ()) -> ElementFunctions:
     """Return the element with all that acts on it."""
-    element: ElementSource = element_functions(fidelity)
+    element = element_functions(fidelity)
     if CURVED in bodies:
         element = curved_element(element)
     if WIRES in bodies:

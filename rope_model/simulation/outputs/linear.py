@@ -1,4 +1,4 @@
-"""Small motions x (7 of each node) of a rope about a rest, from exact derivatives of the element's residual R:
+"""Small motions x (7 of each node) of a rope about a rest, from exact derivatives of the element's residual R.
 
     M a + D v + K x = f ,   y = Cq x + Cv v + Ca a ,   K = dR/dq ,  D = dR/dv ,  M = dR/da + node masses .
 
