@@ -41,7 +41,7 @@ from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import Hoist
 from rope_model import EndMotion, Level, RopeSimulator, Scene
-from rope_model.simulation.outputs.linear import LinearRope, linear_rope
+from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
 Array = NDArray[np.float64]
 Swivels = Literal["as given", "locked", "free", "sticking"]
@@ -216,6 +216,7 @@ def _hung(rope: RopeSimulator, left: EndMotion, right: EndMotion) -> LinearRope:
     status = rope.initialize(0.0, left, right)
     if not status.valid:
         raise ValueError(f"rope at rest with left.y = {left.y:g} m and right.y = {right.y:g} m: {status.message}")
+    let_turn(rope)
     return linear_rope(rope)
 
 

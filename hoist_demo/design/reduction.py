@@ -78,7 +78,9 @@ class ReducedModel:
                 "StateSpace needs python-control: pip install 'balance-rope[control]', or take A, B, C and D"
             ) from error
         matrices = (part[height] for part in (self.A, self.B, self.C, self.D))
-        return control.StateSpace(*matrices, inputs=list(self.inputs), outputs=list(self.outputs))
+        # a point is for names of systems there
+        inputs, outputs = ([name.replace(".", "_") for name in names] for names in (self.inputs, self.outputs))
+        return control.StateSpace(*matrices, inputs=inputs, outputs=outputs)
 
     def scheduled(self) -> Any:
         """CasADi function (part of the travel, X, u) -> X', y, linear between the heights and constant beyond."""
@@ -154,8 +156,7 @@ Complex = NDArray[np.complex128]
 
 def _line(band: float) -> NDArray[np.complex128]:
     """Complex frequencies at which errors are measured [rad/s]."""
-    line: Complex = ALPHA + 2j * np.pi * np.geomspace(SLOWEST, band, 150)
-    return line
+    return np.asarray(ALPHA + 2j * np.pi * np.geomspace(SLOWEST, band, 150), dtype=np.complex128)
 
 
 def _response(A: Array, B: Array, C: Array, D: Array, s: Complex) -> Complex:
@@ -165,8 +166,8 @@ def _response(A: Array, B: Array, C: Array, D: Array, s: Complex) -> Complex:
 
 def _states(A: Array, B: Array, s: Complex) -> Complex:
     """(s - A)^-1 B, (s, states, inputs)."""
-    found: Complex = _states(A, B, s)
-    return found
+    x = np.linalg.solve(s[:, None, None] * np.eye(len(A)) - A, B[None].astype(complex))
+    return np.asarray(x, dtype=np.complex128)
 
 
 def _errors(found: Complex, exact: Complex) -> tuple[Array, Array, Array]:

@@ -20,11 +20,14 @@ from numpy.typing import NDArray
 from rope_model.physics.element import NODE_DOF
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import bend, node_values
+from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.outputs.modal import assembled
 from rope_model.simulation.outputs.signals import Evaluated
 from rope_model.simulation.rope_kernels import Kinds, rope_element
 from rope_model.simulation.rope_system import Array, arc_lengths
+from rope_model.simulation.simulator import RopeSimulator
+from rope_model.simulation.stepping.hang import equilibrium_in_frame
 
 #: outputs of an end, and of the loop
 _LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -89,6 +92,17 @@ def linear_rope(rope: Evaluated) -> LinearRope:
     names = (*(f"{side}.{load}" for side in SIDES for load in _LOADS), *(f"loop.{x}" for x in _LOOP))
     values.append(at_rest.ravel())
     return LinearRope(M, D, K, system.free.ravel(), names, np.concatenate(values), (maps[0], maps[1], maps[2]))
+
+
+def let_turn(rope: RopeSimulator) -> None:
+    """Let a rope that has just been hung come to rest in those of its swivels that turn freely; others hold."""
+    state, swivels = rope.state, (rope.scene.left, rope.scene.right)
+    phases = [
+        now._replace(phase=Phase.SLIP) if of.mode == "free" else now
+        for now, of in zip(state.swivels, swivels, strict=True)
+    ]
+    if any(now.phase is Phase.SLIP for now in phases):
+        rope.restore(equilibrium_in_frame(rope.model, state._replace(swivels=(phases[0], phases[1])))[0])
 
 
 @cache
