@@ -92,7 +92,7 @@ class ReducedModel:
         hats = [ca.SX(1.0)] * heights
         for k in range(heights - 1):
             beyond = ca.fmin(ca.fmax((inside - at[k]) / (at[k + 1] - at[k]), 0.0), 1.0)
-            hats[k], hats[k + 1] = hats[k] - beyond, (beyond if k + 2 <= heights else hats[k + 1])
+            hats[k], hats[k + 1] = hats[k] - beyond, beyond
         A, B, C, D = (
             reduce(lambda x, y: x + y, (hat * ca.DM(M) for hat, M in zip(hats, part, strict=True)))
             for part in (self.A, self.B, self.C, self.D)
