@@ -21,6 +21,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.hoist import add_hoist_commands
     from hoist_demo.command_line.identify import add_identify
+    from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
     from hoist_demo.command_line.results import hear_hang_ups, named, results_folder
     from hoist_demo.command_line.study import add_study
@@ -69,6 +70,8 @@ first steps:
   balance-rope duty SCHEDULE.toml      wind many trips as one run, each from where the last has left the rope
   balance-rope identify MEASURED.toml  find the rope's properties from measurements
   balance-rope uncertain SCENE.toml    wind with all that is not known of the rope: spread, and what causes it
+  balance-rope modes                   frequencies and damping of hoist and rope along the trip
+  balance-rope linearise               linear models for controller design
   balance-rope COMMAND --help          what a command can do
 """
 
@@ -87,9 +90,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_duty(commands)
     add_identify(commands)
     add_uncertain(commands)
-    for command in {
-        id(made): made for made in commands.choices.values()
-    }.values():  # -v is understood behind the command as well
+    add_linear(commands)
+    # -v is understood behind the command as well, one of which has two names
+    for command in dict.fromkeys(commands.choices.values()):
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
         )

@@ -47,7 +47,7 @@ hoist_demo.parameters: rope_model.physics
 hoist_demo.drive: .parameters rope_model.numerics
 hoist_demo.control: .parameters rope_model.physics
 hoist_demo.recording: rope_model
-hoist_demo.design: .parameters .drive .control rope_model
+hoist_demo.design: .parameters .drive .control .cases .cosimulation.participants rope_model rope_model.simulation
 hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table rope_model.scene_names
     rope_model.texts
 hoist_demo.files: .parameters .control .design .cases rope_model rope_model.scene_names rope_model.texts
@@ -70,7 +70,8 @@ hoist_demo.calibration: .files .parameters .control .cases .cosimulation.partici
 hoist_demo.uncertainty: .files .parameters .calibration .cases .recording .cosimulation
     .cosimulation.participants .report .study rope_model rope_model.texts
 hoist_demo.command_line: .files .parameters .cases .recording .cosimulation .cosimulation.participants
-    .cosimulation.schemes .report .study .duty .ropes .calibration .uncertainty rope_model rope_model.scene_names
+    .cosimulation.schemes .report .study .duty .ropes .calibration .uncertainty .design
+    rope_model rope_model.scene_names
 hoist_demo:"""
 )
 #: library: modules or packages in which it may be imported; numpy is welcome everywhere
@@ -79,13 +80,16 @@ HOMES = rules(
 casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
     rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.rules
-    rope_model.codegen.formulas rope_model.codegen.tables hoist_demo.design hoist_demo.drive
+    rope_model.codegen.formulas rope_model.codegen.tables rope_model.simulation.outputs.linear hoist_demo.design
+    hoist_demo.drive
     hoist_demo.drive_fmu.kernels
-scipy: rope_model.simulation.outputs.modal hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
+scipy: rope_model.simulation.outputs.modal rope_model.simulation.outputs.linear
+    hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
     hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description
-matplotlib: hoist_demo.report.figures
+matplotlib: hoist_demo.report.figures hoist_demo.report.linear_figures
+control: hoist_demo.design.reduction
 rainflow: hoist_demo.recording.exposure
 pint: hoist_demo.files.values
 pydantic: hoist_demo.files hoist_demo.duty hoist_demo.calibration hoist_demo.uncertainty hoist_demo.study

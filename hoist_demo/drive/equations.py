@@ -116,6 +116,7 @@ class Equations:
     outputs: Any  # the same arguments -> OUTPUTS
     mobility: Any  # the same arguments -> change of the conveyances' accelerations per force on either, (2, 2) [1/kg]
     hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
+    lagrange: Any  # (x, a, u, l0, p) -> mass matrix times accelerations less forces, tensions; of ropes that hold
 
 
 class _Coordinates:
@@ -231,13 +232,16 @@ def equations(parts: Hoist) -> Equations:
         *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
     )  # fmt: skip
     mobility = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
-    arguments = [x, u, l0, p]
+    arguments, given_a = [x, u, l0, p], ca.SX.sym("a", len(at.names))
     return Equations(
         rates=_function("rates", arguments, rates),
         powers=_function("powers", arguments, powers),
         outputs=_function("outputs", arguments, shown),
         mobility=_function("mobility", arguments, mobility),
         hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
+        lagrange=_function(
+            "lagrange", [x, given_a, *arguments[1:]], ca.vertcat(mass_matrix @ given_a - forces, *tensions(given_a))
+        ),
     )
 
 

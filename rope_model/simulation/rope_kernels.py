@@ -38,6 +38,7 @@ from rope_model.physics.element import (
     NODE_DOF,
     STRAINS,
     ElementFidelity,
+    ElementFunctions,
     element_functions,
 )
 from rope_model.physics.shaft import KINDS
@@ -78,7 +79,7 @@ class RopeKernels:
                 functions, partial(_build, elements, fidelity, bodies), form, library
             )
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
-        self.elements, self.fidelity = elements, fidelity
+        self.elements, self.fidelity, self.kinds = elements, fidelity, bodies
         # sums of solve and evaluate
         air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if _touched(bodies) else ()
         self.balance = (*BALANCE, *air, *contact)
@@ -149,6 +150,11 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies
 @cache
 def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
+    return chain_parts(rope_element(fidelity, bodies))
+
+
+def rope_element(fidelity: ElementFidelity, bodies: Kinds = ()) -> ElementFunctions:
+    """Return the element with all that acts on it."""
     element = element_functions(fidelity)
     if CURVED in bodies:
         element = curved_element(element)
@@ -157,7 +163,7 @@ def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     if AIR in bodies:
         element = air_element(fidelity, element)
     touched = _touched(bodies)
-    return chain_parts(contact_element(fidelity, element, touched) if touched else element)
+    return contact_element(fidelity, element, touched) if touched else element
 
 
 def _touched(bodies: Kinds) -> Kinds:

@@ -360,6 +360,10 @@ class RopeSystem:
         P[LAW_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack((q[[0, -1], POSITION], v[[0, -1], 1]))
         return P
 
+    def element_data(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Frames (elements, entries) and parameters that the element takes, away from all bodies."""
+        return self.frames, self._blown(q, v)
+
     def strains(self, q: Array) -> Array:
         """(elements, 3), columns as in physics.element.STRAINS."""
         return self.kernels.strains(q, self.lengths, self.frames)[0]

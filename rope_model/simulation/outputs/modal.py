@@ -77,9 +77,14 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
     rest, row, l = np.zeros_like(q_e), np.ones((1, n)), system.lengths[None, :]
     F, P = element.reference.map(n)(q_e, l), np.tile(system.P[:, None], n)
     J = element.tangent.map(n)(q_e, rest, rest, l, F, P, *(x * row for x in c))[1]
-    blocks = np.asarray(J).reshape(2 * NODE_DOF, n, 2 * NODE_DOF).transpose(1, 0, 2)
+    return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel())
+
+
+def assembled(J: Array, n: int) -> sp.csc_matrix:
+    """Sparse matrix of a chain of ``n`` elements from theirs, side by side: (2 dof, 2 dof n)."""
+    blocks = J.reshape(2 * NODE_DOF, n, 2 * NODE_DOF).transpose(1, 0, 2)
     local = NODE_DOF * np.arange(n)[:, None] + np.arange(2 * NODE_DOF)
     rows = np.broadcast_to(local[:, :, None], blocks.shape)
     columns = np.broadcast_to(local[:, None, :], blocks.shape)
-    matrix = sp.csc_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(q.size, q.size))
-    return matrix + sp.diags(c[2] * system.node_mass.ravel())
+    size = NODE_DOF * (n + 1)
+    return sp.csc_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))

@@ -46,12 +46,12 @@ def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
     """``state`` at rest, its rope straight first and then curved by and by, and the corrections that it took."""
     rope, made = model.scene.rope, 0
     if not is_curved(rope, flexible(state.fidelity)):
-        return _equilibrium_in_frame(model, state)
+        return equilibrium_in_frame(model, state)
     for k in range(CURVATURE_STEPS + 1):
         k0 = rope.initial_curvature * k / CURVATURE_STEPS
         part = replace(model, scene=model.scene.with_(rope=replace(rope, initial_curvature=k0)))
         try:
-            state, corrections = _equilibrium_in_frame(part, state)
+            state, corrections = equilibrium_in_frame(part, state)
         except StaticsError as error:
             if k == 0:
                 raise
@@ -75,7 +75,7 @@ def _turn_in(model: RopeModel, state: RopeState, made: int, twist: float) -> Rop
         if made >= MOST_CORRECTIONS:
             raise StaticsError(messages.fails_at_twist(twist - left, twist, abs(step), made, messages.takes_too_long()))
         try:
-            after, corrections = _equilibrium_in_frame(
+            after, corrections = equilibrium_in_frame(
                 model, _twist_evenly(state, step), math.inf if last else MOST_TURN
             )
         except StaticsError as error:
@@ -107,11 +107,11 @@ def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> Rop
         if len(slips) == 1:
             state, _ = _let_curve(model, _with_swivels(straight[side], slips))
         else:
-            state, _ = _equilibrium_in_frame(model, _with_swivels(state, slips))
+            state, _ = equilibrium_in_frame(model, _with_swivels(state, slips))
         m, ends = state.motion, model.ends(state)
         angles = {k: ends.relative(k, m.t, float(m.q[-k, ANGLE]), 0.0)[0] for k in slips}
         rests = {k: SwivelState(Phase.LOCKED, angle, 0.0) for k, angle in angles.items()}
-        state, _ = _equilibrium_in_frame(model, _with_swivels(state, rests))
+        state, _ = equilibrium_in_frame(model, _with_swivels(state, rests))
         if not is_curved(model.scene.rope, flexible(state.fidelity)):
             break
     return state
@@ -141,7 +141,7 @@ def _with_swivels(state: RopeState, swivels: dict[int, SwivelState]) -> RopeStat
     return state._replace(swivels=(left, right))
 
 
-def _equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> tuple[RopeState, int]:
+def equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> tuple[RopeState, int]:
     """Return ``state`` in equilibrium, and the corrections that it took."""
     m, rest = state.motion, np.zeros_like(state.motion.q)
     found = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)

@@ -1,0 +1,152 @@
+"""The commands `balance-rope linearise` and `balance-rope modes`; their bodies take a case and plain arguments."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.command_line.results import Commands, add_command, named, results_folder
+
+if TYPE_CHECKING:
+    from hoist_demo.cases.case import Case
+    from hoist_demo.design.linearise import HeldBy, Swivels
+    from hoist_demo.design.reduction import ReducedModel
+
+_CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
+_HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
+
+_LINEARISE = """\
+Linear models of hoist and balance ropes at rest, for controller design: A, B, C, D of few states for each height, in
+plant.npz, plant.mat and plant.json, with the error measured against the complete linear model."""
+
+_MODES = """\
+Frequencies, damping and shapes of hoist and balance ropes along the trip: modes.csv has all of them, modes.png draws
+them over the height, the poles, and what the torque does with and without the balance ropes."""
+
+_EPILOG = """\
+examples:
+  balance-rope {name} monopol-1000
+  balance-rope {name} --at 0 0.1 0.2 --swivels free
+
+Coulomb friction, play and slip on the lining are left out; see docs/howto/control.md.
+"""
+
+
+def write_linear_models(
+    case: Case, out: Path, at: Sequence[float] = _HEIGHTS, swivels: Swivels = "as given", held_by: HeldBy = "motor",
+    states: int = 20, inputs: Sequence[str] = _CHANNELS[0], outputs: Sequence[str] = _CHANNELS[1], band: float = 2.0,
+) -> tuple[ReducedModel, tuple[Path, ...]]:  # fmt: skip
+    """Write small models of a case into a folder."""
+    from hoist_demo.design.linearise import linearise
+    from hoist_demo.design.reduction import reduced
+
+    models = [model.selected(inputs, outputs) for model in linearise(case, at, swivels, held_by)]
+    found = reduced(models, states, band)
+    return found, found.write(results_folder(out))
+
+
+def write_modes(
+    case: Case, out: Path, at: Sequence[float] = _HEIGHTS, swivels: Swivels = "as given", band: float = 2.0,
+    count: int = 8,
+) -> tuple[str, tuple[Path, ...]]:  # fmt: skip
+    """Write all modes of a case up to a frequency [Hz]; the text has the `count` that the torque moves most."""
+    import numpy as np
+
+    from hoist_demo.design.linearise import PARTS, linearise, linearise_hoist
+    from hoist_demo.design.reduction import telling
+    from hoist_demo.report.linear_figures import write_modes_figure
+
+    models = linearise(case, at, swivels)
+    modes = [model.modes(band) for model in models]
+    head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
+    rows, lines = [], ["".join(f"{name:>18}" for name in head)]
+    for model, found in zip(models, modes, strict=True):
+        felt = telling(model.selected(*_CHANNELS), found, band)
+        table = np.column_stack((np.full(felt.size, model.at), found.frequencies, found.damping, felt, found.shares.T))
+        rows += table.tolist()
+        most = np.sort(np.argsort(-felt)[:count])
+        lines += ["".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])) for j in most]
+    table_file = results_folder(out) / "modes.csv"
+    with table_file.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([head, *rows])
+    without = linearise_hoist(case, at[len(at) // 2])
+    return "\n".join(lines), (table_file, write_modes_figure(models, modes, without, band, out / "modes.png"))
+
+
+def add_linear(commands: Commands) -> None:
+    """Add the subcommands `linearise` and `modes`."""
+    linearise = add_command(
+        commands,
+        "linearise",
+        _linearise,
+        "linear models for controller design",
+        _LINEARISE,
+        _EPILOG.format(name="linearise"),
+    )
+    modes = add_command(
+        commands, "modes", _modes, "frequencies and damping along the trip", _MODES, _EPILOG.format(name="modes")
+    )
+    for command, name in ((linearise, "linearise"), (modes, "modes")):
+        known = ", ".join(NAMED)
+        command.add_argument(
+            "hoist", nargs="?", default="rope-120", metavar="HOIST", help=f"a file, or one of {known} (%(default)s)"
+        )
+        command.add_argument(
+            "--at",
+            type=float,
+            nargs="+",
+            default=_HEIGHTS,
+            metavar="PART",
+            help="left height over travel (five from 0 to 1)",
+        )
+        command.add_argument(
+            "--swivels", choices=("as given", "locked", "free", "sticking"), default="as given", help="(%(default)s)"
+        )
+        command.add_argument("--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)")
+        command.add_argument(
+            "--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)"
+        )
+    linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
+    linearise.add_argument("--states", type=int, default=20, metavar="N", help="of each model (%(default)s)")
+    for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
+        linearise.add_argument(name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})")
+    modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
+
+
+def _one_rope(name: str) -> Case:
+    """Return the hoist, which must have equal ropes."""
+    case = find_case(name)
+    if case.ropes:
+        raise ValueError(
+            f"{name} has ropes that differ, and a linear model has equal ones: give one [[rope]] with number"
+        )
+    return case
+
+
+def _linearise(options: argparse.Namespace) -> int:
+    found, written = write_linear_models(
+        _one_rope(options.hoist), options.out, options.at, options.swivels, options.held_by, options.states,
+        options.inputs, options.outputs, options.band,
+    )  # fmt: skip
+    print(f"{found.A.shape[1]} states; largest errors to {found.band:g} Hz:")
+    print(f"{'at':>6}{'output':>16}{'input':>18}{'dB':>10}{'degrees':>10}{'of peak':>10}")
+    for k, at in enumerate(found.at):
+        for i, output in enumerate(found.outputs):
+            for j, given in enumerate(found.inputs):
+                errors = "".join(f"{float(x[k, i, j]):10.2g}" for x in (found.decibels, found.degrees, found.share))
+                print(f"{at:6.3g}{output:>16}{given:>18}{errors}")
+    print("\nwritten: " + ", ".join(map(str, written)))
+    return 0
+
+
+def _modes(options: argparse.Namespace) -> int:
+    text, written = write_modes(
+        _one_rope(options.hoist), options.out, options.at, options.swivels, options.band, options.count
+    )
+    print(text)
+    print("\nwritten: " + ", ".join(map(str, written)))
+    return 0

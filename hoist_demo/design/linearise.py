@@ -1,0 +1,376 @@
+"""Linear models of hoist and balance ropes at rest, anywhere along the trip.
+
+Small motions x of the hoist's coordinates, of the rope's nodes and of what lags behind (motor torque, brake) obey
+
+    M x'' + D x' + K x = B u ,     y = C x + C_v x' + C_a x'' + D_u u .
+
+The rope's part is `rope_model.simulation.outputs.linear`, the hoist's the derivative of Lagrange's equation in
+`drive/equations.py`; the ends of the rope and the conveyances share their heights, and each of n equal ropes counts n
+times. Rows of M are 0 for what lags. Ends move sideways and yaw as they are told: their accelerations are inputs.
+
+The hoist is left without what has no derivative: Coulomb friction, jams, slip on the lining, play between the guides.
+A sticking brake is a spring. The operating point is a rest: a rope that flows through its shape has no model here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, Literal
+
+import casadi as ca
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+from scipy.sparse.linalg import splu
+
+from hoist_demo.cases.case import Case
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.drive.equations import (
+    INPUT_NAMES,
+    SIDES,
+    equations,
+    extra_coordinates,
+    numbers_of,
+    parts_of,
+    state_names,
+)
+from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.parameters import Hoist
+from rope_model import EndMotion, Level, RopeSimulator, Scene
+from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
+
+Array = NDArray[np.float64]
+Swivels = Literal["as given", "locked", "free", "sticking"]
+HeldBy = Literal["motor", "brake"]
+
+_MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
+#: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
+_END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
+_SHOWN = ("angle", "rate", "motor_rate", "torque", "y_left", "y_right", "v_left", "v_right", "pull_left", "pull_right")
+_TENSIONS = ("tension_left", "tension_right")
+_SLOWEST = 2 * np.pi * 1e-3  #: rad/s, below which a motion is none of vibration.
+#: What moves in a mode: the hoist, or the rope along its legs, in the loop's plane, out of it, or about itself.
+PARTS = ("hoist", "vertical", "in plane", "out of plane", "twist")
+_DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind the first.
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (coordinates, modes) of unit mass.
+
+    `shares` (PARTS, modes) are the parts of the kinetic energy.
+    """
+
+    frequencies: Array
+    damping: Array
+    shapes: Array
+    shares: Array
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """A model in its sparse second-order form, SI units.
+
+    Coordinates come in the order of `names`: free ones, those `held` whose accelerations are inputs, those that lag.
+    A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta. `rest_inputs` and `rest_outputs` are the values from
+    which u and y count; outputs that have none rest at 0.
+    """
+
+    at: float  # height of the left conveyance over the travel
+    names: tuple[str, ...]
+    held: int  # number of held coordinates
+    lags: int  # and of those that lag
+    mass: sp.csc_matrix
+    damping: sp.csc_matrix
+    stiffness: sp.csc_matrix
+    inputs: tuple[str, ...]
+    B: Array
+    outputs: tuple[str, ...]
+    maps: tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]  # C, C_v and C_a
+    through: Array  # D_u
+    rest_inputs: Array
+    rest_outputs: Array
+
+    @property
+    def free(self) -> int:
+        """Number of coordinates that vibrate."""
+        return len(self.names) - self.held - self.lags
+
+    def response(self, s: Iterable[complex]) -> NDArray[np.complex128]:
+        """Transfer functions (len(s), outputs, inputs) at complex frequencies [rad/s]."""
+        C, C_v, C_a = self.maps
+        found = []
+        for z in s:
+            x = splu((z * z * self.mass + z * self.damping + self.stiffness).tocsc()).solve(self.B.astype(complex))
+            found.append((C + z * C_v + z * z * C_a) @ x + self.through)
+        return np.array(found)
+
+    def modes(self, highest: float) -> Modes:
+        """All modes up to the frequency [Hz], held coordinates at rest and without what lags."""
+        n = self.free
+        K, M = (0.5 * (A + A.T).toarray() for A in (self.stiffness[:n, :n], self.mass[:n, :n]))
+        squares, shapes = eigh(K, M, subset_by_value=(-np.inf, (2 * np.pi * highest) ** 2))
+        omega = np.sqrt(np.maximum(squares, 0.0))
+        damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (2 * np.maximum(omega, _SLOWEST))
+        # kinetic energy by the coordinates' first part: the hoist, or a direction of the rope
+        kind = [
+            "hoist" if not name.startswith("rope.") else PARTS[1 + _DIRECTION[int(name[-1])]] for name in self.names[:n]
+        ]
+        energy = shapes * (M @ shapes)
+        shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
+        return Modes(omega / (2 * np.pi), damping, shapes, shares)
+
+    def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
+        """Return the model with these inputs and outputs only; ValueError for others than it has."""
+        columns, rows = _places(inputs, self.inputs, "inputs"), _places(outputs, self.outputs, "outputs")
+        return replace(
+            self,
+            inputs=tuple(self.inputs[k] for k in columns),
+            B=self.B[:, columns],
+            outputs=tuple(self.outputs[k] for k in rows),
+            maps=tuple(A[rows] for A in self.maps),
+            through=self.through[np.ix_(rows, columns)],
+            rest_inputs=self.rest_inputs[columns],
+            rest_outputs=self.rest_outputs[rows],
+        )
+
+
+def _places(wanted: Iterable[str], there: tuple[str, ...], what: str) -> list[int]:
+    wanted = tuple(wanted)
+    if missing := [name for name in wanted if name not in there]:
+        raise ValueError(f"{what} {', '.join(missing)} must be among {', '.join(there)}: choose from them")
+    return [there.index(name) for name in wanted]
+
+
+def linearise(
+    case: Case,
+    at: Iterable[float] = (0.0, 0.25, 0.5, 0.75, 1.0),
+    swivels: Swivels = "as given",
+    held_by: HeldBy = "motor",
+    level: Level = "standard",
+) -> tuple[LinearModel, ...]:
+    """Return the linear models of a hoist with its balance ropes, at rest at places along the trip.
+
+    Parameters
+    ----------
+    case : Case
+        Hoist and rope; trip and gains do not matter.
+    at : iterable of float
+        Heights of the left conveyance over the travel, 0 to 1.
+    swivels : {"as given", "locked", "free", "sticking"}
+        Both swivels; "sticking" ones hold where the rope was hung, by friction.
+    held_by : {"motor", "brake"}
+        What holds the imbalance: the motor, its brake open, or the brake, its motor without torque.
+    level : Level
+        Accuracy of the rope.
+
+    Returns
+    -------
+    tuple of LinearModel
+        One for each place.
+
+    Raises
+    ------
+    ValueError
+        If the rope does not hang there, or touches a body; if the motor or the brake cannot hold.
+    """
+    hoist = _smooth(case.hoist, held_by)
+    rope = _rope(rope_data({**case.rope, **_swivels(swivels)}, level))
+    return tuple(_assembled(x, *_parts(hoist, rope, x, held_by), hoist.tail_rope_number) for x in at)
+
+
+def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
+    """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
+    _, drive = _parts(_smooth(case.hoist, held_by), _rope(rope_data(dict(case.rope))), at, held_by)
+    M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
+    C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
+    return LinearModel(
+        at, (*drive.coordinates, *drive.lags), 0, len(drive.lags), M, D, K, drive.inputs, drive.B, drive.outputs,
+        (C, C_v, C_a), drive.through, drive.rest_inputs, drive.rest_outputs,
+    )  # fmt: skip
+
+
+def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
+    """Return the linear model of a rope alone, at rest between these ends, whose accelerations are the inputs."""
+    rope = _rope(scene)
+    return _assembled(0.0, _hung(rope, left, right), _Hoist.none(), 1)
+
+
+def _swivels(wanted: Swivels) -> dict[str, int]:
+    if wanted == "as given":
+        return {}
+    if wanted not in _MODES:
+        raise ValueError(f"swivels = {wanted!r} must be 'as given', {', '.join(map(repr, _MODES))}: choose one")
+    return dict.fromkeys(("left.swivel.mode", "right.swivel.mode"), _MODES[wanted])
+
+
+def _rope(scene: Scene) -> RopeSimulator:
+    return RopeSimulator(scene.with_(model=replace(scene.model, fidelity="torsional")))
+
+
+def _hung(rope: RopeSimulator, left: EndMotion, right: EndMotion) -> LinearRope:
+    status = rope.initialize(0.0, left, right)
+    if not status.valid:
+        raise ValueError(f"rope at rest with left.y = {left.y:g} m and right.y = {right.y:g} m: {status.message}")
+    let_turn(rope)
+    return linear_rope(rope)
+
+
+def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
+    """Return the hoist without what has no derivative at rest."""
+    guides = None if hoist.guides is None else replace(hoist.guides, coulomb=0.0)
+    if held_by == "brake" and hoist.brake is None:
+        raise ValueError("held_by = 'brake' needs a hoist with a brake: fit one, or take 'motor'")
+    brake = hoist.brake if held_by == "brake" else None
+    parts: dict[str, Any] = {"guides": guides, "brake": brake, "lining": None, "play": None}
+    return replace(hoist, loss_coulomb=0.0, jam_left=None, jam_right=None, **parts)
+
+
+@dataclass(frozen=True)
+class _Hoist:
+    """The hoist's part: `coordinates` first, what lags behind. Matrices are dense, (coordinates + lags) square."""
+
+    coordinates: tuple[str, ...]
+    lags: tuple[str, ...]
+    matrices: tuple[Array, Array, Array]  # M, D, K
+    inputs: tuple[str, ...]
+    B: Array
+    outputs: tuple[str, ...]
+    maps: tuple[Array, Array, Array]
+    through: Array
+    rest_inputs: Array
+    rest_outputs: Array
+
+    @staticmethod
+    def none() -> _Hoist:
+        """Nothing, for a rope alone."""
+        empty = np.zeros((0, 0))
+        return _Hoist((), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0))
+
+
+@cache
+def _derivatives(parts: Hoist) -> Any:
+    """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
+    of = equations(parts)
+    x, a = ca.SX.sym("x", len(state_names(parts))), ca.SX.sym("a", 3 + len(extra_coordinates(parts)))
+    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(numbers_of(parts)))
+    rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
+    shown = of.outputs(x, u, l0, p)
+    values = ca.vertcat(rows, *(shown[SHOWN[name]] for name in _SHOWN))
+    jacobians = [ca.densify(ca.jacobian(values, z)) for z in (x, a, u)]
+    return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
+
+
+def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[float, float], held_by: HeldBy) -> _Hoist:
+    """Return the hoist's part with its conveyances at rest under these forces of one rope."""
+    plant = HoistPlant(hoist, "portable")
+    state = plant.equilibrium(*heights, *forces) if held_by == "motor" else plant.hanging_state(*heights, *forces)
+    x, names, torque = state.x.copy(), list(state_names(hoist)), float(state.x[0])
+    u = np.zeros(len(INPUT_NAMES))
+    # the asked pressure counts as within its limits, where it acts
+    u[INPUT_NAMES.index("brake")] = 0.5
+    u[INPUT_NAMES.index("force_left")], u[INPUT_NAMES.index("force_right")] = forces
+    if held_by == "brake":
+        assert hoist.brake is not None
+        if abs(torque) > hoist.brake.torque:
+            raise ValueError(
+                f"the imbalance of {abs(torque):.6g} N m must be within brake.torque = {hoist.brake.torque:g} N m: "
+                "take a stronger brake"
+            )
+        x[0], x[names.index("brake_pressure")] = 0.0, 1.0
+        x[names.index("brake_deflection")] = -torque / hoist.brake.torque * hoist.brake.travel
+        if hoist.drive_shaft is not None:
+            x[names.index("twist")] = 0.0
+    u[0] = x[0]
+
+    coordinates = ("phi", "y_left", "y_right", *extra_coordinates(hoist))
+    n, short = len(coordinates), {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
+    q = [names.index(name) for name in coordinates]
+    v = [names.index(short.get(name, f"{name}_rate")) for name in coordinates]
+    deflection = "brake_deflection"
+    lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
+    numbers = numbers_of(hoist)
+    found = _derivatives(parts_of(hoist))(x, np.zeros(n), u, state.free_lengths, numbers)
+    by_x, by_a, by_u, values = (np.array(part) for part in found)
+    # rows: Lagrange's, tensions, rates, what is shown
+    rates, shown = n + 2, n + 2 + len(names)
+    late = [rates + k for k in lag]
+    if deflection in names:  # it follows the rim: a spring
+        k = names.index(deflection)
+        by_x[:, q] += np.outer(by_x[:, k], by_x[rates + k, v])
+    size = n + len(lag)
+    M, D, K = (np.zeros((size, size)) for _ in range(3))
+    M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
+    D[n:, :n], D[n:, n:], K[n:, :n], K[n:, n:] = (
+        -by_x[late][:, v],
+        np.eye(len(lag)),
+        -by_x[late][:, q],
+        -by_x[late][:, lag],
+    )
+    given = ["torque_command", *(["brake"] if held_by == "brake" else [])]
+    B = np.zeros((size, len(given) + 3))
+    B[n:, : len(given)] = by_u[late][:, [INPUT_NAMES.index(name) for name in given]]
+    B[:n, len(given)] = -by_x[:n, 0]
+    B[1, -2] = B[2, -1] = 1.0
+    seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
+    C = by_x[seen][:, [*q, *lag]]
+    C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
+    return _Hoist(
+        coordinates, tuple(names[k] for k in lag), (M, D, K), (*given, "torque", "force_left", "force_right"), B,
+        (*_TENSIONS, *_SHOWN), (C, C_v, C_a), np.zeros((len(seen), B.shape[1])),
+        np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]), values[seen].ravel(),
+    )  # fmt: skip
+
+
+def _parts(hoist: Hoist, rope: RopeSimulator, at: float, held_by: HeldBy) -> tuple[LinearRope, _Hoist]:
+    """Return rope and hoist at this part of the travel."""
+    if not 0.0 <= at <= 1.0:
+        raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
+    left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
+    hung = _hung(rope, EndMotion(y=left), EndMotion(y=right))
+    forces = [float(hung.rest[hung.outputs.index(f"{side}.fy")]) for side in SIDES]
+    return hung, _linear_hoist(hoist, (left, right), (forces[0], forces[1]), held_by)
+
+
+def _assembled(at: float, rope: LinearRope, hoist: _Hoist, number: int) -> LinearModel:
+    """Return hoist and ropes, joined at the heights of the ends."""
+    size, drives, n_lags = rope.free.size, len(hoist.coordinates), len(hoist.lags)
+    nodes = size // 7
+    ends = {
+        f"{side}.{name}": (0 if side == "left" else 7 * (nodes - 1)) + k for side in SIDES for name, k in _END.items()
+    }
+    shared = {ends[f"{side}.y"]: hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
+    # a swivel that turns freely does not feel the conveyance's yaw
+    held = {name: k for name, k in ends.items() if k not in shared and not rope.free[k]}
+    own = np.flatnonzero(rope.free)
+    first_held, first_lag = drives + own.size, drives + own.size + len(held)
+    total = first_lag + n_lags
+    # coordinates of the rope by those of the model; yaw turns the left end against theta
+    rows = [*own, *shared, *held.values()]
+    columns = [*range(drives, first_held), *shared.values(), *range(first_held, first_lag)]
+    signs = [-1.0 if name == "left.yaw" else 1.0 for name in held]
+    T = sp.csc_matrix(([1.0] * (len(rows) - len(held)) + signs, (rows, columns)), shape=(size, total))
+    mine = [*range(drives), *range(first_lag, total)]
+    S = sp.csc_matrix((np.ones(len(mine)), (range(len(mine)), mine)), shape=(len(mine), total))
+    keep = sp.diags([0.0 if first_held <= k < first_lag else 1.0 for k in range(total)])
+    of_rope = (rope.mass, rope.damping, rope.stiffness)
+    M, D, K = (
+        (keep @ (number * (T.T @ A @ T) + S.T @ sp.csc_matrix(H) @ S)).tocsc()
+        for A, H in zip(of_rope, hoist.matrices, strict=True)
+    )
+    B = np.zeros((total, len(hoist.inputs) + len(held)))
+    B[mine, : len(hoist.inputs)] = hoist.B
+    B[first_held:first_lag, len(hoist.inputs) :] = np.eye(len(held))
+    C = [sp.vstack([sp.csr_matrix(H) @ S, A @ T]).tocsr() for H, A in zip(hoist.maps, rope.maps, strict=True)]
+    names = (*hoist.coordinates, *(f"rope.{k // 7}.{k % 7}" for k in own), *held, *hoist.lags)
+    return LinearModel(
+        at, names, len(held), n_lags, (M + sp.eye(total) - keep).tocsc(), D, K,
+        (*hoist.inputs, *held), B, (*hoist.outputs, *rope.outputs), (C[0], C[1], C[2]),
+        np.vstack((np.hstack((hoist.through, np.zeros((len(hoist.outputs), len(held))))),
+                   np.zeros((len(rope.outputs), B.shape[1])))),
+        np.concatenate((hoist.rest_inputs, np.zeros(len(held)))), np.concatenate((hoist.rest_outputs, rope.rest)),
+    )  # fmt: skip

@@ -1,0 +1,83 @@
+"""Figure of linear models along the trip: frequencies, poles, and Bode plots with and without the balance ropes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from hoist_demo.design.linearise import LinearModel, Modes
+from hoist_demo.design.reduction import ALPHA, SLOWEST
+from hoist_demo.report.figures import ACCENTS, REFERENCE, STYLE, save_figure
+
+_SHOWN = (
+    ("rate", "Torque to sheave speed", "[rad/s per N m]"),
+    ("pull_left", "Torque to head-rope pull, left", "[N per N m]"),
+)
+_COLOURS = "viridis"  #: Of heights, and of the hoist's share.
+
+
+def write_modes_figure(
+    models: Sequence[LinearModel], modes: Sequence[Modes], without: LinearModel, band: float, path: Path
+) -> Path:
+    """Draw models of all heights and their modes; `without` is the hoist at a middle height without ropes."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(10.0, 9.0))
+        FigureCanvasAgg(figure)
+        axes = figure.subplots(3, 2)
+        _frequencies(figure, axes[0, 0], models, modes, band)
+        _poles(axes[0, 1], models, modes)
+        omega = 2 * np.pi * np.geomspace(SLOWEST, band, 300)
+        for (name, title, unit), (gain, phase) in zip(_SHOWN, axes[1:].T, strict=True):
+            some = [models[k] for k in sorted({0, len(models) // 2, len(models) - 1})]
+            curves: list[tuple[LinearModel, str, dict[str, Any]]] = [
+                (m, f"at {m.at:g}", {"color": _colour(m.at)}) for m in some
+            ]
+            curves.append((without, f"no balance rope, at {without.at:g}", {"color": REFERENCE, "ls": "--"}))
+            for model, label, style in curves:
+                # narrow peaks as a record of some 1/alpha shows them
+                G = model.selected(("torque_command",), (name,)).response(ALPHA + 1j * omega)[:, 0, 0]
+                gain.loglog(omega / (2 * np.pi), np.abs(G), label=label, lw=1.2, **style)
+                phase.semilogx(omega / (2 * np.pi), np.degrees(np.unwrap(np.angle(G))), lw=1.2, **style)
+            gain.set_title(title)
+            gain.set_ylabel(unit)
+            phase.set_ylabel("[degrees]")
+            phase.set_xlabel("frequency [Hz]")
+        axes[1, 0].legend()
+        return save_figure(figure, path)
+
+
+def _colour(at: float) -> tuple[float, ...]:
+    return tuple(matplotlib.colormaps[_COLOURS](0.9 * at))
+
+
+def _frequencies(figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float) -> None:
+    for model, found in zip(models, modes, strict=True):
+        order = np.argsort(found.shares[0])
+        size, share = 3.0 + 30.0 * found.shares[0][order], found.shares[0][order]
+        at = np.full(share.size, model.at)
+        drawn = ax.scatter(at, found.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0)
+    figure.colorbar(drawn, ax=ax, label="hoist's share of the kinetic energy")
+    ax.set_title("Natural frequencies along the trip")
+    ax.set_xlabel("height of the left conveyance over the travel")
+    ax.set_ylabel("[Hz]")
+    ax.set_ylim(0.0, band)
+
+
+def _poles(ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes]) -> None:
+    """Upper poles of the modes; those with hardly any damping lie on the imaginary axis."""
+    for k, (model, found) in enumerate(zip(models, modes, strict=True)):
+        real = -2 * np.pi * found.frequencies * found.damping
+        label = f"at {model.at:g}" if k in (0, len(models) // 2, len(models) - 1) else None
+        ax.plot(real, found.frequencies, "x", ms=4.0, color=_colour(model.at), label=label)
+    ax.axvline(0.0, color=ACCENTS[3], lw=0.8)
+    ax.set_title("Poles of the modes, upper half")
+    ax.set_xlabel("real part [1/s]")
+    ax.set_ylabel("imaginary part / 2 pi [Hz]")
+    ax.legend()
