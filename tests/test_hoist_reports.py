@@ -96,7 +96,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 
     run([*export, "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)])
     said = run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
-    title = "rope-120: the left conveyance 0.5 m up at up to 8 m/s"
+    title = "Published rope of 120 m: the left conveyance 0.5 m up at up to 8 m/s"
     assert said.startswith(f"{title}\n")
     for name in ("report.md", "report.html"):
         text = (out / name).read_text(encoding="utf-8")

@@ -8,7 +8,7 @@ import pytest
 
 from balance_rope import main
 from hoist_demo.cases.table import CASES
-from hoist_demo.command_line import demo
+from hoist_demo.command_line import wind
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -86,7 +86,7 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "| hoist.payload_left | 4000 | kg | 5000 |" in text
     # a run that stops keeps the report
-    monkeypatch.setattr(demo, "interruption", lambda *_: nullcontext(lambda: True))
+    monkeypatch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: True))
     assert main([*DEMO, "--out", str(tmp_path)]) == 1
     assert (tmp_path / "report.md").read_text(encoding="utf-8") == text
     assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")

@@ -94,7 +94,7 @@ def test_start_values_are_set_on_the_command_line(
     for wrong, told in (
         ("air.density=-1", "air.density = -1.0 must be within 0 and 100: give it in kg/m3"),
         ("rope.length=-1", "rope.length = -1.0 must be within 1e-15 and 10000: give it in m"),
-        ("hoist.payload_left=1", "--set hoist.payload_left: the FMU has the rope alone: give it to demo"),
+        ("hoist.payload_left=1", "--set hoist.payload_left: the FMU has the rope alone: give it to wind"),
     ):
         assert main([*options, "--set", wrong]) == 2
         assert told in capsys.readouterr().err

@@ -26,6 +26,7 @@ from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
+from hoist_demo.design.controllers import drive
 from hoist_demo.files.catalogue import Catalogue, with_values
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import GIVEN
@@ -157,7 +158,9 @@ def _wind(options: argparse.Namespace, default: Path, levels: Callable[[], Level
     missing = missing_outputs(rope.units())
     try:
         with warnings_of("hoist_demo") as said:
-            result = _run(Host(rope, run.hoist, run.winding, run.coupling, run.gains), options.out / LAST_GOOD, resume)
+            made = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
+            host = Host(rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
+            result = _run(host, options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
         rope.close()
@@ -252,14 +255,14 @@ def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRo
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 
         rope = rope_in_process(options.hoist, options.kernels, options.level or find_case(options.hoist).level, run.fmu)
-        return rope, match_signals(options.signals, [*DRIVE_UNITS, *rope.units()])
+        return rope, match_signals(options.signals or find_case(options.hoist).signals, [*DRIVE_UNITS, *rope.units()])
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
             f"`balance-rope export --level {options.level}`"
         )
     outputs = read_outputs(options.fmu)
-    signals = match_signals(options.signals, [*DRIVE_UNITS, *outputs])
+    signals = match_signals(options.signals or find_case(options.hoist).signals, [*DRIVE_UNITS, *outputs])
     if asked and (problems := Probe(options.fmu).rejection(run)):
         raise ValueError("; ".join(problems))
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
