@@ -29,7 +29,7 @@ mathjax3_config = {"options": {"enableMenu": False}}
 
 #: types in annotations that have no page
 nitpick_ignore_regex = [
-    ("py:.*", r"(pathlib|collections|numpy|np|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*"),
+    ("py:.*", r"(pathlib|collections|numpy|np|scipy|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*"),
     ("py:.*", r"[A-Z]\w*"),
     ("py:.*", r"rope_model\.(simulation|codegen|numerics|physics|parameters|parameter_table)\..*"),
 ]
