@@ -27,7 +27,7 @@ STUDY = """\
 [study]
 title = "Four windings"
 fmu = "build/balance_rope_native.fmu"
-case = "rope-120"
+hoist = "rope-120"
 
 [fixed]
 winding.travel = { value = 10, unit = "m" }

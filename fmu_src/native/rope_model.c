@@ -109,10 +109,10 @@ int model_warning(ModelInstance *model, int number, char *message) {
 
 /* all of them, a line each */
 static const char *warning(ModelInstance *model) {
-    char text[MODEL_MESSAGE], *end = model->warning;
+    char text[MODEL_MESSAGE], *end = model->warning, *stop = end + sizeof(model->warning);
     *end = '\0';
     for (int k = 0; model_warning(model, k, text); k++)
-        if (*text) end += sprintf(end, "%s%s", end > model->warning ? "\n" : "", text);
+        if (*text) end += snprintf(end, (size_t)(stop - end), "%s%s", end > model->warning ? "\n" : "", text);
     return model->warning;
 }
 

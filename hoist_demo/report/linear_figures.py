@@ -63,7 +63,8 @@ def _frequencies(figure: Figure, ax: Axes, models: Sequence[LinearModel], modes:
         size, share = 3.0 + 30.0 * found.shares[0][order], found.shares[0][order]
         at = np.full(share.size, model.at)
         drawn = ax.scatter(at, found.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0)
-    figure.colorbar(drawn, ax=ax, label="hoist's share of the kinetic energy")
+    bar = figure.colorbar(drawn, ax=ax, label="hoist's share of the kinetic energy")
+    bar.ax.set_ylim(0.0, 1.0)  # the map begins below, for a share of 0 is to be seen
     ax.set_title("Natural frequencies along the trip")
     ax.set_xlabel("height of the left conveyance over the travel")
     ax.set_ylabel("[Hz]")
