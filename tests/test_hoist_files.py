@@ -97,7 +97,7 @@ WRONG: list[tuple[str, str, str, str]] = [
     ('"22 t"', '"t 22"', "hoist.payload_left = 't 22' must be a finite number", "hoist/payload_left"),
     ('"22 t"', "true", "hoist.payload_left = True must be a finite number", "hoist/payload_left"),
     ('"22 t"', "[1, 2]", "hoist.payload_left = [1, 2] must be a finite number", "hoist/payload_left"),
-    ('"22 t"', "{ unit = 't' }", "hoist.payload_left = {'unit': 't'} has no value", ""),
+    ('"22 t"', "{ unit = 't' }", "has no value: write { value", ""),
     ('"22 t"', "{ value = 1, unti = 't' }", "hoist.payload_left.unti is not known", "hoist/payload_left"),
     ('"22 t"', "{ value = 1, status = 'x' }", "hoist.payload_left has status = 'x', which must", "hoist/payload_left"),
     ('"22 t"', "{ value = 1, unit = 3 }", "payload_left has unit = 3, which must be a text", "hoist/payload_left"),
@@ -166,6 +166,9 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
     case = find_case(str(written(tmp_path / "b.toml", text)))
     assert (case.hoist.payload_left, case.rope["rope.length"], case.hoist.tail_rope_number) == (5e3, 930.0, 2)
     assert case.rope["rope.EI"] == own.rope["rope.EI"]
+    # each file's status is that of its own values
+    found = [case.given[key] for key in ("hoist.payload_left", "rope.length", "winding.speed", "rope.diameter")]
+    assert found == ["given", "given", "data sheet", "data sheet"]
     with pytest.raises(FileError, match="break the circle"):
         find_case(str(written(tmp_path / "c.toml", 'name = "c"\nlike = "c.toml"\n')))
 

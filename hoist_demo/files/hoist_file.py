@@ -36,7 +36,7 @@ from hoist_demo.files.catalogue import (
 )
 from hoist_demo.files.reading import FileError, Table, givens, nested, read_toml, table_of, validated
 from hoist_demo.files.rope_file import read_rope_file
-from hoist_demo.files.values import DERIVED, GIVEN, STATUSES, Given, Text, given
+from hoist_demo.files.values import DERIVED, GIVEN, STATUSES, VALUE_KEYS, Given, Text, given
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
@@ -178,7 +178,7 @@ def _cure(place: str) -> str:
 
 def _with_base(path: Path, raw: dict[str, Any], depth: int = 0) -> dict[str, Any]:
     """Return the tables over those of the hoist that ``like`` names."""
-    raw = nested(raw)
+    raw = _stamped(nested(raw))
     if "like" not in raw:
         return raw
     like = str(raw.pop("like"))
@@ -188,11 +188,39 @@ def _with_base(path: Path, raw: dict[str, Any], depth: int = 0) -> dict[str, Any
     return _over(_with_base(base, read_toml(base), depth + 1), raw)
 
 
+def _stamped(raw: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables with the file's status at each value that states none: those of another file have theirs."""
+    status = raw.get("status", GIVEN)
+    if status == GIVEN or status not in STATUSES:
+        return raw
+    known = {*host_parameters(), *rope_parameters(), *PLACE_PARAMETERS}
+
+    def stamped(content: Any, name: str) -> Any:
+        if name.replace("swivels.", "left.swivel.") in known:
+            table = content if isinstance(content, dict) else {"value": content}
+            return table if "status" in table else {**table, "status": status}
+        if isinstance(content, dict):
+            return {key: stamped(one, f"{name}.{key}") for key, one in content.items()}
+        return content
+
+    found = {key: stamped(content, key) for key, content in raw.items() if key != "rope"}
+    if "rope" in raw:
+        ropes = raw["rope"] if isinstance(raw["rope"], list) else []
+        own = {name.partition(".")[0] for name in rope_parameters()} | {"swivels"}
+        found["rope"] = [
+            {key: stamped(one, key if key in own - {"rope", "contact"} else f"rope.{key}") for key, one in rope.items()}
+            if isinstance(rope, dict)
+            else rope
+            for rope in ropes
+        ] or raw["rope"]
+    return found
+
+
 def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     found = dict(base)
     for key, content in own.items():
         below = base.get(key)
-        if isinstance(below, dict) and isinstance(content, dict) and "value" not in content:
+        if isinstance(below, dict) and isinstance(content, dict) and not content.keys() & set(VALUE_KEYS):
             found[key] = _over(below, content)
         elif key == "rope" and isinstance(below, list) and isinstance(content, list):
             # ropes of another number go on from the first
@@ -299,7 +327,7 @@ def _case(
         settings={key: v for key, v in values.items() if key.partition(".")[0] not in ("hoist", "winding", "gains")},
         ropes=tuple(tails) if several else (),
         shared=of_ropes,
-        given={key: file.status if one.status == GIVEN else one.status for key, one in everything.items()},
+        given={key: one.status for key, one in everything.items()},
         sources={key: one.source for key, one in everything.items() if one.source},
         name=file.name,
         source=file.source,
