@@ -91,11 +91,13 @@ def of_study(study: Study) -> list[Known]:
 
 
 def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> str:
+    if name.partition(".")[0] in _SETTINGS:
+        return SETTING
     if name in given:
         return given[name]
     own = case.rope.get(name, _DEFAULTS.get(name))
     is_datum = name in _ASSUMED or name in case.given or (name in case.rope and name.startswith("rope."))
-    if name.partition(".")[0] in _SETTINGS or not _is_number(value) or not (is_datum or value != own):
+    if not _is_number(value) or not (is_datum or value != own):
         return SETTING
     if value != own:
         return "exported"
