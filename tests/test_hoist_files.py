@@ -66,6 +66,8 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
     asked = ["--depth", "300m", "--payload", "8t", "--speed", "10", "--conveyance", "9 t", "--ropes", "2"]
     assert main(["new", "mine", *asked, "--lay", "alternate", "--schema", "--out", str(path)]) == 0
     assert main(["new", "mine", *asked, "--out", str(path)]) == 2  # it is there
+    assert main(["new", "equal", *asked, "--out", str(tmp_path / "equal.toml")]) == 0
+    assert read_hoist(tmp_path / "equal.toml").hoist.tail_rope_number == 2
     case = read_hoist(path)
     jsonschema.validate(nested(tomllib.loads(path.read_text(encoding="utf-8"))), schema())
     assert [case.given[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]

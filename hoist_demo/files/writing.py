@@ -59,5 +59,7 @@ def _value(line: Line) -> str:
     )
     if isinstance(value, str | bool):
         return plain
+    if line.name == "rope.number":  # a count, and no datum
+        return repr(value)
     unit = "" if facts.unit == "1" else f", unit = {toml_string(facts.unit)}"
     return f"{{ value = {value!r}{unit}, status = {toml_string(line.status)} }}"
