@@ -1,6 +1,7 @@
 """Hoists' files: what they say, what follows, what is refused where, and their JSON Schema."""
 
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import jsonschema
@@ -39,6 +40,13 @@ right.swivel.mode = "locked"
 """
 
 
+@cache
+def checked() -> jsonschema.Draft202012Validator:
+    """Checks files by the schema, which is itself a schema."""
+    jsonschema.Draft202012Validator.check_schema(schema())
+    return jsonschema.Draft202012Validator(schema())
+
+
 def written(path: Path, text: str) -> Path:
     path.write_text(text, encoding="utf-8")
     return path
@@ -69,7 +77,7 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
     assert main(["new", "equal", *asked, "--out", str(tmp_path / "equal.toml")]) == 0
     assert read_hoist(tmp_path / "equal.toml").hoist.tail_rope_number == 2
     case = read_hoist(path)
-    jsonschema.validate(nested(tomllib.loads(path.read_text(encoding="utf-8"))), schema())
+    checked().validate(nested(tomllib.loads(path.read_text(encoding="utf-8"))))
     assert [case.given[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
     torques = [tail.parameters["rope.Qc"] for tail in case.ropes]
     assert torques[0] == -torques[1] > 0.0
@@ -87,7 +95,7 @@ def test_every_file_that_is_shipped_is_read_and_fits_the_schema(path: Path) -> N
     assert read_hoist(path).name
     tables = nested(tomllib.loads(path.read_text(encoding="utf-8")))
     # what a hoist is like may have the ropes
-    jsonschema.validate({"rope": [{}], **tables}, schema())
+    checked().validate({"rope": [{}], **tables})
 
 
 #: what is put behind a line of OWN, or instead of it; the message's beginning, and the path in the schema's error
@@ -149,7 +157,7 @@ def test_a_wrong_file_is_refused_with_its_place(old: str, new: str, message: str
         read_hoist(written(tmp_path / "own.toml", text))
     assert any(message in one for one in told.value.problems), told.value.problems
     if place:
-        found = jsonschema.Draft202012Validator(schema()).iter_errors(nested(tomllib.loads(text)))
+        found = checked().iter_errors(nested(tomllib.loads(text)))
         assert place in ["/".join(map(str, error.absolute_path)) for error in found]
 
 
