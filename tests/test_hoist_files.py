@@ -104,6 +104,10 @@ WRONG: list[tuple[str, str, str, str]] = [
     ('"data sheet"', '"sheet"', "status = 'sheet' must", "status"),
     ("[hoist]", "[hoist]\npaylaod_left = 3", "hoist.paylaod_left = 3 is not a key: did you mean", "hoist"),
     ('"22 t"', '"22 kN"', "hoist.payload_left has unit = 'kN', which must measure the same as kg", ""),
+    ('"22 t"', '"22,1 t"', "hoist.payload_left has unit = ',1 t', which must measure the same as kg", ""),
+    ('"22 t"', '"22 ton"', "hoist.payload_left has unit = 'ton', which must", ""),
+    ('"22 t"', "1" + "0" * 400, "must be a finite number", ""),
+    ("brake.torque", "tail_rope_number = 3\nbrake.torque", "hoist.tail_rope_number = 3 must be 2", ""),
     ('"22 t"', '"t 22"', "hoist.payload_left = 't 22' must be a finite number", "hoist/payload_left"),
     ('"22 t"', "true", "hoist.payload_left = True must be a finite number", "hoist/payload_left"),
     ('"22 t"', "[1, 2]", "hoist.payload_left = [1, 2] must be a finite number", "hoist/payload_left"),
@@ -179,6 +183,8 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
     # each file's status is that of its own values
     found = [case.given[key] for key in ("hoist.payload_left", "rope.length", "winding.speed", "rope.diameter")]
     assert found == ["given", "given", "data sheet", "data sheet"]
+    case = find_case(str(written(tmp_path / "d.toml", text.replace("length = 930", 'construction = "18x7"'))))
+    assert case.rope["rope.mass_per_length"] != own.rope["rope.mass_per_length"]
     with pytest.raises(FileError, match="break the circle"):
         find_case(str(written(tmp_path / "c.toml", 'name = "c"\nlike = "c.toml"\n')))
 

@@ -179,6 +179,9 @@ def _cure(place: str) -> str:
 def _with_base(path: Path, raw: dict[str, Any], depth: int = 0) -> dict[str, Any]:
     """Return the tables over those of the hoist that ``like`` names."""
     raw = _stamped(nested(raw))
+    for rope in raw["rope"] if isinstance(raw.get("rope"), list) else ():
+        if isinstance(rope, dict) and isinstance(rope.get("from"), str):  # beside the file that says so
+            rope["from"] = str(path.parent / rope["from"])
     if "like" not in raw:
         return raw
     like = str(raw.pop("like"))
@@ -216,6 +219,14 @@ def _stamped(raw: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
+def _kept(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Return what a rope keeps of the one that it goes on from: not what decides another rope, nor its swivels."""
+    gone = {"left", "right"} if "swivels" in own else set()
+    if own.keys() & {"construction", "from"}:
+        gone |= {"construction", "from", "lay", *(f for f in _OF_ROPE if f not in ("length", "diameter"))}
+    return {key: one for key, one in base.items() if key not in gone}
+
+
 def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     found = dict(base)
     for key, content in own.items():
@@ -223,8 +234,11 @@ def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         if isinstance(below, dict) and isinstance(content, dict) and not content.keys() & set(VALUE_KEYS):
             found[key] = _over(below, content)
         elif key == "rope" and isinstance(below, list) and isinstance(content, list):
+            tables = below and all(isinstance(one, dict) for one in (*below, *content))
             # ropes of another number go on from the first
-            found[key] = [_over(below[k if len(below) == len(content) else 0], one) for k, one in enumerate(content)]
+            bases = below if len(below) == len(content) else below[:1] * len(content)
+            pairs = zip(bases, content, strict=True) if tables else ()
+            found[key] = [_over(_kept(one, own_rope), own_rope) for one, own_rope in pairs] if tables else content
         else:
             found[key] = content
     return found
@@ -250,7 +264,7 @@ def _rope(path: Path, k: int, table: Any, problems: list[str]) -> tuple[Tail, in
             problems.append(f"{where}: {error}")
     if table.file:
         try:
-            found |= read_rope_file(path.parent / table.file, Catalogue())
+            found |= read_rope_file(Path(table.file), Catalogue())
         except FileError as error:
             problems += [f"{where}: {line}" for line in str(error).splitlines()]
     # those of both swivels first, for one of them may differ
@@ -274,6 +288,7 @@ def _rope(path: Path, k: int, table: Any, problems: list[str]) -> tuple[Tail, in
     return tail, table.number, found
 
 
+_OF_ROPE = tuple(name.removeprefix("rope.") for name in rope_parameters() if name.startswith("rope."))
 _OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 
 
@@ -309,6 +324,11 @@ def _case(
     }.items():
         if key not in values:
             derived[key] = Given(value, DERIVED, "the balance ropes")
+    if not several and values.get("hoist.tail_rope_number", len(masses)) != len(masses):
+        raise ValueError(
+            f"hoist.tail_rope_number = {values['hoist.tail_rope_number']} must be {len(masses)}, as number of the "
+            "[[rope]] says: leave it out"
+        )
     values |= {key: one.value for key, one in derived.items()}
     for rule in RULES:
         if rule.key not in values:
@@ -317,7 +337,8 @@ def _case(
             values[rule.key] = derived[rule.key].value
     hoist, winding, gains = _data(values)
     require_trip_fits(hoist, winding)
-    everything = {**host, **shared, **derived, **ropes[0][2]}
+    everything = {**host, **shared, **derived, **({} if several else ropes[0][2])}
+    far = dict.fromkeys(line for _, _, found in ropes for line in remarks(_values({**everything, **found})))
     of_ropes = {key: one.value for key, one in shared.items()}
     return Case(
         hoist,
@@ -333,8 +354,12 @@ def _case(
         source=file.source,
         level=file.level,
         signals=tuple(file.signals),
-        remarks=tuple(remarks({key: one.value for key, one in everything.items()})),
+        remarks=tuple(far),
     )
+
+
+def _values(found: Mapping[str, Given]) -> dict[str, Value]:
+    return {key: one.value for key, one in found.items()}
 
 
 def _data(values: Mapping[str, Value]) -> tuple[Hoist, Winding, Gains]:

@@ -23,6 +23,10 @@ GIVEN, DERIVED, VARIED = "given", "derived", "varied"
 STATUSES = tuple(dict.fromkeys((*get_args(DatumStatus), "data sheet", DERIVED, GIVEN)))
 #: keys of a value that is a table
 VALUE_KEYS = ("value", "values", "unit", "status", "source", "low", "high", "scale")
+#: letters with a small power, joined; pint alone would read past commas and figures
+_UNIT = re.compile(r"(?:1/)?[A-Za-z%µ°]+\^?-?\d?(?:\s*[ ./*·]\s*[A-Za-z%µ°]+\^?-?\d?)*")
+#: pure numbers may be percentages; a US ton is no tonne
+_SHARES, _UNCLEAR = {"%": (1.0, 100.0)}, ("ton", "tons")
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 
 
@@ -43,11 +47,11 @@ def read_given(parameter: Parameter, content: Any) -> Given:
         return Given(read_value(parameter, content))
     table = read_facts(parameter.name, content)
     unit, low, high = table.get("unit"), table.get("low"), table.get("high")
-    if "value" not in table and not (low is None or high is None):
-        table["value"] = 0.5 * (low + high)
+    ends = [None if end is None else float(read_value(parameter, end, unit)) for end in (low, high)]
+    if "value" not in table and ends[0] is not None and ends[1] is not None:
+        return Given(0.5 * (ends[0] + ends[1]), table.get("status", GIVEN), table.get("source", ""), *ends)
     if "value" not in table:
         raise ValueError(f"{parameter.name} = {dict(content)!r} has no value: write {{ value = ..., unit = ... }}")
-    ends = [None if end is None else float(read_value(parameter, end, unit)) for end in (low, high)]
     value = read_value(parameter, table["value"], unit)
     return Given(value, table.get("status", GIVEN), table.get("source", ""), *ends)
 
@@ -84,7 +88,7 @@ def _converted(parameter: Parameter, content: Any, unit: Any) -> Any:
         raise ValueError(f"{parameter.name} has unit = {unit!r}, which must be a text: put it in quotation marks")
     if fmi_unit(unit) == parameter.unit or isinstance(content, bool) or not isinstance(content, int | float):
         return content
-    factor = _factor(fmi_unit(unit), parameter.unit)
+    factor = _factor(fmi_unit(unit), parameter.unit) if _UNIT.fullmatch(unit.strip()) else None
     if factor is None:
         raise ValueError(
             f"{parameter.name} has unit = {unit[:LONGEST_TEXT]!r}, which must measure the same as "
@@ -99,6 +103,8 @@ def _factor(unit: str, to: str) -> tuple[float, float] | None:
 
     None where they measure different things, or one is unknown.
     """
+    if to == "1" or unit in _UNCLEAR or ("Hz" in unit) != ("Hz" in to):  # turns, radians and hertz are one to pint
+        return _SHARES.get(unit) if to == "1" else None
     import pint  # loads slowly, and most files need it not
 
     powers = partial(re.sub, r"(?<=[A-Za-z])(-?\d)", r"**\1")
@@ -106,7 +112,17 @@ def _factor(unit: str, to: str) -> tuple[float, float] | None:
     try:
         one = registry.Quantity(1.0, registry.parse_units(powers(unit.replace(".", "*"))))
         factor = float(one.to(registry.parse_units(powers(to.replace(".", "*")) if to != "1" else "")).magnitude)
-    except (pint.PintError, ValueError, AttributeError, TypeError, AssertionError, SyntaxError, KeyError, TokenError):
+    except (
+        pint.PintError,
+        ValueError,
+        AttributeError,
+        TypeError,
+        AssertionError,
+        SyntaxError,
+        KeyError,
+        ArithmeticError,
+        TokenError,
+    ):
         return None
     whole = round(1.0 / factor) if 0.0 < factor < 1.0 else 0
     return (1.0, float(whole)) if whole and math.isclose(1.0 / factor, whole, rel_tol=1e-12) else (factor, 1.0)

@@ -12,6 +12,8 @@ from dataclasses import Field, dataclass, field, fields
 from typing import Any, TypeVar
 
 T = TypeVar("T")
+#: beyond it a number is none that could be computed with
+_MOST = 1e300
 
 
 def quantity(default: T, unit: str, meaning: str = "") -> T:
@@ -76,7 +78,7 @@ class Parameter:
             return word
         if self.choices:
             value = self._code(value)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= _MOST:
             raise ValueError(f"{bad} must be a finite number: give it in {self._unit}")
         if self.kind != "Real" and float(value) != round(value):
             raise ValueError(f"{bad} must be a whole number: round it")

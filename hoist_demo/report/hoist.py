@@ -23,7 +23,12 @@ def scenes(case: Case) -> dict[str, Scene]:
     """Return the ropes of a hoist by name; ValueError where one cannot be."""
     if not case.ropes:
         return {"rope": rope_data(case.rope, case.level)}
-    return {tail.name: rope_data({**case.shared, **tail.parameters}, case.level) for tail in case.ropes}
+    found = {}
+    for tail in case.ropes:
+        scene = rope_data({**case.shared, **tail.parameters}, case.level)
+        apart = scene.layout.spacing + tail.place.get("x_right", 0.0) - tail.place.get("x_left", 0.0)
+        found[tail.name] = scene.with_(layout=replace(scene.layout, spacing=apart))
+    return found
 
 
 def values(case: Case, name: str) -> str:
