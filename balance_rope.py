@@ -13,7 +13,6 @@ from shutil import copyfile
 from typing import TYPE_CHECKING, Any
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
-    from fmu_src.interface import variables
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from hoist_demo.cases.case import Case
@@ -32,7 +31,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.study.run import tail_rope
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
-    from rope_model.parameters import LEVELS, rope_120
+    from rope_model.parameters import LEVELS
 
     if TYPE_CHECKING:
         from hoist_demo.control.trajectory import Trajectory
@@ -85,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     add_hoist_commands(commands)
     _add_export(commands)
-    add_wind(commands, DEFAULT_FMU, _levels)
+    add_wind(commands, DEFAULT_FMU)
     add_study(commands)
     add_duty(commands)
     add_identify(commands)
@@ -178,20 +177,6 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     export.add_argument("--out", type=named, help=f"the .fmu to write, or a folder ({BUILD})")
     export.set_defaults(run=_export)
-
-
-def _levels() -> dict[str, dict[str, float]]:
-    """By what a report tells the level of a rope: numbers and choices of mesh, solver and model, by FMI name."""
-    numbers = dict[str, dict[str, float]]()
-    for level in LEVELS:
-        table = [v for v in variables(rope_120(level)) if v.causality == "parameter"]
-        numbers[level] = {
-            v.name: v.start
-            for v in table
-            if (isinstance(v.start, float) and v.name.startswith(("mesh.", "solver.", "model.")))
-            or (isinstance(v.start, int) and v.name in ("mesh.kind", "model.fidelity"))
-        }
-    return numbers
 
 
 def _export(options: argparse.Namespace) -> int:

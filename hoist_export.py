@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from fmu_src.export import export_fmu
-from fmu_src.native.export import export_native
-from fmu_src.native.model_fmu import export_model
+from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import Profile
 from fmu_src.ssp import Component, export_ssp
 from hoist_demo.cases.case import Case

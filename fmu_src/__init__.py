@@ -1,7 +1,7 @@
 """The balance rope as an FMU for co-simulation: the rope in Python (FMI 2.0), or all native C (FMI 2.0 and 3.0).
 
-interface             the one table of the FMI variables; arrays gathers them for FMI 3.0
-model_description     the table as XML of FMI 2.0; model_description3 of FMI 3.0; units and declared types of both
+interface             the one table of the FMI variables; profile chooses, and gathers arrays for FMI 3.0
+model_description     the table as XML of FMI 2.0 and 3.0, with units and declared types
 native                the FMI functions and the rules of values, modes and states in C, of both flavours; the native FMU
 slave                 the Python flavour's rope behind them
 export                builds the .fmu of the Python flavour, with pythonfmu's builder

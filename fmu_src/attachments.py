@@ -5,18 +5,20 @@ from __future__ import annotations
 import importlib.metadata
 from collections.abc import Collection
 from pathlib import Path
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 from fmu_src.documentation import index_html
 from fmu_src.interface import Variable
 from fmu_src.model_description import MODEL
 from fmu_src.reference_run import reference_files
-from fmu_src.terminals import terminals_and_icons
+from fmu_src.xml import node, xml_bytes
 from rope_model.parameters import RopeCase
-from rope_model.texts import xml_text
 
 _HERE = Path(__file__).resolve().parent
 _EXTRA = "extra/org.balance-rope.reference"
+#: place of each terminal on the icon (0 ... 200, y up): where the rope meets the conveyance
+_PLACES = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
+_FORCE = ("fx", "fy", "fz", "mx", "my", "mz")
 _DEPENDENCIES = """\
 This FMU runs Python code: the importing process must be, or be able to load, a CPython 3.11 or newer in which the
 packages numpy and casadi (3.6.5 or newer) can be imported.  In a process that is not Python the FMU's library loads
@@ -57,10 +59,38 @@ def license_text(package: str = "balance-rope") -> str:
     return text
 
 
-def xml_bytes(root: ElementTree.Element) -> bytes:
-    """The document, indented, of texts from anywhere."""
-    for node in root.iter():
-        node.attrib.update({name: xml_text(value) for name, value in node.attrib.items()})
-    ElementTree.indent(root)
-    text: str = ElementTree.tostring(root, encoding="unicode")
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
+def terminals_and_icons(described: Collection[Variable]) -> Element:
+    """terminalsAndIcons.xml of FMI 3.0 (and 2.0.4): a terminal at each end of the rope, with its motion and its force.
+
+    The members of a terminal are named as the variables without the side.
+    """
+    corners = {"x1": "0", "y1": "0", "x2": "200", "y2": "200"}
+    picture = node(
+        "GraphicalRepresentation",
+        node("CoordinateSystem", **corners, suggestedScalingFactorTo_mm="0.1"),
+        node("Icon", **corners),
+    )
+    terminals = node("Terminals", *(_terminal(side, described) for side in _PLACES))
+    return node("fmiTerminalsAndIcons", picture, terminals, fmiVersion="3.0")
+
+
+def _terminal(side: str, described: Collection[Variable]) -> Element:
+    x, y = _PLACES[side]
+    parted = ((*v.name.rpartition("."), v.causality) for v in described)
+    members = (
+        node("TerminalMemberVariable", variableName=f"{side}.{member}", memberName=member, variableKind="signal")
+        for group, _, member, causality in parted
+        if group == side and (causality == "input" or member in _FORCE)
+    )
+    look = node(
+        "TerminalGraphicalRepresentation",
+        defaultConnectionColor="181 101 29",
+        defaultConnectionStrokeSize="2",
+        x1=f"{x - 8:g}",
+        y1=f"{y - 8:g}",
+        x2=f"{x + 8:g}",
+        y2=f"{y + 8:g}",
+        iconBaseName="end",
+    )
+    what = f"the {side} suspension point: motion of the conveyance, force and moment of the rope on it"
+    return node("Terminal", *members, look, name=side, matchingRule="plug", description=what)

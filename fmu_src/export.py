@@ -28,7 +28,7 @@ from fmu_src.attachments import attachments
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import choose_platforms
-from fmu_src.native.shell import shell
+from fmu_src.native.export import shell
 from fmu_src.native.start import Start, binaries_with
 from fmu_src.native.table import c_table, start_values
 from fmu_src.profile import Profile
@@ -41,8 +41,8 @@ from rope_model.simulation.scene_kernels import kernels_needed
 
 SOURCES = ("rope_model", "fmu_src")
 #: not needed by the FMU: parts of the export, and of the native flavour
-_LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py", "terminals.py"}
-_LEFT_OUT |= {"arrays.py", "model_description3.py", "modal.py", "public.py", "engine.py", "native", "codegen"}
+_LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py"}
+_LEFT_OUT |= {"modal.py", "public.py", "engine.py", "native", "codegen"}
 
 
 def export_fmu(

@@ -31,6 +31,15 @@ _NOT_NEGATIVE = (
     "station.curvature",
     "energy.kinetic",
 )
+_KINDS: dict[str, Kind] = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+#: outputs of the component, not of the model
+_STATUS: dict[str, tuple[Kind, str]] = {
+    "valid": ("Boolean", "whether the last step succeeded"),
+    "message": ("String", "cause and cure of a failure; else empty"),
+    "fidelity": ("String", "fidelity of the model that is computed"),
+    "fidelity_reason": ("String", "reason for this fidelity"),
+    "warning": ("String", "warnings about valid results; else empty"),
+}
 #: names of the inputs of each side in the order of EndMotion
 MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
 
@@ -64,16 +73,11 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         variability: Literal["fixed", "tunable"] = "tunable" if p.facts.tunable else "fixed"
         bounds = p.minimum, p.maximum
         yield Variable(p.name, "parameter", variability, p.kind, p.facts.unit, p.value, text, *bounds)
-    yield Variable(
-        "inputs_at_step_end",
-        "parameter",
-        "fixed",
-        "Boolean",
-        "",
-        False,
+    text = (
         "false: inputs are the motion at the start of a step, extrapolated (steps up to 20 ms); "
-        "true: at its end, for hosts that step the drive first (recommended, any step)",
+        "true: at its end, for hosts that step the drive first (recommended, any step)"
     )
+    yield Variable("inputs_at_step_end", "parameter", "fixed", "Boolean", "", False, text)
 
 
 def _inputs(case: RopeCase) -> Iterator[Variable]:
@@ -86,21 +90,11 @@ def _inputs(case: RopeCase) -> Iterator[Variable]:
 
 
 def _outputs() -> Iterator[Variable]:
-    kinds: dict[str, Kind] = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
     for name, signal in SIGNALS.items():
-        kind = kinds[signal.kind]
+        kind = _KINDS[signal.kind]
         variability: Literal["continuous", "discrete"] = "continuous" if kind == "Real" else "discrete"
         unit = signal.unit if kind == "Real" else ""
         least = 0 if name.startswith(_NOT_NEGATIVE) else None
         yield Variable(name, "output", variability, kind, unit, None, signal.description, least)
-    yield Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded")
-    yield Variable(
-        "status.message", "output", "discrete", "String", "", None, "cause and cure of a failure; else empty"
-    )
-    yield Variable(
-        "status.fidelity", "output", "discrete", "String", "", None, "fidelity of the model that is computed"
-    )
-    yield Variable("status.fidelity_reason", "output", "discrete", "String", "", None, "reason for this fidelity")
-    yield Variable(
-        "status.warning", "output", "discrete", "String", "", None, "warnings about valid results; else empty"
-    )
+    for name, (kind, text) in _STATUS.items():
+        yield Variable(f"status.{name}", "output", "discrete", kind, "", None, text)

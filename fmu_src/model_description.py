@@ -1,14 +1,22 @@
-"""The interface table as modelDescription.xml of FMI 2.0, for the Python and the native flavour."""
+"""The interface table as modelDescription.xml of FMI 2.0 and 3.0.
+
+Outputs depend on no input of their instant: a step alone changes them. During initialisation they follow the list in
+``Build.initial``; no list of dependencies means all inputs and parameters.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import NamedTuple
-from xml.etree.ElementTree import Element, SubElement
+from typing import Any, NamedTuple
+from xml.etree.ElementTree import Element
 
 from fmu_src.interface import RATES, Variable
-from fmu_src.units import QUANTITIES, add_units, quantity_attributes, units_of
+from fmu_src.profile import Array
+from fmu_src.units import QUANTITIES, quantity_attributes, unit_definition, units_of
+from fmu_src.xml import node, plain
+from rope_model.parameters import CHOICES
+from rope_model.scene_names import choices_of
 
 MODEL = "BalanceRope"
 DESCRIPTION = (
@@ -23,6 +31,17 @@ LOG_CATEGORIES = {
 }
 #: dependencies of outputs that follow all inputs and parameters during initialisation
 ALL_FOLLOWED: Mapping[str, Sequence[str]] = MappingProxyType({})
+#: types of FMI 3.0
+_TYPES3 = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
+#: key of CHOICES -> name of the declared type of FMI 3.0
+_ENUMERATIONS = {
+    "inputs.given": "InputsGiven",
+    "swivel.mode": "SwivelMode",
+    "swivel.start": "SwivelStart",
+    "mesh.kind": "MeshKind",
+    "solver.kernels": "KernelForm",
+    "model.fidelity": "Fidelity",
+}
 
 
 class Build(NamedTuple):
@@ -49,113 +68,170 @@ class Build(NamedTuple):
 
 
 def model_description(described: Mapping[int, Variable], build: Build) -> Element:
-    """The root element, of the variables by value reference.
-
-    Outputs depend on no input of their instant: a step alone changes them. During initialisation they follow the list
-    in ``build.initial``; no list of dependencies means all inputs and parameters.
-    """
-    root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": build.token, **facts(build)})
-    _add_interface(root, build, any(v.causality == "input" and v.name in RATES for v in described.values()))
-    add_units(root, described.values())
-    types = SubElement(root, "TypeDefinitions")
-    for unit in units_of(described.values()):
-        SubElement(SubElement(types, "SimpleType", name=QUANTITIES[unit].name), "Real", quantity_attributes(unit))
-    add_log_categories(root)
-    SubElement(root, "DefaultExperiment", experiment(build))
-    model_variables = SubElement(root, "ModelVariables")
-    for reference, variable in described.items():
-        _add_variable(model_variables, reference, variable)
-    structure = SubElement(root, "ModelStructure")
-    outputs, at_start = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
-    indices = {variable.name: index for index, variable in enumerate(described.values(), start=1)}
-    for variable in described.values():
-        if variable.causality == "output":
-            index = str(indices[variable.name])
-            SubElement(outputs, "Unknown", index=index, dependencies="")
-            SubElement(at_start, "Unknown", initial_dependencies(build, variable.name, indices), index=index)
-    return root
-
-
-def initial_dependencies(build: Build, name: str, numbers: Mapping[str, int]) -> dict[str, str]:
-    """The attribute of an output's ``InitialUnknown``; ``numbers`` identify variables in the standard."""
-    if (follows := build.initial.get(name)) is None:
-        return {}
-    return {"dependencies": " ".join(str(numbers[other]) for other in follows)}
-
-
-def experiment(build: Build) -> dict[str, str]:
-    """Attributes of ``DefaultExperiment``."""
-    out = {"startTime": "0", "stopTime": f"{build.stop:g}", "stepSize": f"{STEP:g}"}
-    return out if build.tolerance is None else out | {"tolerance": f"{build.tolerance:g}"}
-
-
-def facts(build: Build) -> dict[str, str]:
-    """Attributes of the root element that FMI 2.0 and 3.0 share."""
-    out = {
-        "modelName": build.name,
-        "description": build.description,
-        "author": "the balance-rope authors",
-        "version": build.version,
-        "copyright": "the balance-rope authors",
-        "license": "BSD-3-Clause",
-        "generationTool": build.tool,
-        "variableNamingConvention": "structured",
-    }
-    return out | ({"generationDateAndTime": build.date} if build.date else {})
+    """The root element of FMI 2.0, of the variables by value reference."""
+    variables = described.values()
+    interface = node(
+        "CoSimulation",
+        *([node("SourceFiles", *(node("File", name=name) for name in build.sources))] if build.sources else ()),
+        modelIdentifier=build.name,
+        needsExecutionTool=False,
+        canHandleVariableCommunicationStepSize=True,
+        canInterpolateInputs=any(v.causality == "input" and v.name in RATES for v in variables),
+        maxOutputDerivativeOrder=0,
+        canRunAsynchronuously=False,
+        canBeInstantiatedOnlyOncePerProcess=False,
+        canNotUseMemoryManagementFunctions=False,
+        canGetAndSetFMUstate=True,
+        canSerializeFMUstate=True,
+        providesDirectionalDerivative=build.derivatives,
+    )
+    units = units_of(variables)
+    types = [node("SimpleType", node("Real", **quantity_attributes(u)), name=QUANTITIES[u].name) for u in units]
+    listed = [
+        node(
+            "ScalarVariable",
+            node(v.kind, **_type_attributes(v), start=v.start),
+            name=v.name,
+            valueReference=reference,
+            **_common_attributes(v),
+        )
+        for reference, v in described.items()
+    ]
+    indices = {v.name: index for index, v in enumerate(variables, start=1)}
+    outputs = {v.name: indices[v.name] for v in variables if v.causality == "output"}
+    at_start = (
+        node("Unknown", dependencies=_followed(build, name, indices), index=index) for name, index in outputs.items()
+    )
+    structure = [
+        node("Outputs", *(node("Unknown", index=index, dependencies="") for index in outputs.values())),
+        node("InitialUnknowns", *at_start),
+    ]
+    return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
 
-def add_log_categories(root: Element) -> None:
-    """``LogCategories``, alike in FMI 2.0 and 3.0."""
-    categories = SubElement(root, "LogCategories")
-    for name, description in LOG_CATEGORIES.items():
-        SubElement(categories, "Category", name=name, description=description)
-
-
-def common_attributes(variable: Variable) -> dict[str, str]:
-    """Attributes of a variable that FMI 2.0 and 3.0 share."""
-    out = {"description": variable.description, "causality": variable.causality, "variability": variable.variability}
-    if variable.causality != "input":
-        out["initial"] = "calculated" if variable.causality == "output" else "exact"
-    return out
-
-
-def type_attributes(variable: Variable) -> dict[str, str]:
-    """Declared type, unit and bounds."""
-    out = {"declaredType": QUANTITIES[variable.unit].name, "unit": variable.unit} if variable.unit else {}
-    for key, bound in (("min", variable.minimum), ("max", variable.maximum)):
-        if bound is not None:
-            out[key] = f"{bound:g}"
-    return out
-
-
-def _add_interface(root: Element, build: Build, interpolates: bool) -> None:
-    interface = SubElement(
-        root,
+def model_description3(gathered: Sequence[Array], time: int, build: Build) -> Element:
+    """The root element of FMI 3.0; ``time`` is the value reference of the independent variable."""
+    interface = node(
         "CoSimulation",
         modelIdentifier=build.name,
-        needsExecutionTool="false",
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs=_xml(interpolates),
-        maxOutputDerivativeOrder="0",
-        canRunAsynchronuously="false",
-        canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions="false",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-        providesDirectionalDerivative=_xml(build.derivatives),
+        needsExecutionTool=False,
+        canBeInstantiatedOnlyOncePerProcess=False,
+        canGetAndSetFMUState=True,
+        canSerializeFMUState=True,
+        providesDirectionalDerivatives=build.derivatives,
+        providesAdjointDerivatives=False,
+        providesPerElementDependencies=False,
+        canHandleVariableCommunicationStepSize=True,
+        maxOutputDerivativeOrder=0,
+        providesIntermediateUpdate=False,
+        mightReturnEarlyFromDoStep=False,
+        canReturnEarlyAfterIntermediateUpdate=False,
+        hasEventMode=False,
+        providesEvaluateDiscreteStates=False,
     )
-    if build.sources:
-        files = SubElement(interface, "SourceFiles")
-        for name in build.sources:
-            SubElement(files, "File", name=name)
+    variables = [array.variable for array in gathered]
+    units = units_of(variables)
+    types = [node("Float64Type", name=QUANTITIES[unit].name, **quantity_attributes(unit)) for unit in units]
+    types += map(_enumeration, dict.fromkeys(_choice(v.name) for v in variables if choices_of(v.name)))
+    independent = {"causality": "independent", "variability": "continuous", "description": "time"}
+    listed = [node("Float64", name="time", valueReference=time, **independent, declaredType="Time")]
+    listed += map(_variable3, gathered)
+    numbers = {array.name: array.reference for array in gathered}
+    outputs = {array.name: array.reference for array in gathered if array.variable.causality == "output"}
+    structure = [node("Output", valueReference=number, dependencies="") for number in outputs.values()]
+    structure += [
+        node("InitialUnknown", dependencies=_followed(build, name, numbers), valueReference=number)
+        for name, number in outputs.items()
+    ]
+    head = {"fmiVersion": "3.0", "instantiationToken": build.token}
+    return _document(build, head, interface, units, types, listed, structure)
 
 
-def _add_variable(parent: Element, reference: int, variable: Variable) -> None:
-    attributes = {"name": variable.name, "valueReference": str(reference), **common_attributes(variable)}
-    node = SubElement(parent, "ScalarVariable", attributes)
-    start = {} if variable.start is None else {"start": _xml(variable.start)}
-    SubElement(node, variable.kind, type_attributes(variable) | start)
+def build_description(build: Build, fmi: int) -> Element:
+    """sources/buildDescription.xml, which ``fmpy compile`` and other tools need."""
+    files = [node("SourceFile", name=name) for name in build.sources]
+    if fmi == 3:  # the binary's functions have no prefix; those of FMI 2.0 have none anyway
+        files.append(node("PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX", value=1))
+    configuration = node(
+        "BuildConfiguration", node("SourceFileSet", *files, language="C99"), modelIdentifier=build.name
+    )
+    return node("fmiBuildDescription", configuration, fmiVersion="3.0")
 
 
-def _xml(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+def _document(
+    build: Build,
+    head: Mapping[str, str],
+    interface: Element,
+    units: Sequence[str],
+    types: Sequence[Element],
+    variables: Sequence[Element],
+    structure: Sequence[Element],
+) -> Element:
+    """The root element of either version."""
+    categories = (node("Category", name=name, description=text) for name, text in LOG_CATEGORIES.items())
+    tolerance = None if build.tolerance is None else f"{build.tolerance:g}"
+    return node(
+        "fmiModelDescription",
+        interface,
+        node("UnitDefinitions", *map(unit_definition, units)),
+        node("TypeDefinitions", *types),
+        node("LogCategories", *categories),
+        node("DefaultExperiment", startTime=0, stopTime=f"{build.stop:g}", stepSize=f"{STEP:g}", tolerance=tolerance),
+        node("ModelVariables", *variables),
+        node("ModelStructure", *structure),
+        **head,
+        modelName=build.name,
+        description=build.description,
+        author="the balance-rope authors",
+        version=build.version,
+        copyright="the balance-rope authors",
+        license="BSD-3-Clause",
+        generationTool=build.tool,
+        variableNamingConvention="structured",
+        generationDateAndTime=build.date or None,
+    )
+
+
+def _followed(build: Build, name: str, numbers: Mapping[str, int]) -> str | None:
+    """Return what an output follows during initialisation, by the ``numbers`` that identify variables."""
+    follows = build.initial.get(name)
+    return None if follows is None else " ".join(str(numbers[other]) for other in follows)
+
+
+def _common_attributes(v: Variable) -> dict[str, str]:
+    """Attributes of a variable that FMI 2.0 and 3.0 share."""
+    out = {"description": v.description, "causality": v.causality, "variability": v.variability}
+    return out if v.causality == "input" else out | {"initial": "calculated" if v.causality == "output" else "exact"}
+
+
+def _type_attributes(v: Variable) -> dict[str, Any]:
+    """Declared type, unit and bounds."""
+    out = {"declaredType": QUANTITIES[v.unit].name, "unit": v.unit} if v.unit else {}
+    return out | {key: f"{x:g}" for key, x in (("min", v.minimum), ("max", v.maximum)) if x is not None}
+
+
+def _choice(name: str) -> str:
+    """Key of CHOICES."""
+    return ".".join(name.split(".")[-2:])
+
+
+def _enumeration(key: str) -> Element:
+    items = enumerate(CHOICES[key].items())
+    nodes = (node("Item", name=word, value=code, description=meaning) for code, (word, meaning) in items)
+    return node("EnumerationType", *nodes, name=_ENUMERATIONS[key])
+
+
+def _variable3(array: Array) -> Element:
+    v = array.variable
+    kind, type_ = _TYPES3[v.kind], _type_attributes(v)
+    if choices_of(v.name):
+        kind, type_ = "Enumeration", {"declaredType": _ENUMERATIONS[_choice(v.name)]}
+    return node(
+        kind,
+        *([node("Dimension", start=array.length)] if array.length > 1 else ()),
+        name=array.name,
+        valueReference=array.reference,
+        **_common_attributes(v),
+        **type_,
+        start=None if v.start is None else " ".join(map(plain, array.starts)),
+    )

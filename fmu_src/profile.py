@@ -1,4 +1,4 @@
-"""Presentation of an FMU: its described outputs, arrays or scalars, the length of its default run.
+"""Presentation of an FMU: its described outputs, arrays (of FMI 3.0) or scalars, the length of its default run.
 
 The code inside is the same for all profiles, as are the value references: outputs that are not described are not
 asked for, and so not computed.
@@ -7,10 +7,13 @@ asked for, and so not computed.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from fmu_src.interface import Variable
+from rope_model.scene_names import Value
 
 #: group of outputs -> its contents
 GROUPS = {
@@ -32,6 +35,18 @@ ALWAYS = ("ends", "status")
 #: groups that an FMU describes by default
 DEFAULT = tuple(group for group in GROUPS if group not in ("shape", "station"))
 ALL = tuple(GROUPS)
+#: descriptions of the arrays as a whole
+DESCRIPTIONS = {
+    "mesh.counts": "numbers of elements of the segments II to VI, kind 0",
+    **{f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop" for axis in "xyz"},
+    "shape.s": "places of these points along the rope, from its left end",
+    "shape.tension": "tension at these points",
+    "shape.bending": "nominal bending stress at these points",
+    "shape.torsion": "nominal torsional stress at these points",
+    "station.tension": "tension at places that stay in the rope",
+    "station.curvature": "curvature at these places, RMS along an element",
+    "station.torque": "torque about the tangent at these places",
+}
 
 
 @dataclass(frozen=True)
@@ -65,3 +80,40 @@ def group_of(name: str) -> str:
     if first in GROUPS:
         return first
     return "swivels" if rest.startswith("swivel.") else "ends"
+
+
+class Array(NamedTuple):
+    """Consecutive scalars; ``length`` is 1, and ``name`` the variable's own, where there is no array."""
+
+    reference: int
+    name: str
+    variable: Variable
+    starts: tuple[Value | None, ...]
+
+    @property
+    def length(self) -> int:
+        """Number of elements."""
+        return len(self.starts)
+
+
+def arrays(described: Mapping[int, Variable]) -> list[Array]:
+    """``shape.x[1]``, ``shape.x[2]`` ... become ``shape.x`` with the first one's value reference."""
+    found: list[Array] = []
+    for reference, variable in described.items():
+        match = re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
+        if match and match[2] != "1":
+            found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
+        else:
+            name = match[1] if match else variable.name
+            whole = variable._replace(description=DESCRIPTIONS.get(name, variable.description))
+            found.append(Array(reference, name, whole, (variable.start,)))
+    return found
+
+
+def scalars(described: Mapping[int, Variable]) -> list[Array]:
+    """Every element on its own, with its own value reference."""
+    return [Array(reference, v.name, v, (v.start,)) for reference, v in described.items()]
+
+
+#: how described variables are shown: ``arrays`` or ``scalars``
+Form = Callable[[Mapping[int, Variable]], list[Array]]

@@ -9,29 +9,25 @@ their model descriptions are read, nothing else.
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
-from xml.etree.ElementTree import Element, SubElement
+from xml.etree.ElementTree import Element
 
 from fmu_src.archive import write_archive
-from fmu_src.attachments import xml_bytes
+from fmu_src.xml import node, xml_bytes
 
-SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
-SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
-SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
-OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
-_KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
-#: types of FMI 3.0 in the words of SSP 1.0
-_TYPES3 = {
-    "Float64": "Real",
-    "Int32": "Integer",
-    "Boolean": "Boolean",
-    "String": "String",
-    "Enumeration": "Enumeration",
+NAMESPACES = {
+    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
+    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
+    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
+_KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
+#: types of FMI 3.0 in the words of SSP 1.0, where they differ
+_TYPES3 = {"Float64": "Real", "Int32": "Integer"}
 
 
 @dataclass(frozen=True)
@@ -63,34 +59,60 @@ def export_ssp(
     for it, and knows the types of FMI 3.0 by the names of FMI 2.0.
     """
     described = {c.name: _read(c) for c in components}
-    root = Element("ssd:SystemStructureDescription", {"version": "1.0", "name": name})
-    for prefix, uri in (("ssd", SSD), ("ssc", SSC), ("ssv", SSV), ("osp", OSP), ("oms", OMS)):
-        root.set(f"xmlns:{prefix}", uri)
-    root.set("generationTool", "balance-rope")
-    system = SubElement(root, "ssd:System", {"name": name, "description": description})
     ports = [port for c in components for port in _ports(c.name, described[c.name])]
     pairs = _pairs(ports)
     connected = {port for pair in pairs for port in pair}
-    elements = SubElement(system, "ssd:Elements")
-    for component in components:
-        _add_component(elements, component, [p for p in ports if p.component == component.name and p in connected])
-    connections = SubElement(system, "ssd:Connections")
-    for start, end in pairs:
-        SubElement(
-            connections,
+    elements = (_component(c, [p for p in ports if p.component == c.name and p in connected]) for c in components)
+    connections = (
+        node(
             "ssd:Connection",
             startElement=start.component,
             startConnector=start.name,
             endElement=end.component,
             endConnector=end.name,
         )
-    _add_master(system, step)
-    _add_units(root, described.values(), {port.unit for port in connected} - {""})
-    _add_experiment(root, stop, step)
+        for start, end in pairs
+    )
+    # the fixed-step master without which OMSimulator does not open a system; it steps all FMUs at once
+    master = node(
+        "oms:FixedStepMaster",
+        description="oms-ma",
+        stepSize=repr(step),
+        absoluteTolerance="1e-4",
+        relativeTolerance="1e-4",
+    )
+    system = node(
+        "ssd:System",
+        node("ssd:Elements", *elements),
+        node("ssd:Connections", *connections),
+        _annotations("org.openmodelica", node("oms:Annotations", node("oms:SimulationInformation", master))),
+        name=name,
+        description=description,
+    )
+    algorithm = node("osp:Algorithm", node("osp:FixedStepAlgorithm", baseStepSize=repr(step)))
+    root = node(
+        "ssd:SystemStructureDescription",
+        system,
+        node("ssd:Units", *_units(described.values(), {port.unit for port in connected} - {""})),
+        node(
+            "ssd:DefaultExperiment",
+            _annotations("com.opensimulationplatform", algorithm),
+            startTime="0.0",
+            stopTime=repr(stop),
+        ),
+        version="1.0",
+        name=name,
+        **{f"xmlns:{prefix}": uri for prefix, uri in NAMESPACES.items()},
+        generationTool="balance-rope",
+    )
     files = {"SystemStructure.ssd": xml_bytes(root)}
     files |= {f"resources/{c.name}.fmu": c.fmu.read_bytes() for c in components}
     write_archive(destination, files)
     return destination
+
+
+def _annotations(tool: str, content: Element) -> Element:
+    return node("ssd:Annotations", node("ssc:Annotation", content, type=tool))
 
 
 def _read(component: Component) -> Element:
@@ -138,60 +160,32 @@ def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
     return pairs
 
 
-def _add_component(parent: Element, component: Component, ports: Sequence[_Port]) -> None:
-    node = SubElement(
-        parent,
+def _component(component: Component, ports: Sequence[_Port]) -> Element:
+    connectors = (
+        node("ssd:Connector", node(f"ssc:{port.kind}", unit=port.unit or None), name=port.name, kind=port.causality)
+        for port in ports
+    )
+    values = [
+        node("ssv:Parameter", node(f"ssv:{_KINDS[type(value)]}", value=value), name=name)
+        for name, value in component.parameters.items()
+    ]
+    # the name by which ecos and libcosim apply a set
+    bound = node("ssv:ParameterSet", node("ssv:Parameters", *values), version="1.0", name="initialValues")
+    binding = node("ssd:ParameterBindings", node("ssd:ParameterBinding", node("ssd:ParameterValues", bound)))
+    return node(
         "ssd:Component",
+        node("ssd:Connectors", *connectors),
+        *([binding] if values else ()),
         name=component.name,
         type="application/x-fmu-sharedlibrary",
         source=f"resources/{component.name}.fmu",
         implementation="CoSimulation",
     )
-    connectors = SubElement(node, "ssd:Connectors")
-    for port in ports:
-        connector = SubElement(connectors, "ssd:Connector", name=port.name, kind=port.causality)
-        SubElement(connector, f"ssc:{port.kind}", {"unit": port.unit} if port.unit else {})
-    if not component.parameters:
-        return
-    binding = SubElement(SubElement(node, "ssd:ParameterBindings"), "ssd:ParameterBinding")
-    values = SubElement(binding, "ssd:ParameterValues")
-    # the name by which ecos and libcosim apply a set
-    parameter_set = SubElement(values, "ssv:ParameterSet", {"version": "1.0", "name": "initialValues"})
-    parameters = SubElement(parameter_set, "ssv:Parameters")
-    for name, value in component.parameters.items():
-        text = str(value).lower() if isinstance(value, bool) else str(value)
-        SubElement(SubElement(parameters, "ssv:Parameter", name=name), f"ssv:{_KINDS[type(value)]}", value=text)
 
 
-def _add_master(system: Element, step: float) -> None:
-    """The fixed-step master without which OMSimulator does not open a system; it steps all FMUs at once."""
-    annotation = SubElement(SubElement(system, "ssd:Annotations"), "ssc:Annotation", type="org.openmodelica")
-    information = SubElement(SubElement(annotation, "oms:Annotations"), "oms:SimulationInformation")
-    SubElement(
-        information,
-        "oms:FixedStepMaster",
-        description="oms-ma",
-        stepSize=repr(step),
-        absoluteTolerance="1e-4",
-        relativeTolerance="1e-4",
-    )
-
-
-def _add_units(root: Element, descriptions: Iterable[Element], used: set[str]) -> None:
+def _units(descriptions: Iterable[Element], used: set[str]) -> Iterator[Element]:
     """Definitions of the units that the connectors name, from the model descriptions."""
-    units: dict[str, dict[str, str]] = {}
-    for description in descriptions:
-        for unit in description.iter("Unit"):
-            base = unit.find("BaseUnit")
-            if unit.get("name") in used and base is not None:
-                units[str(unit.get("name"))] = dict(base.attrib)
-    node = SubElement(root, "ssd:Units")
-    for name in sorted(units):
-        SubElement(SubElement(node, "ssc:Unit", name=name), "ssc:BaseUnit", units[name])
-
-
-def _add_experiment(root: Element, stop: float, step: float) -> None:
-    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop))
-    annotations = SubElement(experiment, "ssd:Annotations")
-    annotation = SubElement(annotations, "ssc:Annotation", type="com.opensimulationplatform")
-    SubElement(SubElement(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(step))
+    units = {str(unit.get("name")): unit.find("BaseUnit") for root in descriptions for unit in root.iter("Unit")}
+    for name in sorted(used):
+        if (base := units.get(name)) is not None:
+            yield node("ssc:Unit", node("ssc:BaseUnit", **base.attrib), name=name)

@@ -16,8 +16,7 @@ from fmu_src.export import library_sources
 from fmu_src.interface import Variable, variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS, library, open_library
-from fmu_src.native.export import native_table, rope_sources, shell_sources
-from fmu_src.native.model_fmu import model_sources
+from fmu_src.native.export import model_sources, native_table, rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
 from hoist_demo.cases.case import Case

@@ -8,53 +8,41 @@ import struct
 from collections.abc import Callable, Iterable, Sequence
 from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache, lru_cache
-from typing import Any, cast, get_args
+from itertools import cycle
+from typing import Any, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.codegen.build import library
 from rope_model.codegen.state_structures import (
+    ALIKE,
     ARRAYS,
     MESSAGE,
-    AuditStructure,
-    ContactStructure,
-    CountsStructure,
-    CrossingStructure,
-    EnergyStructure,
-    ErrorStructure,
+    PARTS,
     EventStructure,
-    FollowingStructure,
-    GuardStructure,
-    NearestStructure,
-    PathStructure,
     PatternStructure,
     StateStructure,
-    SwivelStructure,
 )
 from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import FidelityChoice, Scene
-from rope_model.physics.accuracy import ErrorSums
-from rope_model.physics.contact_error import ContactSums
-from rope_model.physics.guard import GuardState
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.contact.point_forces import PointForces
-from rope_model.simulation.ends.ends import Phase, SwivelState
-from rope_model.simulation.ends.following import Following
-from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath
+from rope_model.simulation.ends.ends import Phase
+from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.messages import messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.outputs.audit import Audit, audit_of
 from rope_model.simulation.outputs.signal_table import SIGNALS, checked_names
-from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Event, Nearest, Powers, RopeState
+from rope_model.simulation.state import Event, Powers, RopeState
 from rope_model.simulation.wires import NO_MEMORY
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
 _FIDELITY_NAMES = get_args(FidelityChoice)
+_hints = cache(get_type_hints)
 
 
 def _event(event: EventStructure) -> Event:
@@ -312,7 +300,9 @@ def _unpack(data: bytes) -> RopeState:
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(StateStructure))
     size = 7 * (n + 1)
     x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(ARRAYS)}
+    hints = _hints(RopeState)
     return RopeState(
+        **{name: _read(hints[name], getattr(s, name)) for name in ALIKE},
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(
             values[6 * size : 6 * size + n].copy(),
@@ -321,30 +311,10 @@ def _unpack(data: bytes) -> RopeState:
             s.pattern.end_levels,
             s.pattern.grading_length,
         ),
-        offsets=(s.offsets[0], s.offsets[1]),
-        swivels=tuple(SwivelState(Phase(w.phase), w.angle, w.sign) for w in s.swivels),  # type: ignore[arg-type]
-        paths=tuple(EndPath(p.start, p.stop, tuple(map(tuple, p.coefficients))) for p in s.paths),  # type: ignore[arg-type]
-        following=(_following(s.following[0]), _following(s.following[1])),
-        step_next=s.step_next,
-        last_interval=s.last_interval,
-        force_mean=(s.force_mean[0], s.force_mean[1]),
-        calm_since=s.calm_since,
-        loop_yaw=s.loop_yaw,
-        snapped_at=s.snapped_at,
         fidelity=_FIDELITY_NAMES[s.fidelity],
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
-        energy_balance=EnergyBalance(*(getattr(s.energy_balance, name) for name in EnergyBalance._fields)),
-        errors=ErrorSums(*(_numbers_of(getattr(s.errors, name)) for name in ErrorSums._fields)),
-        contact=ContactSums(*(_numbers_of(getattr(s.contact, name)) for name in ContactSums._fields)),
         powers=Powers(s.power_ends, s.power_swivel),
-        counts=Counts(*(getattr(s.counts, name) for name in Counts._fields)),
-        given_up_since=s.given_up_since,
-        looked_at=s.looked_at,
-        audit=audit_of(getattr(s.audit, name) for name in Audit._fields),
-        nearest=tuple(Nearest(*(getattr(x, name) for name in Nearest._fields)) for x in s.nearest),
-        crossing=Crossing(*(getattr(s.crossing, name) for name in Crossing._fields)),
-        guard=GuardState(*(_numbers_of(getattr(s.guard, name)) for name in GuardState._fields)),
         hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_MEMORY,
     )
 
@@ -352,31 +322,12 @@ def _unpack(data: bytes) -> RopeState:
 def _pack(state: RopeState) -> bytes:
     m, p = state.motion, state.partition
     s = StateStructure(
+        **{name: _written(getattr(state, name)) for name in ALIKE},
         t=m.t,
         h=m.h,
-        step_next=state.step_next,
-        last_interval=state.last_interval,
-        calm_since=state.calm_since,
-        loop_yaw=state.loop_yaw,
-        snapped_at=state.snapped_at,
-        given_up_since=state.given_up_since,
-        looked_at=state.looked_at,
-        offsets=state.offsets,
-        force_mean=state.force_mean,
         power_ends=state.powers.ends,
         power_swivel=state.powers.swivel,
-        swivels=tuple(SwivelStructure(w.angle, w.sign, w.phase.value, 0) for w in state.swivels),
-        paths=tuple(PathStructure(q.start, q.stop, q.coefficients) for q in state.paths),
-        following=tuple(FollowingStructure(*x) for x in state.following),
         pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels),
-        energy_balance=EnergyStructure(*state.energy_balance),
-        errors=ErrorStructure(*state.errors),
-        contact=ContactStructure(*state.contact),
-        audit=AuditStructure(*state.audit),
-        nearest=tuple(NearestStructure(*x) for x in state.nearest),
-        crossing=CrossingStructure(*state.crossing),
-        guard=GuardStructure(*state.guard),
-        counts=CountsStructure(*state.counts),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),
         fidelity_reason=state.fidelity_reason.encode()[: MESSAGE - 1],
@@ -386,9 +337,19 @@ def _pack(state: RopeState) -> bytes:
     return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()])
 
 
-def _numbers_of(x: Any) -> Any:
-    return x if isinstance(x, float) else tuple(map(_numbers_of, x))
+def _read(hint: Any, x: Any) -> Any:
+    """The value of its type that C has as ``x``."""
+    if get_origin(hint) is tuple:
+        return tuple(map(_read, cycle(of for of in get_args(hint) if of is not ...), x))
+    if hint in PARTS:
+        return hint(*(_read(of, getattr(x, name)) for name, of in _hints(hint).items()))
+    return Phase(x) if hint is Phase else x
 
 
-def _following(s: Structure) -> Following:
-    return Following(*(_numbers_of(getattr(s, name)) for name in Following._fields))
+def _written(x: Any) -> Any:
+    """``x`` as C has it."""
+    if type(x) in PARTS:
+        return PARTS[type(x)](**{name: _written(getattr(x, name)) for name in x._fields})
+    if isinstance(x, tuple):
+        return tuple(map(_written, x))
+    return x.value if isinstance(x, Phase) else x

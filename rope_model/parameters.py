@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, get_type_hints
 
 from rope_model.parameter_table import (
     Bounds,
@@ -21,7 +21,7 @@ from rope_model.parameter_table import (
     parameters_of,
     require,
 )
-from rope_model.shaft_parameters import Shaft
+from rope_model.shaft_parameters import PARTS, Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
 SwivelStart = Literal["locked", "relaxed"]
@@ -45,63 +45,15 @@ def _coupling(rope: Any) -> tuple[Any, ...]:
     return (abs(rope.Qs) < bound,), rope.Qs, bound
 
 
-def _sticking(rope: Any) -> tuple[Any, ...]:
-    return ((rope.EI_stick == 0) + (rope.EI_stick > rope.EI) > 0,), rope.EI_stick, rope.EI
-
-
 def _multiple(segment: int, mesh: Any) -> tuple[Any, ...]:
     count, fine = mesh.counts[segment], 2 * (1 + (mesh.counts[0] > 0)) * (1 + (mesh.counts[1] > 0))
     multiple, least = (2, 4, fine, 4, 2)[segment], fine if segment == 2 else 0
     return (count >= least, count % multiple == 0), count, multiple
 
 
-def _unread(mesh: Any) -> tuple[Any, ...]:
-    return ((mesh.kind == "auto") + (mesh.loop_error == 0) > 0,), mesh.loop_error
-
-
 def _pattern(mesh: Any) -> tuple[Any, ...]:
     ii, iii, _, v, vi = (1 * (count > 0) for count in mesh.counts)
     return (ii == vi, iii == v, ii >= iii), mesh.counts
-
-
-#: checks of several parameters at once
-_OF_ROPE = (
-    Joint(
-        "(Qb + Qc) / 2",
-        "below sqrt(Qa Qd) = {:.4g} N m in size",
-        "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
-        _coupling,
-    ),
-    Joint(
-        "EI_stick",
-        "0 or above EI = {!r} N m2",
-        "use 0 for no friction between the wires; EI is that of wires that slide",
-        _sticking,
-    ),
-)
-_OF_MESH = (
-    *(
-        Joint(
-            f"element count of segment {name}",
-            f"a {'positive ' if name == 'IV' else ''}multiple of {{!r}}",
-            "a transformation moves whole coarse elements through the segment",
-            partial(_multiple, segment),
-        )
-        for segment, name in enumerate(SEGMENTS)
-    ),
-    Joint(
-        "counts",
-        "all five segments, or none in III and V, or none in II and VI too",
-        "the pattern is the same on both sides and leaves out no length",
-        _pattern,
-    ),
-    Joint(
-        "loop_error",
-        "0 m unless mesh.kind = auto",
-        "other kinds have the lengths that they are given: set kind = auto, or leave loop_error out",
-        _unread,
-    ),
-)
 
 
 @dataclass(frozen=True)
@@ -184,7 +136,20 @@ class Rope(Checked):
         "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
 
-    joint = _OF_ROPE
+    joint = (
+        Joint(
+            "(Qb + Qc) / 2",
+            "below sqrt(Qa Qd) = {:.4g} N m in size",
+            "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
+            _coupling,
+        ),
+        Joint(
+            "EI_stick",
+            "0 or above EI = {!r} N m2",
+            "use 0 for no friction between the wires; EI is that of wires that slide",
+            lambda rope: (((rope.EI_stick == 0) + (rope.EI_stick > rope.EI) > 0,), rope.EI_stick, rope.EI),
+        ),
+    )
 
     @property
     def Qs(self) -> float:
@@ -312,7 +277,29 @@ class Mesh(Checked):
         Bounds(0.0, 1.0, "0 suits most studies"),
     )
 
-    joint = _OF_MESH
+    joint = (
+        *(
+            Joint(
+                f"element count of segment {name}",
+                f"a {'positive ' if name == 'IV' else ''}multiple of {{!r}}",
+                "a transformation moves whole coarse elements through the segment",
+                partial(_multiple, segment),
+            )
+            for segment, name in enumerate(SEGMENTS)
+        ),
+        Joint(
+            "counts",
+            "all five segments, or none in III and V, or none in II and VI too",
+            "the pattern is the same on both sides and leaves out no length",
+            _pattern,
+        ),
+        Joint(
+            "loop_error",
+            "0 m unless mesh.kind = auto",
+            "other kinds have the lengths that they are given: set kind = auto, or leave loop_error out",
+            lambda mesh: (((mesh.kind == "auto") + (mesh.loop_error == 0) > 0,), mesh.loop_error),
+        ),
+    )
 
     def __post_init__(self) -> None:
         require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
@@ -483,11 +470,17 @@ class Scene:
         return replace(self, **parts)
 
 
+#: group of the interface -> the data class that has its parameters
+GROUPS: dict[str, type[Any]] = {
+    f"{name}.swivel" if kind is Swivel else name: kind
+    for name, kind in get_type_hints(Scene).items()
+    if kind is not Shaft
+} | PARTS
 #: words of parameters that choose one of a few, with their meanings, by the last two parts of the name; the place of a
 #: word is its code
 CHOICES = {
-    f"{group}.{name}": p.choices
-    for group, kind in (("swivel", Swivel), ("mesh", Mesh), ("solver", Solver), ("model", Model), ("inputs", Inputs))
+    f"{group.rpartition('.')[2]}.{name}": p.choices
+    for group, kind in GROUPS.items()
     for name, p in parameters_of(kind).items()
     if p.choices
 }

@@ -6,27 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
-from rope_model import parameters
 from rope_model.parameter_table import Parameter, numeric_bounds, parameters_of
-from rope_model.parameters import CHOICES, SEGMENTS, Mesh, Scene, Swivel
+from rope_model.parameters import CHOICES, GROUPS, SEGMENTS, Mesh, Scene
 from rope_model.shaft_parameters import PARTS
 
 Value = float | int | bool | str
-
-#: group of the interface -> the data class that has its parameters
-GROUPS: dict[str, type[Any]] = {
-    "rope": parameters.Rope,
-    "layout": parameters.Layout,
-    "left.swivel": Swivel,
-    "right.swivel": Swivel,
-    "mesh": Mesh,
-    "accuracy": parameters.Accuracy,
-    "solver": parameters.Solver,
-    "model": parameters.Model,
-    "inputs": parameters.Inputs,
-    "station": parameters.Stations,
-    **PARTS,
-}
 
 
 class Variable(NamedTuple):

@@ -7,6 +7,7 @@ width, a diameter or a size a body is not there.  `physics.shaft` makes the bodi
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import get_type_hints
 
 from rope_model.parameter_table import Bounds, Checked, direction, parameter
 
@@ -218,13 +219,4 @@ class Shaft:
 
 
 #: parts of a shaft by name
-PARTS: dict[str, type] = {
-    "lining": Lining,
-    "conveyance": Conveyance,
-    "head_ropes": HeadRopes,
-    **{f"divider_{k}": Divider for k in (1, 2, 3, 4)},
-    "sump": Sump,
-    "contact": Contact,
-    "guard": Guard,
-    "air": Air,
-}
+PARTS: dict[str, type] = get_type_hints(Shaft)

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
-from fmu_src.native.export import export_native
-from fmu_src.native.model_fmu import export_model
+from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import ALL, FULL, Profile
 from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model

@@ -22,7 +22,6 @@ from rope_model.simulation.outputs.diagnostics import shape
 
 Array = NDArray[np.float64]
 SEED = 15
-SCENES = 200
 POINTS = 161
 SETTLE, H, SAMPLE = 2.0, 0.01, 5  # s, s, steps
 

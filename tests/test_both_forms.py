@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 from scenes import Ends, past_each_other, wound
 from test_following import unfit
 
-from rope_model import BalanceRope, EndMotion, Model, Rope, RopeState, Scene, balance_rope
+from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, RopeState, Scene, balance_rope
 from rope_model.parameters import FidelityChoice
 from rope_model.simulation.outputs.audit import Audit
 
@@ -66,7 +66,8 @@ CASES = {
 
 def misfit(fidelity: FidelityChoice) -> Case:
     torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
-    scene = Scene(rope=Rope(length=60.0, **torque), model=Model(fidelity))
+    # sixteen elements: other tests compile them, too
+    scene = Scene(rope=Rope(length=60.0, **torque), mesh=Mesh("eem", elements=16), model=Model(fidelity))
 
     def motion(t: float) -> Ends:
         return unfit(t, fidelity) if t > 0 else EndMotion(), EndMotion()

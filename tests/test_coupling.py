@@ -21,11 +21,14 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
-from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
-from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
+from hoist_demo.cosimulation.schemes.explicit import (
+    GaussSeidel,
+    ImpulsePreserving,
+    SemiImplicit,
+    extrapolation_coefficients,
+)
 from hoist_demo.cosimulation.schemes.interface import Reader, Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
-from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from rope_model import ROPE_CASES, EndMotion, Solver, Status

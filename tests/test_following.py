@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, EndMotion, Inputs, RopeSimulator, Scene, Status, balance_rope, rope_120
+from rope_model import BalanceRope, EndMotion, Inputs, Mesh, RopeSimulator, Scene, Status, balance_rope, rope_120
 from rope_model.engine import NativeRope
 from rope_model.parameters import FidelityChoice, Trusted
 from rope_model.simulation.ends.following import manner_of
@@ -244,7 +244,8 @@ def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(trus
     ],
 )
 def test_both_forms_follow_to_the_same_bits(trusted: Trusted, given: Given, at_end: bool) -> None:
-    ropes = [form(SCENE.with_(inputs=Inputs(given=trusted))) for form in (NativeRope, RopeSimulator)]
+    scene = SCENE.with_(inputs=Inputs(given=trusted), mesh=Mesh("eem", elements=16))
+    ropes = [form(scene) for form in (NativeRope, RopeSimulator)]
     for rope in ropes:
         wind(rope, given, at_end, until=0.8)
     assert ropes[0].state.following == ropes[1].state.following

@@ -1,16 +1,67 @@
-"""Order 2 with constant and varying steps, the spectral radius, consistent restarts, Newton's verdicts."""
+"""Order 2 with constant and varying steps, the spectral radius, consistent restarts; Newton's verdicts."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
-from integrated_systems import Array, soft_rope, verdict_on
+from conftest import Chain
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from rope_model.numerics.generalized_alpha import LARGEST_GROWTH, Coefficients, Motion, Solution, restart, step
+from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progress, judge, newton, report
+from rope_model.parameters import Rope
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
+from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
+
+Array = NDArray[np.float64]
+
+
+def verdict_on(norms: Iterator[float], tolerance: float, most: int) -> NewtonReport:
+    progress, verdict = initial_progress(), judge()
+    for norm in itertools.islice(norms, most):
+        progress = verdict(progress, norm, tolerance, True)
+        if progress[0] != NewtonStatus.TOO_MANY.code:
+            break
+    return report(np.asarray(progress).ravel().tolist())
+
+
+@dataclass(frozen=True)
+class ShakenEnds(Chain):
+    """Both ends held, the right one moved smoothly from rest."""
+
+    def prescribed_motion(self, t: float, nodes: int) -> Array:
+        q, v, a = motion = np.zeros((3, *self.values.shape))
+        q += self.values
+        w = 4.0
+        way = 0.25 * np.array([1.0, 0.6, 0.8])
+        q[-1, POSITION] += way * (w * t - np.sin(w * t)) / w
+        v[-1, POSITION], a[-1, POSITION] = way * (1 - np.cos(w * t)), way * w * np.sin(w * t)
+        return motion
+
+
+@cache
+def soft_rope() -> tuple[RopeSystem, Motion]:
+    """Soft enough for the steps of the tests to resolve its waves: order is a limit."""
+    rope = Rope(length=6.0, mass_per_length=2.0, Qa=400.0, Qb=30.0, Qc=20.0, Qd=20.0, EI=20.0, rhoJ=0.2, beta_K=2e-3)
+    n = 8
+    s = np.linspace(0.0, rope.length, n + 1)
+    q = hanging_guess(s, np.array([-0.8, 0.0, 0.0]), np.array([0.8, 0.0, 0.0]))
+    ends = ShakenEnds(np.zeros((n + 1, 7), dtype=bool), q, np.zeros((n + 1, 7)))
+    ends.held[[0, -1]] = True
+    ends.held[[0, -1], 4] = False
+    system = RopeSystem(RopeKernels(n, "auto"), np.diff(s), parameter_vector(rope, 9.81), ends, q)
+    at_rest = find_equilibrium(system, q)
+    return system, restart(system, 0.0, at_rest.q, 0 * q, at_rest.reaction)[0]
+
 
 #: step patterns, repeated: the ratios stay the same when the steps are refined
 CONSTANT, VARYING = (1.0,), (0.6, 1.2, 0.9, 1.8, 0.5, 1.0)
@@ -223,3 +274,51 @@ def test_a_failed_step_is_a_verdict_and_leaves_the_old_motion_alone() -> None:
     hard = step(system, start, 50.0, Coefficients(0.6), 1e-12)
     assert (hard.motion, hard.evaluation, hard.newton.converged, hard.error) == (None, None, False, math.inf)
     np.testing.assert_array_equal(start.q, before)
+
+
+@pytest.mark.parametrize(
+    ("norms", "status", "iterations"),
+    [
+        ([1e-9], NewtonStatus.CONVERGED, 1),  # tiny at once
+        ([1.0, 1e-4], NewtonStatus.CONVERGED, 2),  # the contraction promises 1e-8
+        ([1.0, 1e-2, 1e-6], NewtonStatus.CONVERGED, 3),
+        ([1.0, 0.0], NewtonStatus.CONVERGED, 2),
+        ([1.0, 1.5, 13.0], NewtonStatus.DIVERGED, 3),
+        ([1.0, math.nan], NewtonStatus.NOT_FINITE, 2),
+        ([math.inf], NewtonStatus.NOT_FINITE, 1),
+        ([0.9**k for k in range(20)], NewtonStatus.TOO_MANY, 10),
+    ],
+)
+def test_newton_returns_its_verdict(norms: list[float], status: NewtonStatus, iterations: int) -> None:
+    verdict = verdict_on(iter(norms), 2e-8, 10)
+    assert (verdict.status, verdict.iterations) == (status, iterations)
+    assert verdict.converged == (status is NewtonStatus.CONVERGED)
+
+
+def test_newtons_estimate_bounds_what_is_left_of_a_linear_contraction() -> None:
+    rate, x = 0.3, [1.0]
+
+    def corrections() -> Iterator[float]:
+        while True:
+            x.append(rate * x[-1])
+            yield x[-2] - x[-1]
+
+    verdict = verdict_on(corrections(), 1e-6, 50)
+    assert_allclose(verdict.error, x[-1], rtol=1e-6)
+    assert x[-1] <= 1e-6 < x[-2]
+
+
+@pytest.mark.parametrize(("tolerance", "reached", "corrections"), [(0.05, 1.04, 2), (0.03, 1.008, 3)])
+def test_the_error_left_by_a_wrong_derivative_is_estimated(tolerance: float, reached: float, corrections: int) -> None:
+    z, factor, dx = ca.MX.sym("z", 1, 2), ca.MX.sym("factor"), ca.MX.sym("dx")  # x and its residual, x - 1
+    moved = z[0] + dx
+    iteration = newton(
+        ca.Function("factorize", [z], [1.25 + 0 * z[0]]),  # a wrong derivative: the error contracts by 0.2
+        ca.Function("correct", [z, factor], [-z[1] / factor, ca.fabs(z[1] / factor)]),
+        ca.Function("apply", [z, dx], [ca.horzcat(moved, moved - 1)]),
+    )
+    found, progress = iteration(ca.DM([[2.0, 1.0]]), tolerance)
+    verdict = report(progress.full().ravel().tolist())
+    assert (verdict.status, verdict.iterations) == (NewtonStatus.CONVERGED, corrections)
+    assert_allclose(found.full().ravel(), [reached, reached - 1], rtol=1e-12)
+    assert verdict.error == pytest.approx(reached - 1, rel=1e-12)

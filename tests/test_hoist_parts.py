@@ -153,7 +153,7 @@ def test_with_every_part_the_energy_balance_closes() -> None:
     # the integrator's 1e-9 on the 1e7 J of the hoist's energy, over 150 steps that partly cancel
     np.testing.assert_allclose(energy_residual(start, plant.outputs(state, u), state.works[:5]), 0.0, atol=0.05)
     np.testing.assert_allclose(state.works[5:].sum(), state.works[:5][1], rtol=1e-12)
-    # every loss has taken something, or this test says nothing of it; head ropes that slip are in test_head_rope_slip
+    # every loss has taken something, or this test says nothing of it; head ropes that slip are in test_head_ropes
     taken = dict(zip(LOSS_NAMES, state.works[5:], strict=True))
     assert taken.pop("lining") == 0.0
     assert min(taken.values()) > 1.0, taken

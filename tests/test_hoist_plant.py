@@ -10,7 +10,7 @@ from drives import Plant, PlantInput, PlantInputPath
 from scipy.integrate import solve_ivp
 
 from hoist_demo.drive.equations import equations, numbers_of, parts_of
-from hoist_demo.drive.kernels import CHUNK
+from hoist_demo.drive.integrator import CHUNK
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Play

@@ -18,14 +18,13 @@ import pytest
 from browser import BROWSER, look, run
 
 from fmu_src.archive import read_archive
-from fmu_src.arrays import scalars
-from fmu_src.attachments import xml_bytes
 from fmu_src.documentation import index_html
 from fmu_src.interface import Variable
-from fmu_src.model_description import Build, model_description
-from fmu_src.model_description3 import model_description3
+from fmu_src.model_description import Build, model_description, model_description3
 from fmu_src.native.table import c_table
+from fmu_src.profile import scalars
 from fmu_src.ssp import export_ssp
+from fmu_src.xml import xml_bytes
 from hoist_demo.calibration.definition import read_measured
 from hoist_demo.calibration.page import write_rope_file
 from hoist_demo.drive_fmu.description import attachments

@@ -18,8 +18,8 @@ from scenes import Choice
 
 from fmu_src.interface import variables
 from rope_model import scene_names
-from rope_model.codegen.state_structures import FollowingStructure
-from rope_model.codegen.structures import EndStructure, SceneStructure, scene_structure
+from rope_model.codegen.state_structures import PARTS
+from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
 from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, RopeCase, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import frozen, refusal
@@ -53,12 +53,12 @@ def text_of(function: Any, *arguments: Any) -> str:
     return message.value.decode()
 
 
-def c_end(end: EndMotion) -> EndStructure:
-    return EndStructure(*dataclasses.astuple(end))
+def c_end(end: EndMotion) -> EndMotionStructure:
+    return EndMotionStructure(*dataclasses.astuple(end))
 
 
 def ends_of(ends: Ends) -> Any:
-    return (EndStructure * 2)(*map(c_end, ends))
+    return (EndMotionStructure * 2)(*map(c_end, ends))
 
 
 def pointer(x: Array) -> Any:
@@ -114,7 +114,7 @@ def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> Non
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
     inputs, following = scene_structure(Scene()).inputs, Following(given_at=1.0, held=7.0)
-    structure = FollowingStructure(*following)
+    structure = PARTS[Following](*following)
     for t in (1.5, 2.0, 2.5):
         message = text_of(native.ends_frozen, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
         assert message == frozen(Inputs(), t, following, "right")

@@ -15,8 +15,7 @@ from rope_groups import CASE, KNOWN, Weight, rope, ropes_in
 from balance_rope import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
-from hoist_demo.cosimulation.participants.rope_group import Member, RopeGroup
-from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
+from hoist_demo.cosimulation.participants.rope_group import Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import GRAVITY, Coupling, hoist_with
 from hoist_demo.parameters.place import Place
@@ -35,7 +34,7 @@ def touching(*ropes: WholeRope, apart: float) -> RopeGroup:
     members = group(*ropes, apart=apart).members
     scenes = [one.whole.scene for one in ropes if one.whole is not None]
     neighbours = Neighbours(scenes, [member.place.origin for member in members])
-    return RopeGroup(members, TouchingRopes(ropes, neighbours))
+    return RopeGroup(members, neighbours)
 
 
 def at_height(y: float) -> tuple[EndMotion, EndMotion]:

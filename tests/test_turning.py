@@ -1,14 +1,29 @@
 """The loop turned about the vertical by a full turn, and ropes in any pose: they find their rest, and it is stable."""
 
-import math
-from dataclasses import replace
+from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from random_poses import KINDS, NO_REASON, Pose, hang, poses
 from scenes import fixed_steps, turn, wound
 
-from rope_model import BalanceRope, EndMotion, Form, Mesh, Rope, RopeSimulator, Scene, balance_rope, rope_120
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Form,
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    balance_rope,
+    rope_120,
+)
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.stepping.statics import find_equilibrium
 
@@ -77,6 +92,95 @@ def at_rest(left: EndMotion, right: EndMotion) -> dict[str, float]:
     return rope.signals()
 
 
+# ropes in poses from a seed, kind by kind: the first hangs as drawings show it, the last has everything at once; nearly
+# everything is drawn over the whole range that the rope takes, so that many poses are absurd
+LENGTH, MASS, BENDING, SPACING = (60.0, 1200.0), (3.0, 15.0), (50.0, 3000.0), (1.2, 3.0)  # m, kg/m, N m^2, m
+#: EA (N) per mass per length (kg/m); the other stiffnesses grow with the section as those of the published case
+STIFFNESS = (1.1e7, 2.0e7)
+PUBLISHED = Rope()
+#: (Qb - Qc) / (Qb + Qc): the published pair has .015
+UNSYMMETRIC = (-0.5, 0.5)
+#: how near an end the loop hangs, in rope lengths
+NEAR = (0.05, 0.5)
+ASIDE = 3.0  # m: how far an end hangs beside its place, in rope lengths no more than a tenth
+TURNS = 3.0  # of yaw of an end, and of installed twist
+
+
+@dataclass(frozen=True)
+class Pose:
+    kind: str
+    scene: Scene
+    left: EndMotion
+    right: EndMotion
+
+
+#: what each kind has beside hanging straight; draws of the same number are the same rope
+KINDS = {
+    "as drawn": (),
+    "height difference": ("height",),
+    "ends aside": ("height", "aside"),
+    "sides swapped": ("height", "aside", "swapped"),
+    "ends yawed": ("height", "yawed"),
+    "twist installed": ("height", "twisted"),
+    "Qb, Qc unequal": ("height", "unsymmetric"),
+    "all at once": ("height", "aside", "swapped", "yawed", "twisted", "unsymmetric"),
+}
+
+
+def poses(seed: int, number: int) -> Iterator[Pose]:
+    rng = np.random.default_rng(seed)
+    for k in range(number):
+        kind = list(KINDS)[k % len(KINDS)]
+        yield _pose(rng, kind, frozenset(KINDS[kind]))
+
+
+def _pose(rng: np.random.Generator, kind: str, has: frozenset[str]) -> Pose:
+    def evenly(low: float, high: float) -> float:
+        return float(rng.uniform(low, high))
+
+    def in_logarithms(bounds: tuple[float, float]) -> float:
+        return float(np.exp(rng.uniform(*np.log(bounds))))
+
+    def if_has(what: str, value: float) -> float:
+        return value if what in has else 0.0
+
+    length, mass, spacing = in_logarithms(LENGTH), evenly(*MASS), evenly(*SPACING)
+    Qa, section = mass * in_logarithms(STIFFNESS), mass / PUBLISHED.mass_per_length
+    stiffer = Qa / PUBLISHED.Qa
+    Qs = evenly(0.0, 1.0) * stiffer * math.sqrt(section) * PUBLISHED.Qs
+    unequal = if_has("unsymmetric", evenly(*UNSYMMETRIC))
+    rope = Rope(
+        length=length, mass_per_length=mass, Qa=Qa, Qb=(1.0 + unequal) * Qs, Qc=(1.0 - unequal) * Qs,
+        Qd=stiffer * section * PUBLISHED.Qd, EI=in_logarithms(BENDING), rhoJ=section**2 * PUBLISHED.rhoJ,
+        diameter=math.sqrt(section) * PUBLISHED.diameter,
+        installed_twist=if_has("twisted", evenly(-1.0, 1.0) * 2.0 * math.pi * TURNS),
+    )  # fmt: skip
+    rises = if_has("height", evenly(-1.0, 1.0) * (1.0 - 2.0 * NEAR[0]) * length)
+    aside = min(ASIDE, 0.1 * length)
+    ends = []
+    for side in (-1.0, 1.0):
+        x = if_has("aside", evenly(-0.3, 0.3) * spacing) - if_has("swapped", side * spacing)
+        z = if_has("aside", evenly(-1.0, 1.0) * aside)
+        yaw = if_has("yawed", evenly(-1.0, 1.0) * 2.0 * math.pi * TURNS)
+        ends.append(EndMotion(x=x, y=0.5 * side * rises, z=z, yaw=yaw))
+    scene = Scene(rope, Layout(spacing), mesh=Mesh("auto"), model=Model("torsional"))
+    return Pose(kind, scene, ends[0], ends[1])
+
+
+def hang(pose: Pose) -> tuple[str, float]:
+    """The reason for which a pose is refused, or the relative error of the weight that the ends carry."""
+    rope = balance_rope(pose.scene)
+    status = rope.initialize(0.0, pose.left, pose.right)
+    if not status.valid:
+        return status.message, 0.0
+    data = pose.scene.rope
+    weight = data.mass_per_length * pose.scene.layout.gravity * data.length
+    return "", abs(sum(rope.signals(["left.fy", "right.fy"]).values()) / weight + 1.0)
+
+
+#: a refusal names a bound and a cure, which the search's own failure cannot
+NO_REASON = "no equilibrium within"
+
 SEED = 7
 DRAWN, SLOW = enumerate(poses(SEED, 5 * len(KINDS))), [pytest.mark.slow]
 POSES = [pytest.param(x, marks=SLOW * (k >= len(KINDS)), id=f"{k}, {x.kind}") for k, x in DRAWN]
@@ -84,11 +188,13 @@ POSES = [pytest.param(x, marks=SLOW * (k >= len(KINDS)), id=f"{k}, {x.kind}") fo
 
 @pytest.mark.parametrize("pose", POSES)
 def test_every_pose_finds_rest_or_is_refused_for_a_reason(pose: Pose) -> None:
-    rest = hang(pose)
-    assert NO_REASON not in rest.refusal
+    refusal, weight_error = hang(pose)
+    assert NO_REASON not in refusal
+    # nor by the bound on the work of turning in
+    assert "more than ropes need" not in refusal
     # rounding of the height L in the strain of the shortest elements, l = .1 m: eps Qa L / l is 4.5e-9 of the weight
     # where Qa per mass is largest
-    assert rest.weight_error < 1e-8
+    assert weight_error < 1e-8
 
 
 #: of 118 m, soft against twist: past 6.46875 rad, and again past 17.7 rad, nothing is left of the way it was on

@@ -21,8 +21,7 @@ import numpy as np
 
 from evidence.tables import Tables, table
 from fmu_src.native.build import host_platform
-from fmu_src.native.export import export_native
-from fmu_src.native.model_fmu import export_model
+from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import FULL
 from hoist_demo.cases.table import CASES
 from hoist_demo.drive_fmu.description import drive_model

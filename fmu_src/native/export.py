@@ -1,23 +1,33 @@
-"""Builds the native FMU: self-contained C, FMI 2.0 or 3.0, for many platforms at once."""
+"""Builds native FMUs: self-contained C, FMI 2.0 or 3.0, for many platforms at once.
+
+The rope's, and that of any model that implements model.h, in the rope's shell.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import importlib.metadata
 import os
 import time
+import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any, Protocol
 
 from fmu_src.archive import write_archive
-from fmu_src.arrays import arrays, scalars
-from fmu_src.attachments import attachments
+from fmu_src.attachments import attachments, license_text
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
+from fmu_src.model_description import Build, build_description, model_description, model_description3
 from fmu_src.native.build import choose_platforms
-from fmu_src.native.model_fmu import native_files
-from fmu_src.native.shell import shell
-from fmu_src.native.table import c_places, c_table
-from fmu_src.profile import Profile
+from fmu_src.native.start import Start, binaries_with, c_start
+from fmu_src.native.table import c_places, c_table, start_values
+from fmu_src.profile import Form, Profile, arrays, scalars
+from fmu_src.xml import xml_bytes
 from rope_model.parameters import Level, RopeCase
 from rope_model.scene_names import Value
+
+_HERE = Path(__file__).resolve().parent
+_COMMON = ("component.c", "component.h", "model.h", "shell.inc", "snapshot.c", "snapshot.h")
 
 
 def export_native(
@@ -84,3 +94,107 @@ def _date() -> str:
     """UTC, of SOURCE_DATE_EPOCH; empty without it, for two exports shall be the same bytes."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch))) if epoch else ""
+
+
+class ExportedModel(Protocol):
+    """A model to export, without arrays and directional derivatives.
+
+    Its outputs at an instant depend on no input of that instant (after initialisation).
+    """
+
+    @property
+    def name(self) -> str:
+        """Name of the model."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """Description of the model."""
+        ...
+
+    @property
+    def variables(self) -> Sequence[tuple[Any, ...]]:
+        """Rows of the table: the values of a Variable each."""
+
+    @property
+    def sources(self) -> Mapping[str, str]:
+        """Texts by file name: C that implements model.h."""
+
+    @property
+    def attachments(self) -> Mapping[str, bytes]:
+        """Further files by their paths in the archive."""
+
+    @property
+    def duration(self) -> float:
+        """Duration (s) of the default run."""
+
+    @property
+    def initial(self) -> Mapping[str, Sequence[str]]:
+        """Dependencies of the outputs during initialisation, see Build."""
+
+
+def export_model(destination: Path, model: ExportedModel, platforms: Sequence[str] | None = None, fmi: int = 2) -> Path:
+    """Write the FMU of ``model`` to ``destination``; ``platforms`` as for the rope."""
+    table = [Variable(*variable) for variable in model.variables]
+    files = native_files(
+        table,
+        dict(enumerate(table)),
+        model_sources(table, model.sources, fmi),
+        f"{model.name}\0{start_values(table, fmi)}",
+        fmi,
+        choose_platforms(platforms),
+        stop=model.duration,
+        name=model.name,
+        description=model.description,
+        derivatives=False,
+        initial=model.initial,
+    )
+    files |= model.attachments
+    files["documentation/licenses/license.txt"] = license_text().encode()
+    files["documentation/licenses/fmi-headers.txt"] = (_HERE / "include" / "LICENSE.txt").read_bytes()
+    write_archive(destination, files)
+    return destination
+
+
+def native_files(
+    table: Sequence[Variable],
+    described: Mapping[int, Variable],
+    sources: Mapping[str, str],
+    what: str,
+    fmi: int,
+    platforms: Sequence[str],
+    form: Form = arrays,
+    **facts: Any,
+) -> dict[str, bytes]:
+    """Path in the FMU -> contents: description, sources and libraries.
+
+    ``sources`` lack start.c; ``what`` tells exports of the same sources apart; ``facts`` are those of Build.
+    """
+    digest = hashlib.sha256(what.encode())
+    for name, text in sorted(sources.items()):
+        digest.update(f"\0{name}\0{text}".encode())
+    token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
+    start = Start(token, start_values(table, fmi), form is arrays)
+    version = importlib.metadata.version("balance-rope")
+    written = {**sources, "start.c": c_start(start)}
+    compiled = tuple(sorted(name for name in written if name.endswith(".c")))
+    build = Build(token, version, f"balance-rope {version}, native", sources=compiled, **facts)
+    root = model_description(described, build) if fmi == 2 else model_description3(form(described), len(table), build)
+    return {
+        "modelDescription.xml": xml_bytes(root),
+        **{f"sources/{name}": text.encode() for name, text in written.items()},
+        "sources/buildDescription.xml": xml_bytes(build_description(build, fmi)),
+        **binaries_with(start, sources, build.name, fmi, platforms),
+    }
+
+
+def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
+    """The C files ``model`` with everything between model.h and the FMI functions but start.c."""
+    return {**model, **shell(fmi), "variables.c": c_table(table, fmi)}
+
+
+def shell(fmi: int, *more: str) -> dict[str, str]:
+    """The C files between the FMI functions and model.h, which every FMU has, by name; and ``more`` of this folder."""
+    headers = sorted(path.name for path in (_HERE / "include").glob(f"fmi{fmi}*.h"))
+    files = [*(_HERE / name for name in (*_COMMON, f"fmi{fmi}.c", *more)), *(_HERE / "include" / h for h in headers)]
+    return {path.name: path.read_text(encoding="utf-8") for path in files}

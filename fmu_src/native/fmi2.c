@@ -37,23 +37,13 @@ static void log_message(void *context, Severity severity, const char *message) {
     if (severity != LOG_NOTE || i->logging) say(i->logger, i->environment, i->name, severity, message);
 }
 
-static fmi2Status status(int ok) {
-    return ok ? fmi2OK : fmi2Error;
-}
-
-/* the common start of a call: there is an instance, and its mode is one of `modes` */
-static int may(Instance *i, const char *function, int modes) {
-    return i && component_allows(i->component, function, modes);
-}
-
-static int not_null(Instance *i, const void *pointer) {
-    return component_given(i->component, pointer);
-}
-
-static fmi2Status refuse_unsupported(fmi2Component c, const char *message) {
-    if (c) component_refuse(((Instance *)c)->component, message);
-    return fmi2Error;
-}
+#define FMI(name) fmi2##name
+#define STATE(verb, rest) fmi2##verb##FMUstate##rest
+#define DESERIALIZE fmi2DeSerializeFMUstate
+typedef fmi2Component Handle;
+typedef fmi2FMUstate State;
+typedef fmi2Status Status;
+#include "shell.inc"
 
 /* inquiry, creation and destruction */
 
@@ -63,15 +53,6 @@ const char *fmi2GetTypesPlatform(void) {
 
 const char *fmi2GetVersion(void) {
     return fmi2Version;
-}
-
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
-                               const fmi2String categories[]) {
-    Instance *i = c;
-    int all;
-    if (!i || !component_categories(i->component, nCategories, categories, &all)) return fmi2Error;
-    i->logging = loggingOn && all;
-    return fmi2OK;
 }
 
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
@@ -115,14 +96,6 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     return NULL;
 }
 
-void fmi2FreeInstance(fmi2Component c) {
-    Instance *i = c;
-    if (!i) return;
-    Allocator allocator = i->allocator;
-    component_destroy(i->component);
-    allocator.give_back(i);
-}
-
 /* life cycle */
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
@@ -140,23 +113,6 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     return fmi2OK;
 }
 
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    Instance *i = c;
-    return status(may(i, "fmi2ExitInitializationMode", INITIALIZATION) && component_exit_initialization(i->component));
-}
-
-fmi2Status fmi2Terminate(fmi2Component c) {
-    Instance *i = c;
-    return status(i && component_terminate(i->component, "fmi2Terminate"));
-}
-
-fmi2Status fmi2Reset(fmi2Component c) {
-    Instance *i = c;
-    if (!i) return fmi2Error;
-    component_reset(i->component);
-    return fmi2OK;
-}
-
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
     Instance *i = c;
@@ -170,10 +126,6 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
 }
 
 /* values */
-
-static int may_access(Instance *i, const char *function, int modes, const void *vr, size_t nvr, const void *value) {
-    return may(i, function, modes) && (!nvr || (not_null(i, vr) && not_null(i, value)));
-}
 
 static void put(void *values, size_t at, Kind kind, double value) {
     switch (kind) {
@@ -246,54 +198,6 @@ VARIABLES_OF(Real, KIND_REAL)
 VARIABLES_OF(Integer, KIND_INTEGER)
 VARIABLES_OF(Boolean, KIND_BOOLEAN)
 VARIABLES_OF(String, KIND_STRING)
-
-/* states */
-
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    Instance *i = c;
-    return status(may(i, "fmi2GetFMUstate", ANY_MODE) && not_null(i, FMUstate) &&
-                  (!*FMUstate || snapshot_given(i->component, *FMUstate)) &&
-                  snapshot_take(i->component, &i->allocator, (Snapshot **)FMUstate));
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
-    Instance *i = c;
-    return status(may(i, "fmi2SetFMUstate", ANY_MODE) && snapshot_given(i->component, FMUstate) &&
-                  snapshot_restore(i->component, FMUstate));
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    Instance *i = c;
-    if (!may(i, "fmi2FreeFMUstate", ANY_MODE)) return fmi2Error;
-    if (!FMUstate || !*FMUstate) return fmi2OK;
-    if (!snapshot_given(i->component, *FMUstate)) return fmi2Error;
-    snapshot_free(&i->allocator, *FMUstate);
-    *FMUstate = NULL;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
-    Instance *i = c;
-    if (!may(i, "fmi2SerializedFMUstateSize", ANY_MODE) || !snapshot_given(i->component, FMUstate) ||
-        !not_null(i, size))
-        return fmi2Error;
-    *size = snapshot_bytes(FMUstate);
-    return fmi2OK;
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
-    Instance *i = c;
-    return status(may(i, "fmi2SerializeFMUstate", ANY_MODE) && snapshot_given(i->component, FMUstate) &&
-                  not_null(i, serializedState) && snapshot_write(i->component, FMUstate, serializedState, size));
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
-                                   fmi2FMUstate *FMUstate) {
-    Instance *i = c;
-    return status(may(i, "fmi2DeSerializeFMUstate", ANY_MODE) && not_null(i, serializedState) &&
-                  not_null(i, FMUstate) &&
-                  snapshot_read(i->component, &i->allocator, serializedState, size, (Snapshot **)FMUstate));
-}
 
 /* derivatives */
 

@@ -24,37 +24,18 @@ static void log_message(void *context, Severity severity, const char *message) {
         i->log(i->environment, statuses[severity], log_category(severity), message);
 }
 
-static fmi3Status status(int ok) {
-    return ok ? fmi3OK : fmi3Error;
-}
-
-/* the common start of a call: there is an instance, and its mode is one of `modes` */
-static int may(Instance *i, const char *function, int modes) {
-    return i && component_allows(i->component, function, modes);
-}
-
-static int not_null(Instance *i, const void *pointer) {
-    return component_given(i->component, pointer);
-}
-
-static fmi3Status refuse_unsupported(fmi3Instance instance, const char *message) {
-    if (instance) component_refuse(((Instance *)instance)->component, message);
-    return fmi3Error;
-}
+#define FMI(name) fmi3##name
+#define STATE(verb, rest) fmi3##verb##FMUState##rest
+#define DESERIALIZE fmi3DeserializeFMUState
+typedef fmi3Instance Handle;
+typedef fmi3FMUState State;
+typedef fmi3Status Status;
+#include "shell.inc"
 
 /* inquiry, creation and destruction */
 
 const char *fmi3GetVersion(void) {
     return fmi3Version;
-}
-
-fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
-                               const fmi3String categories[]) {
-    Instance *i = instance;
-    int all;
-    if (!i || !component_categories(i->component, nCategories, categories, &all)) return fmi3Error;
-    i->logging = loggingOn && all;
-    return fmi3OK;
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
@@ -118,14 +99,6 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
     return NULL;
 }
 
-void fmi3FreeInstance(fmi3Instance instance) {
-    Instance *i = instance;
-    if (!i) return;
-    Allocator allocator = i->allocator;
-    component_destroy(i->component);
-    allocator.give_back(i);
-}
-
 /* life cycle */
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
@@ -136,23 +109,6 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
         !component_setup(i->component, startTime, stopTimeDefined, stopTime))
         return fmi3Error;
     component_enter_initialization(i->component);
-    return fmi3OK;
-}
-
-fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-    Instance *i = instance;
-    return status(may(i, "fmi3ExitInitializationMode", INITIALIZATION) && component_exit_initialization(i->component));
-}
-
-fmi3Status fmi3Terminate(fmi3Instance instance) {
-    Instance *i = instance;
-    return status(i && component_terminate(i->component, "fmi3Terminate"));
-}
-
-fmi3Status fmi3Reset(fmi3Instance instance) {
-    Instance *i = instance;
-    if (!i) return fmi3Error;
-    component_reset(i->component);
     return fmi3OK;
 }
 
@@ -171,11 +127,6 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 }
 
 /* values: variables one after the other, each with all its elements */
-
-static int may_access(Instance *i, const char *function, int modes, const void *references, size_t number,
-                      const void *values) {
-    return may(i, function, modes) && (!number || (not_null(i, references) && not_null(i, values)));
-}
 
 /* the scalars of the variable, of which there must be values left */
 static int find(Instance *i, fmi3ValueReference reference, Kind kind, size_t left, size_t *first, size_t *length) {
@@ -282,17 +233,16 @@ static fmi3Status none_of(Instance *i, const char *function, size_t number) {
     return status(!number || component_refuse(i->component, "there is no variable of this type"));
 }
 
-#define NO_VARIABLES_OF(Type)                                                                                          \
-    fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
-                             size_t nValueReferences, fmi3##Type values[], size_t nValues) {                           \
-        (void)valueReferences, (void)values, (void)nValues;                                                            \
-        return none_of(instance, "fmi3Get" #Type, nValueReferences);                                                   \
-    }                                                                                                                  \
-    fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
-                             size_t nValueReferences, const fmi3##Type values[], size_t nValues) {                     \
-        (void)valueReferences, (void)values, (void)nValues;                                                            \
-        return none_of(instance, "fmi3Set" #Type, nValueReferences);                                                   \
+/* not every argument is read from here on */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#define NONE_OF(name, ...)                                                                                             \
+    fmi3Status fmi3##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,  \
+                          __VA_ARGS__) {                                                                               \
+        return none_of(instance, "fmi3" #name, nValueReferences);                                                      \
     }
+#define NO_VARIABLES_OF(Type)                                                                                          \
+    NONE_OF(Get##Type, fmi3##Type values[], size_t nValues)                                                            \
+    NONE_OF(Set##Type, const fmi3##Type values[], size_t nValues)
 
 NO_VARIABLES_OF(Float32)
 NO_VARIABLES_OF(Int8)
@@ -301,79 +251,10 @@ NO_VARIABLES_OF(Int16)
 NO_VARIABLES_OF(UInt16)
 NO_VARIABLES_OF(UInt32)
 NO_VARIABLES_OF(UInt64)
-
-fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         size_t valueSizes[], fmi3Binary values[], size_t nValues) {
-    (void)valueReferences, (void)valueSizes, (void)values, (void)nValues;
-    return none_of(instance, "fmi3GetBinary", nValueReferences);
-}
-
-fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        fmi3Clock values[]) {
-    (void)valueReferences, (void)values;
-    return none_of(instance, "fmi3GetClock", nValueReferences);
-}
-
-fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                         const size_t valueSizes[], const fmi3Binary values[], size_t nValues) {
-    (void)valueReferences, (void)valueSizes, (void)values, (void)nValues;
-    return none_of(instance, "fmi3SetBinary", nValueReferences);
-}
-
-fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
-                        const fmi3Clock values[]) {
-    (void)valueReferences, (void)values;
-    return none_of(instance, "fmi3SetClock", nValueReferences);
-}
-
-/* states */
-
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    Instance *i = instance;
-    return status(may(i, "fmi3GetFMUState", ANY_MODE) && not_null(i, FMUState) &&
-                  (!*FMUState || snapshot_given(i->component, *FMUState)) &&
-                  snapshot_take(i->component, &i->allocator, (Snapshot **)FMUState));
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
-    Instance *i = instance;
-    return status(may(i, "fmi3SetFMUState", ANY_MODE) && snapshot_given(i->component, FMUState) &&
-                  snapshot_restore(i->component, FMUState));
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
-    Instance *i = instance;
-    if (!may(i, "fmi3FreeFMUState", ANY_MODE)) return fmi3Error;
-    if (!FMUState || !*FMUState) return fmi3OK;
-    if (!snapshot_given(i->component, *FMUState)) return fmi3Error;
-    snapshot_free(&i->allocator, *FMUState);
-    *FMUState = NULL;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size) {
-    Instance *i = instance;
-    if (!may(i, "fmi3SerializedFMUStateSize", ANY_MODE) || !snapshot_given(i->component, FMUState) ||
-        !not_null(i, size))
-        return fmi3Error;
-    *size = snapshot_bytes(FMUState);
-    return fmi3OK;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
-                                 size_t size) {
-    Instance *i = instance;
-    return status(may(i, "fmi3SerializeFMUState", ANY_MODE) && snapshot_given(i->component, FMUState) &&
-                  not_null(i, serializedState) && snapshot_write(i->component, FMUState, serializedState, size));
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
-                                   fmi3FMUState *FMUState) {
-    Instance *i = instance;
-    return status(may(i, "fmi3DeserializeFMUState", ANY_MODE) && not_null(i, serializedState) &&
-                  not_null(i, FMUState) &&
-                  snapshot_read(i->component, &i->allocator, serializedState, size, (Snapshot **)FMUState));
-}
+NONE_OF(GetBinary, size_t valueSizes[], fmi3Binary values[], size_t nValues)
+NONE_OF(SetBinary, const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
+NONE_OF(GetClock, fmi3Clock values[])
+NONE_OF(SetClock, const fmi3Clock values[])
 
 /* derivatives */
 
@@ -391,7 +272,6 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 
 /* what the capability flags rule out: nobody reads the arguments */
 
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 #define REFUSED(name, why, ...)                                                                                        \
     fmi3Status fmi3##name(__VA_ARGS__) {                                                                               \
         return refuse_unsupported(instance, why);                                                                      \

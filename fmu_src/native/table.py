@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
-from fmu_src.arrays import arrays, scalars
 from fmu_src.interface import RATES, Variable
+from fmu_src.profile import arrays, scalars
 from rope_model.scene_names import choices_of
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.outputs.sensitivity import LOADS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,6 @@ from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.rope_data import Levels
 from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
@@ -83,9 +82,9 @@ is written all the same), 2 wrong arguments, 130 interrupted while the results w
 """
 
 
-def add_wind(commands: Commands, fmu: Path, levels: Callable[[], Levels] = dict) -> None:
-    """Add the subcommand `wind`; `levels` name a rope's accuracy."""
-    run = partial(_wind, default=fmu, levels=levels)
+def add_wind(commands: Commands, fmu: Path) -> None:
+    """Add the subcommand `wind`; `fmu` is wound where it is there and nothing else is asked for."""
+    run = partial(_wind, default=fmu)
     about = "wind once and write figures, CSV and a report"
     wind = add_command(commands, "wind", run, about, _DESCRIPTION, _EPILOG, "demo")
     wind.add_argument(
@@ -118,7 +117,7 @@ def add_wind(commands: Commands, fmu: Path, levels: Callable[[], Levels] = dict)
     )
 
 
-def _wind(options: argparse.Namespace, default: Path, levels: Callable[[], Levels]) -> int:
+def _wind(options: argparse.Namespace, default: Path) -> int:
     if options.case is not None:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
@@ -169,7 +168,7 @@ def _wind(options: argparse.Namespace, default: Path, levels: Callable[[], Level
     contradiction = contradictions(run.hoist, data.parameters)
     known = [*of_host(run, statuses), *of_rope(case, data, statuses)]
     warned = [*filter(None, (missing, contradiction)), *said]
-    wound = WoundRun(title, run, result, data, data.level(levels()), known, warned, asked)
+    wound = WoundRun(title, run, result, data, data.level, known, warned, asked)
     # the report of an earlier run is worth more than that of one that failed
     spared = not result.completed and (options.out / REPORT).exists()
     out = results_folder(options.out / STOPPED) if spared else options.out

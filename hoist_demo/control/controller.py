@@ -8,7 +8,7 @@ F_loss the known friction at the reference speed. The three terms that follow th
 share of them between 0 (plain PI) and 1 is used.
 The command is cut at the limits of torque and power, and the integral then stands still as long as it would push
 further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
-When the reference says that the safety brake stops the hoist, the motor is off and `EmergencyBrake` asks for the brake.
+When the reference says that the safety brake stops the hoist, the motor is off and `emergency_brake` asks for it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, Protocol
 
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
-from hoist_demo.parameters.components import require
+from hoist_demo.parameters.components import require, require_magnitudes
 from hoist_demo.parameters.quantity import quantity
 from rope_model.physics.elementary import both, larger, smaller, tanh, where
 
@@ -33,55 +33,6 @@ class BrakeState:
     integral: float = 0.0  # N
 
 
-class EmergencyBrake:
-    """Emergency stops of one hoist with the brake; the motor is off, and the state explicit.
-
-        torque:        the full torque once the dead time is over
-        two-stage:     a part of it, and the full torque from a given time after the trip
-        deceleration:  regulated: the speed shall fall as |v_b| - a (t - t_b) from v_b, at which the brake bites,
-
-            T = R [ m a - F_r + k_v e + I ] ,     e = |v| - v_asked ,     I <- I + H k_v e / T_i ,
-
-    with the force F_r that slows the hoist anyway: friction, and the imbalance when the heavier side rises. A brake can
-    only brake: T is cut to 0 and the full torque, and I then stands still. Once v_asked is 0 the full torque holds.
-    """
-
-    def __init__(self, hoist: Hoist, gain: float, integral_time: float) -> None:
-        """Gain k_v [N s/m] and integral time T_i [s] of a regulated stop."""
-        self._hoist = hoist
-        self._gain, self._integral_time = gain, integral_time
-
-    def command(
-        self, braking: Braking, speed: float, resistance: float, state: BrakeState | None, h: float
-    ) -> tuple[float, BrakeState | None]:
-        """Return the fraction of the full torque for the step of h [s] that begins now, and the state to go on with.
-
-        `speed` is that of the rim [m/s], `resistance` F_r [N].
-        """
-        brake = self._hoist.brake
-        if brake is None:
-            raise ValueError(f"emergency_law = {braking.law!r} must be 'drive' for a hoist without a brake: fit one")
-        if braking.elapsed < brake.delay:
-            return 0.0, None
-        if braking.law == "torque":
-            return 1.0, None
-        if braking.law == "two-stage":
-            return brake.first_stage if braking.elapsed < brake.first_stage_time else 1.0, None
-
-        # regulated: the ramp begins where the brake bites
-        state = BrakeState(speed) if state is None else state
-        asked = abs(state.bite_speed) - braking.deceleration * (braking.elapsed - brake.delay)
-        if asked <= 0.0:
-            return 1.0, state
-        error = math.copysign(1.0, state.bite_speed) * speed - asked
-        wanted = self._hoist.moving_mass * braking.deceleration - resistance + self._gain * error + state.integral
-        fraction = wanted * self._hoist.sheave_radius / brake.torque
-        if not 0.0 <= fraction <= 1.0:
-            return min(max(fraction, 0.0), 1.0), state
-        integral = state.integral + h * self._gain * error / self._integral_time
-        return fraction, BrakeState(state.bite_speed, integral)
-
-
 @dataclass(frozen=True)
 class Gains:
     """Tuning; the defaults are ours [assumed] for the default hoist."""
@@ -92,11 +43,50 @@ class Gains:
     feed_forward: float = quantity(1.0, "1", "share of the feed-forward that is used")
 
     def __post_init__(self) -> None:
-        for name in ("speed", "integral_time", "position"):
-            value = getattr(self, name)
-            require(value, value > 0.0, f"gain {name}", "finite and above 0", "start from the default")
+        names = ("speed", "integral_time", "position")
+        require_magnitudes(self, prefix="gain ", names=names, cure="start from the default")
         share = self.feed_forward
         require(share, 0.0 <= share <= 1.0, "gain feed_forward", "within 0 and 1", "it is a share")
+
+
+def emergency_brake(
+    hoist: Hoist, gains: Gains, braking: Braking, speed: float, resistance: float, state: BrakeState | None, h: float
+) -> tuple[float, BrakeState | None]:
+    """Return the fraction of the full torque for the step of h [s] that begins now, and the state to go on with.
+
+    The motor is off; `speed` is that of the rim [m/s], `resistance` F_r [N].
+
+        torque:        the full torque once the dead time is over
+        two-stage:     a part of it, and the full torque from a given time after the trip
+        deceleration:  regulated: the speed shall fall as |v_b| - a (t - t_b) from v_b, at which the brake bites,
+
+            T = R [ m a - F_r + k_v e + I ] ,     e = |v| - v_asked ,     I <- I + H k_v e / T_i ,
+
+    with the force F_r that slows the hoist anyway: friction, and the imbalance when the heavier side rises. A brake can
+    only brake: T is cut to 0 and the full torque, and I then stands still. Once v_asked is 0 the full torque holds.
+    """
+    brake = hoist.brake
+    if brake is None:
+        raise ValueError(f"emergency_law = {braking.law!r} must be 'drive' for a hoist without a brake: fit one")
+    if braking.elapsed < brake.delay:
+        return 0.0, None
+    if braking.law == "torque":
+        return 1.0, None
+    if braking.law == "two-stage":
+        return brake.first_stage if braking.elapsed < brake.first_stage_time else 1.0, None
+
+    # regulated: the ramp begins where the brake bites
+    state = BrakeState(speed) if state is None else state
+    asked = abs(state.bite_speed) - braking.deceleration * (braking.elapsed - brake.delay)
+    if asked <= 0.0:
+        return 1.0, state
+    error = math.copysign(1.0, state.bite_speed) * speed - asked
+    wanted = hoist.moving_mass * braking.deceleration - resistance + gains.speed * error + state.integral
+    fraction = wanted * hoist.sheave_radius / brake.torque
+    if not 0.0 <= fraction <= 1.0:
+        return min(max(fraction, 0.0), 1.0), state
+    integral = state.integral + h * gains.speed * error / gains.integral_time
+    return fraction, BrakeState(state.bite_speed, integral)
 
 
 class Measurement(NamedTuple):
@@ -145,7 +135,6 @@ class SpeedController:
         self._coulomb, self._viscous = hoist.travel_loss
         self._holding_torque = holding_torque
         self._hoist = hoist
-        self._emergency = EmergencyBrake(hoist, self._gains.speed, self._gains.integral_time)
 
     def command(
         self, reference: TrajectoryPoint, measured: Measurement, state: ControllerState | None, h: float
@@ -186,7 +175,7 @@ class SpeedController:
         """Motor off, brake after its law."""
         holding_force = self._holding_torque / self._radius + self._imbalance_rate * measured.travel
         resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
-        fraction, brake = self._emergency.command(braking, measured.speed, resistance, state.brake, h)
+        fraction, brake = emergency_brake(self._hoist, self._gains, braking, measured.speed, resistance, state.brake, h)
         return Command(0.0, False, ControllerState(0.0, brake), fraction)
 
     def _loss(self, speed: Any) -> Any:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -26,7 +27,7 @@ from hoist_demo.control.trajectory import Course, Trajectory, TrajectoryPoint, s
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, ROW, drive_row, with_drive_signals
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner, NextCommand
-from hoist_demo.cosimulation.plain_data import encode, private_copy
+from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.run_state import Result, RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
@@ -90,7 +91,6 @@ class Host:
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
         self._controller = partial(SpeedController, gains=gains) if controller is None else controller
-        self.plant = HoistPlant(self.hoist)
         self.trajectory = s_curve(self.winding) if trajectory is None else trajectory
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
         self.stability: StabilityEstimate | None = None
@@ -134,7 +134,7 @@ class Host:
         if resume is not None:
             run.pair.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
             run.recorder.resume(resume.recording, resume.sample)
-            run.controller, run.memory = private_copy(resume.controller), resume.memory
+            run.controller, run.memory = deepcopy(resume.controller), resume.memory
             run.first, run.steps = resume.sample, resume.sample * self.coupling.per_sample
         cause = self._wind(run, progress, save_to)
         checkpoint, saved, end = self._checkpoint(run, cause) if cause else None, None, None
@@ -161,12 +161,13 @@ class Host:
                 return f"rope, at the start: {forces}"
         else:
             forces = read()
-        rest = self.plant.equilibrium(*heights, *forces[:2].tolist())
+        plant = HoistPlant(self.hoist)
+        rest = plant.equilibrium(*heights, *forces[:2].tolist())
         state, acting = rest, np.zeros(len(INPUT_NAMES))
         acting[0], acting[list(FORCES)] = rest.x[0], forces[:2]
         if after is not None:
             state, acting = after.plant, after.input
-        drive = HoistPartner(self.plant, state, acting, self.drive_clock)
+        drive = HoistPartner(plant, state, acting, self.drive_clock)
         pair = Pair(drive, self.rope, self.rope_clock)
         memory = pair.start(start) if after is None else after.memory
         if after is None:
@@ -208,7 +209,7 @@ class Host:
             if stopped or (k - run.first) % between == 0:
                 run.kept = None  # frees the memory of the state before
                 # the controller may change what it is handed
-                run.kept = k, run.pair.save(), private_copy(run.controller), run.memory
+                run.kept = k, run.pair.save(), deepcopy(run.controller), run.memory
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
             with self.rope_clock:
@@ -263,7 +264,7 @@ class Host:
         def next_command(k: int, t: float, shown: Vector) -> tuple[float, float]:
             point = run.course.trajectory.at(t - self.coupling.start)
             # the step may be repeated, from the command before
-            command = self._command(controller, point, shown, private_copy(run.commands[k - 1].state))
+            command = self._command(controller, point, shown, deepcopy(run.commands[k - 1].state))
             run.commands[k:] = [command]
             return command.torque, command.brake
 
@@ -277,7 +278,7 @@ class Host:
             return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
         # what the rope does to conveyances that have play is held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
-        self._load(k)
+        self._load(run.drive.plant, k)
         run.commands = [command]
         run.drive.command(command.torque, command.brake, sides)
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
@@ -293,7 +294,7 @@ class Host:
             run.steps += 1
         return ""
 
-    def _load(self, k: int) -> None:
+    def _load(self, plant: HoistPlant, k: int) -> None:
         """The payloads at sample k of a trip during the dwell of which they change; in stairs of LOADED_EVERY."""
         if self._next_hoist is None or k % max(1, round(LOADED_EVERY / self.coupling.period)):
             return
@@ -303,7 +304,7 @@ class Host:
             part, now, then = min((dwelt - first) / (last - first), 1.0), self.hoist, self._next_hoist
             left = now.payload_left + part * (then.payload_left - now.payload_left)
             right = now.payload_right + part * (then.payload_right - now.payload_right)
-            self.plant.reload(replace(now, payload_left=left, payload_right=right))
+            plant.reload(replace(now, payload_left=left, payload_right=right))
 
     def _result(self, recording: Recording, steps: int, cause: str, course: Course) -> Result:
         if cause:

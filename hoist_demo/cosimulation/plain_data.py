@@ -10,7 +10,6 @@ from __future__ import annotations
 import base64
 import sys
 from collections.abc import Callable, Mapping
-from copy import deepcopy
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -64,24 +63,6 @@ def decode(value: Any, arrays: Arrays = NO_ARRAYS) -> Any:
         return value
     ((kind, content),) = value.items()
     return _READERS[kind](content, arrays)
-
-
-_NEVER_CHANGE = frozenset({type(None), bool, int, float, str, bytes})
-
-
-def private_copy(value: Any) -> Any:
-    """A copy that its owner may change; the value itself where nothing can change it."""
-    return value if _never_changes(value) else deepcopy(value)
-
-
-def _never_changes(value: Any) -> bool:
-    kind = type(value)
-    if kind in _NEVER_CHANGE:
-        return True
-    if isinstance(value, tuple):
-        return _NEVER_CHANGE.issuperset(map(type, value)) or all(map(_never_changes, value))
-    frozen = getattr(getattr(kind, "__dataclass_params__", None), "frozen", False)
-    return frozen and all(map(_never_changes, vars(value).values()))
 
 
 def _fields(kind: type[Any]) -> tuple[str, ...] | None:

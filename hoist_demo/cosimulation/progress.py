@@ -26,26 +26,14 @@ def progress_bar() -> Iterator[Callable[[float, float], bool]]:
 
 
 @contextmanager
-def listen(logger: str) -> Iterator[list[str]]:
-    """The warnings that a logger and those below it get meanwhile; they go where they went before, too."""
-    heard: list[str] = []
-    log, ear = logging.getLogger(logger), _Ear(heard)
-    log.addHandler(ear)
-    try:
-        yield heard
-    finally:
-        log.removeHandler(ear)
-
-
-@contextmanager
 def warnings_of(logger: str) -> Iterator[list[str]]:
     """The warnings that a logger and those below it get meanwhile, in a list and nowhere else."""
+    heard: list[str] = []
     log = logging.getLogger(logger)
     handlers, propagates = log.handlers, log.propagate
-    log.handlers, log.propagate = [], False
+    log.handlers, log.propagate = [_Ear(heard)], False
     try:
-        with listen(logger) as heard:
-            yield heard
+        yield heard
     finally:
         log.handlers, log.propagate = handlers, propagates
 

@@ -1,4 +1,18 @@
-"""The drive's compiled equations in one form, integrated by steps of their own choice.
+"""The drive's equations compiled where there is a C compiler, and integrated by steps of their own choice.
+
+`advance`, one text for all hoists with the same parts, does CHUNK steps of a Runge-Kutta method of the length h (s
+counts from 0 to 1 over a communication step H)
+
+    dx/ds = H rates(x, u(s)) ,   dW/ds = H powers(x, u(s)) ,
+
+and shows the drive at their end: state, work so far, these steps' included, largest error over tolerance
+(1 + |y| + |dy/ds|) of any of them (infinite where anything is not finite), input that acts there, outputs. With H = 0
+it shows the drive as it is. Inputs change, and forces yield to the drive's acceleration,
+
+    u(s) = u_0 + u_1 s + u_2 s^2 ,   F(s) = F_p(s) - m_a a ,   a = a_0 + B F .
+
+Forces enter the accelerations linearly, so that with the accelerations a_p under the polynomial F_p alone
+F = F_p - (1 + m_a B)^-1 m_a a_p.
 
 Steps are chosen so that none errs by more than the tolerance,
 
@@ -11,26 +25,181 @@ What is watched ends them: the last one is then shortened by bisection until wha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive.equations import numbers_of, parts_of
-from hoist_demo.drive.kernels import CHUNK, ORDER, drive_kernels
+from hoist_demo.drive.equations import (
+    ACCELERATIONS,
+    FORCES,
+    INPUT_NAMES,
+    LOSS_NAMES,
+    WORK_NAMES,
+    Equations,
+    equations,
+    numbers_of,
+    parts_of,
+    state_names,
+)
+from hoist_demo.drive.outputs import OUTPUTS
 from hoist_demo.parameters import Hoist
-from rope_model.numerics.kernels import Kernel, KernelForm
+from rope_model.numerics.kernels import Kernel, KernelForm, build_library, cache_folder, prepare
 
 Vector = NDArray[np.float64]
 Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
+#: Where steps have ended: all that `advance` gives there, size of the next one, s.
+Reached = tuple[Vector, float, float]
 
 SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
 LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
+CHUNK = 3  #: Steps in one call.
+TOLERANCE = 1e-9  #: Of a step's error, relative and in SI units.
+
+WORKS = len(WORK_NAMES) + len(LOSS_NAMES)
+PATH = 3 * len(INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
+
+ORDER = 5
+
+#: of the last stage, which is the result
+_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
+_A = (
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    _B,
+)
+_C = (1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
+#: b - b*
+_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
 
 
-#: Where steps have ended: all that `advance` of kernels.py gives there, size of the next one, s.
-Reached = tuple[Vector, float, float]
+def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: Any) -> tuple[Any, Any, Any]:
+    """State after h, f there, and the error of a step of fifth order; k is f(t, y).
+
+        k_i = f(t + c_i h, y + h sum_j a_ij k_j) ,   y_new = y + h sum_i b_i k_i ,   error = h sum_i (b_i - b*_i) k_i
+
+    The last stage is the first of the next step. Source: J. R. Dormand and P. J. Prince, A family of embedded
+    Runge-Kutta formulae, Journal of Computational and Applied Mathematics 6 (1980), RK5(4)7M.
+    """
+    stages = [k]
+    new = y
+    for a, c in zip(_A, _C, strict=True):
+        new = y + h * _sum(a, stages)
+        stages.append(f(t + c * h, new))
+    return new, stages[-1], h * _sum(_ERROR, stages)
+
+
+def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
+    """Weighted sum of the stages, without those of no weight."""
+    terms = [weight * stage for weight, stage in zip(weights, stages, strict=True) if weight]
+    return sum(terms[1:], terms[0])
+
+
+@dataclass(frozen=True)
+class DriveKernels:
+    """CasADi functions of hoists with the same parts, and places in the argument and in the result of `advance`."""
+
+    names: tuple[str, ...]  # of the states
+    given: dict[str, slice]
+    result: dict[str, slice]
+    advance: Any
+    mobility: Any  # of the equations
+    hold: Any  # likewise
+
+
+@cache
+def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
+    """Return the kernels for all hoists with these parts (`equations.parts_of`)."""
+    of, names, numbers = equations(parts), state_names(parts), len(numbers_of(parts))
+    held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": numbers}
+    given = _slices({"x": len(names), "works": WORKS, "s": 1, "h": 1, **held})
+    shown = {"error": 1, "acting": len(INPUT_NAMES), "shown": len(OUTPUTS)}
+    result = _slices({"x": len(names), "works": WORKS, **shown})
+    functions = [_advance(of, given), of.mobility]
+    (advance, mobility), _ = prepare(
+        functions, partial(build_library, functions, folder=cache_folder(), name="hoist_drive"), form
+    )
+    return DriveKernels(names, given, result, advance, mobility, of.hold)
+
+
+def _advance(of: Equations, given: dict[str, slice]) -> Any:
+    """(one vector) -> one vector."""
+    n, held_from = given["x"].stop, given["H"].start
+    numbers = given["p"].stop - held_from
+    slope = _slope(of, n, numbers)
+    z = ca.MX.sym("z", given["p"].stop)
+    held = z[held_from:]
+    s, h = z[given["s"]], z[given["h"]]
+    y = ca.vertcat(z[given["x"]], ca.MX.zeros(WORKS))
+    k = slope(y, s, held)
+    step, error = _step(slope, n + WORKS, numbers), ca.MX(0)
+    for j in range(CHUNK):
+        y, k, missed = step(s + j * h, y, k, h, held)
+        error = ca.fmax(error, missed)
+    acting, shown = _loads_and_outputs(of, n, numbers)(y[:n], s + CHUNK * h, held)
+    # what is not finite anywhere passes as no step; a comparison with NaN is false
+    error = ca.if_else(ca.norm_1(ca.vertcat(y, error, acting, shown)) < ca.inf, error, ca.inf)
+    return ca.Function("advance", [z], [ca.vertcat(y[:n], z[given["works"]] + y[n:], error, acting, shown)])
+
+
+def _step(slope: Any, size: int, numbers: int) -> Any:
+    """(s, y, dy/ds, h, held) -> y and dy/ds after h, largest error."""
+    s, y, k = ca.MX.sym("s"), ca.MX.sym("y", size), ca.MX.sym("k", size)
+    h, held = ca.MX.sym("h"), ca.MX.sym("held", numbers)
+    new, last, error = runge_kutta_step(lambda t, at: slope(at, t, held), s, y, k, h)
+    missed = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
+    return ca.Function("step", [s, y, k, h, held], [new, last, missed])
+
+
+def _slope(of: Equations, states: int, numbers: int) -> Any:
+    """(y, s, held) -> dy/ds."""
+    y, s = ca.SX.sym("y", states + WORKS), ca.SX.sym("s")
+    x = y[:states]
+    held, H, u, l0, p = _symbols(of, numbers, x, s)
+    value = H * ca.vertcat(of.rates(x, u, l0, p), of.powers(x, u, l0, p))
+    return ca.Function("slope", [y, s, held], [ca.cse(value)])
+
+
+def _loads_and_outputs(of: Equations, states: int, numbers: int) -> Any:
+    """(x, s, held) -> input that acts, outputs."""
+    x, s = ca.SX.sym("x", states), ca.SX.sym("s")
+    held, _, u, l0, p = _symbols(of, numbers, x, s)
+    return ca.Function("loads_and_outputs", [x, s, held], ca.cse([u, of.outputs(x, u, l0, p)]))
+
+
+def _symbols(of: Equations, numbers: int, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
+    """Symbols of what is held over a communication step, and of it H, the input that acts at s, l0 and p."""
+    held = ca.SX.sym("held", numbers)
+    H, path, added_mass, l0, p = ca.vertsplit(held, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers])
+    start, rise, bend = ca.vertsplit(path, len(INPUT_NAMES))
+    return held, H, _acting(of, x, start + s * (rise + s * bend), added_mass, l0, p), l0, p
+
+
+def _acting(of: Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
+    """The input with its forces less the added masses times the accelerations that come out."""
+    a = of.rates(x, u, l0, p)[list(ACCELERATIONS)]
+    B = of.mobility(x, u, l0, p)
+    given_up = ca.solve(ca.SX.eye(len(FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
+    acting = ca.SX(u)
+    for k, place in enumerate(FORCES):
+        acting[place] -= given_up[k]
+    return acting
+
+
+def _slices(sizes: dict[str, int]) -> dict[str, slice]:
+    found, start = {}, 0
+    for name, size in sizes.items():
+        found[name] = slice(start, start + size)
+        start += size
+    return found
 
 
 class Integrator:
@@ -38,44 +207,28 @@ class Integrator:
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
         kernels = drive_kernels(parts_of(hoist), form)
-        self.names, given, self.result = kernels.names, kernels.given, kernels.result
+        self.names, self.result = kernels.names, kernels.result
         self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
         self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
-        self._s, self._h, self._H, self._l0 = (given[name].start for name in ("s", "h", "H", "l0"))
-        self._x, self._works, self._path = (self._z[given[name]] for name in ("x", "works", "path"))
-        self._added_mass, self._numbers = self._z[given["added_mass"]], self._z[given["p"]]
-        self._start = self._z[self._reached]
-        self.load(hoist)
-        self.evaluations = 0  # of `advance`, so far
+        self._given = {name: self._z[place] for name, place in kernels.given.items()}
         self._hold, self._mobility = kernels.hold, Kernel(kernels.mobility, [(2, 2)])
+        self.evaluations = 0  # of `advance` with a step, so far
+        self.give(p=numbers_of(hoist))
 
-    def load(self, hoist: Hoist) -> None:
-        """Go on with the numbers of a hoist of the same parts."""
-        self._numbers[:] = numbers_of(hoist)
-
-    def give(
-        self, x: Vector, works: Vector, lengths: tuple[float, float], h: float, path: Vector, added_mass: Vector
-    ) -> None:
-        """Give the start: state, work so far, free lengths, communication step, and loads in it."""
-        z, l0 = self._z, self._l0
-        z[self._H], z[l0], z[l0 + 1] = h, *lengths
-        self._x[...], self._works[...], self._path[...], self._added_mass[...] = x, works, path, added_mass
+    def give(self, **values: Any) -> None:
+        """Give what `advance` takes, by name: x, works, s, h, H, path, added_mass, l0; p are the hoist's numbers."""
+        for name, value in values.items():
+            self._given[name][...] = value
 
     def holding_torque(self, x: Vector, lengths: tuple[float, float]) -> float:
         """Return the motor's torque that holds the state at rest [N m]."""
-        return float(self._hold(x, lengths, self._numbers))
+        return float(self._hold(x, lengths, self._given["p"]))
 
     def mobility(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
         """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
-        (columns,) = self._mobility(x, u, np.array(lengths), self._numbers)
+        (columns,) = self._mobility(x, u, np.array(lengths), self._given["p"])
         return columns.T
-
-    def at(self, s: float) -> Vector:
-        """All that `advance` gives in the state given, without a step."""
-        self._z[self._s], self._z[self._h] = s, 0.0
-        self._advance.evaluate()
-        return self._y.copy()
 
     def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> Reached | None:
         """Integrate to the end, or to where the watched function becomes positive; None on failure.
@@ -86,7 +239,7 @@ class Integrator:
         while size * h > SHORTEST:
             calls = max(1, math.ceil((end - s) / (CHUNK * size) - 1e-9))
             used = (end - s) / (CHUNK * calls)
-            y = self._evaluated(s, used)
+            y = self.evaluate(s, used)
             error = y.item(self._error)
             size = min(used * _change(error), size * growth)
             if error <= 1.0:
@@ -95,17 +248,17 @@ class Integrator:
                     return y, size, s + CHUNK * used
                 if calls == 1:
                     return y, size, end
-                self._start[...] = y[self._reached]
+                self._z[self._reached] = y[self._reached]
                 s += CHUNK * used
             else:
                 growth = 1.0
         return None
 
-    def _evaluated(self, s: float, used: float) -> Vector:
-        """CHUNK steps of the size used from the state given, at s."""
-        self._z[self._s], self._z[self._h] = s, used
+    def evaluate(self, s: float, used: float = 0.0) -> Vector:
+        """All that `advance` gives after CHUNK steps of the size used from the state given, at s; 0: in that state."""
+        self.give(s=s, h=used)
         self._advance.evaluate()
-        self.evaluations += 1
+        self.evaluations += used > 0.0
         return self._y.copy()
 
     def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:
@@ -113,7 +266,7 @@ class Integrator:
         low = 0.0
         while CHUNK * (used - low) * h > LOCATED:
             middle = (low + used) / 2.0
-            there = self._evaluated(s, middle)
+            there = self.evaluate(s, middle)
             if watch(there) > 0.0:
                 y, used = there, middle
             else:

@@ -2,30 +2,46 @@
 
 The equations are in `equations.py`. Without further parts of the hoist the state has seven numbers: motor torque,
 sheave angle and suspension heights with their rates. Shaft, head rope modes, play and brake append theirs.
-It is integrated by `integrator.py`; where the hoist has a lining, `sliding.py` tells when its head ropes slide on the
-sheave, by other equations, and when they hold again.
+It is integrated by `integrator.py`.
+
+The head ropes of a hoist with a lining may slide on the sheave. Ropes of the mass mu_r per length and the speed w hold
+while (Euler and Eytelwein)
+
+    T_1 - mu_r w^2 <= exp(mu alpha) max(T_2 - mu_r w^2, 0) ,     T_1 >= T_2 .
+
+Then they slide towards T_1, by the equations with the lining's friction, until their speed on the sheave has come to 0.
+Both instants are located. What has slid goes over into the free lengths when they hold again, so that ropes that hold
+have the same equations before and after, and the same as in a hoist without a lining.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES
-from hoist_demo.drive.integrator import SHORTEST, Integrator, Vector, Watch
-from hoist_demo.drive.kernels import WORKS
-from hoist_demo.drive.sliding import Slide, Sliding, begins, sense_of
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES, STATE_NAMES, numbers_of
+from hoist_demo.drive.integrator import SHORTEST, WORKS, Integrator, Vector, Watch
+from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.parameters import GRAVITY, Hoist
 from rope_model.numerics.kernels import KernelForm
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
 MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
+_TENSIONS, _RATE = (SHOWN["tension_left"], SHOWN["tension_right"]), STATE_NAMES.index("phi_rate")
 
-_HELD = Slide()
+
+class Slide(NamedTuple):
+    """Slip of the head ropes, positive as the sheave's rotation."""
+
+    sense: float = 0.0  # 1 or -1 while they slide, 0 while they hold
+    speed: float = 0.0  # m/s, of the ropes on the sheave
+    way: float = 0.0  # m, that they have slid since the start
+    slip: float = 0.0  # m, the part of it that is not in the free lengths: since they hold no longer
 
 
 class PlantState(NamedTuple):
@@ -35,7 +51,7 @@ class PlantState(NamedTuple):
     works: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
-    slide: Slide = _HELD  # of the head ropes on the sheave
+    slide: Slide = Slide()  # of the head ropes on the sheave
 
 
 class PlantStep(NamedTuple):
@@ -52,34 +68,29 @@ class HoistPlant:
     """The drive of one hoist; states are explicit and never changed in place. Not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
-        self._form = form
+        self.hoist, self._form = hoist, form
         self._holding = Integrator(_without_lining(hoist), form)
         self.state_names = self._holding.names
-        self._made: Sliding | None = None
-        self._hear(hoist)
+
+    @cached_property
+    def _sliding(self) -> Integrator:
+        """Made when it is needed: many hoists with a lining never slip."""
+        return Integrator(self.hoist, self._form)
+
+    @property
+    def _made(self) -> list[Integrator]:
+        return [self._holding, *([self._sliding] if "_sliding" in vars(self) else [])]
 
     def reload(self, hoist: Hoist) -> None:
         """Go on with the numbers of a hoist of the same parts: with another payload."""
-        self._holding.load(_without_lining(hoist))
-        if hoist.lining is not None and self._made is not None:
-            self._made.integrator.load(hoist)
-        self._hear(hoist)
-
-    def _hear(self, hoist: Hoist) -> None:
         self.hoist = hoist
-        self._begins = None if hoist.lining is None else begins(hoist, self._holding)
-
-    @property
-    def _sliding(self) -> Sliding:
-        """Made when it is needed: many hoists with a lining never slip."""
-        if self._made is None:
-            self._made = Sliding(self.hoist, self._form, self.state_names)
-        return self._made
+        for integrator, alike in zip(self._made, (_without_lining(hoist), hoist), strict=False):
+            integrator.give(p=numbers_of(alike))
 
     @property
     def evaluations(self) -> int:
         """Evaluations by the integrator so far."""
-        return self._holding.evaluations + (0 if self._made is None else self._made.integrator.evaluations)
+        return sum(integrator.evaluations for integrator in self._made)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
@@ -121,7 +132,7 @@ class HoistPlant:
         old, size = state, (state.step_next or h) / h
         for _ in range(MOST_SWITCHES):
             integrator, x, watch = self._at(state)
-            integrator.give(x, state.works, state.free_lengths, h, path, added_mass)
+            integrator.give(x=x, works=state.works, l0=state.free_lengths, H=h, path=path, added_mass=added_mass)
             found = integrator.integrate(h, size, begin, end, watch)
             if found is None:
                 return PlantStep(False, f"drive: {_not_finite(path, h, added_mass)}", old)
@@ -141,14 +152,29 @@ class HoistPlant:
         """The equations that hold in a state, the state as they have it, and what ends them."""
         slide = state.slide
         if slide.sense == 0.0:
-            return self._holding, state.x, self._begins
-        return self._sliding.integrator, self._sliding.state(state.x, slide), self._sliding.ends(slide.sense)
+            return self._holding, state.x, None if self.hoist.lining is None else self._excess
+        names = self._sliding.names
+        values = dict(zip(self.state_names, state.x.tolist(), strict=True))
+        values |= {"slip": slide.slip, "slip_rate": slide.speed, "sense": slide.sense}
+        rate = names.index("slip_rate")
+        # they hold again once they slide the other way
+        return self._sliding, np.array([values[name] for name in names]), lambda y: -slide.sense * y.item(rate)
+
+    def _excess(self, y: Vector) -> float:
+        """Tension that the friction does not hold [N], of ropes that hold."""
+        hoist, shown = self.hoist, self._holding.result["shown"].start
+        off = hoist.rope_mass * (hoist.sheave_radius * y.item(_RATE)) ** 2
+        low, high = sorted(y.item(shown + k) for k in _TENSIONS)
+        return high - off - hoist.tension_ratio_limit * max(low - off, 0.0)
 
     def _reached(self, state: PlantState, x: Vector, works: Vector, step_next: float) -> PlantState:
         """The state where the integrator has ended, there in x."""
         slide = state.slide
         if slide.sense != 0.0:
-            x, slide = self._sliding.parts(x, slide)
+            values = dict(zip(self._sliding.names, x.tolist(), strict=True))
+            slip, way = values["slip"], slide.way + (values["slip"] - slide.slip)
+            x = np.array([values[name] for name in self.state_names])
+            slide = Slide(slide.sense, values["slip_rate"], way, slip)
         return PlantState(x, works, state.free_lengths, step_next, slide)
 
     def mobility(self, state: PlantState) -> Vector:
@@ -159,8 +185,8 @@ class HoistPlant:
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
         """The input that acts at s, and OUTPUTS."""
         integrator, x, _ = self._at(state)
-        integrator.give(x, state.works, state.free_lengths, 0.0, path, added_mass)
-        y, result = integrator.at(s), integrator.result
+        integrator.give(x=x, works=state.works, l0=state.free_lengths, H=0.0, path=path, added_mass=added_mass)
+        y, result = integrator.evaluate(s), integrator.result
         return y[result["acting"]], y[result["shown"]]
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
@@ -198,8 +224,9 @@ def _without_lining(hoist: Hoist) -> Hoist:
 
 
 def _switched(state: PlantState, shown: Vector) -> PlantState:
-    """Return the state with ropes that slide if they held, and hold if they slid."""
+    """Return the state with ropes that slide, towards the larger tension, if they held, and hold if they slid."""
     (left, right), slide = state.free_lengths, state.slide
     if slide.sense == 0.0:
-        return state._replace(slide=Slide(sense_of(shown), way=slide.way))
+        sense = 1.0 if shown[_TENSIONS[1]] > shown[_TENSIONS[0]] else -1.0
+        return state._replace(slide=Slide(sense, way=slide.way))
     return state._replace(slide=Slide(way=slide.way), free_lengths=(left - slide.slip, right + slide.slip))

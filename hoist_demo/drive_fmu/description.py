@@ -89,51 +89,57 @@ def _creep(winding: Winding) -> str:
     return f", {where} at {winding.creep_speed:g} m/s" if where else ""
 
 
+_TABLE = """\
+/* Generated: the drive's sizes, its places in the table of variables, and the trip. */
+#ifndef DRIVE_TABLE_H
+#define DRIVE_TABLE_H
+
+enum {{
+{sizes}
+}};
+
+#define DRIVE_RADIUS {radius!r}
+#define DRIVE_LOWEST_FORCE ({lowest!r})
+#define DRIVE_TORQUE_LIMIT {limit!r}
+/* m/s2: a rope refuses ends that accelerate more */
+#define DRIVE_HARDEST {hardest!r}
+static const int DRIVE_ACCELERATION[] = {{{accelerations}}}; /* places in the outputs */
+
+/* lowest and highest value of each parameter */
+static const double DRIVE_BOUNDS[][2] = {bounds};
+
+/* s: begin of each segment; m, m/s, m/s2, m/s3: its first position, speed, acceleration, and its jerk */
+static const double DRIVE_TRIP[][5] = {trip};
+
+/* drive_kernels.c */
+{kernels}
+
+#endif
+"""
+
+
 def _table(
     case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail], reference: Trajectory
 ) -> str:
     """drive_table.h: sizes, places in the table and the trip."""
-    trip = [
-        (start, p.position, p.speed, p.acceleration, p.jerk)
-        for start, p in zip(reference.starts, reference.points, strict=True)
-    ]
+    trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
     shown = plant_outputs(case.hoist, tails)
     hardest = [i for i, name in enumerate(shown) if name.endswith((".ax", ".ay", ".az"))]
     integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
     parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
-    lines = [
-        "/* Generated: the drive's sizes, its places in the table of variables, and the trip. */",
-        "#ifndef DRIVE_TABLE_H",
-        "#define DRIVE_TABLE_H",
-        "",
-        "enum {",
-        *(f"    DRIVE_{name} = {value}," for name, value in integers.items()),
-        "};",
-        "",
-        f"#define DRIVE_RADIUS {case.hoist.sheave_radius!r}",
-        f"#define DRIVE_LOWEST_FORCE ({generated.lowest_force!r})",
-        f"#define DRIVE_TORQUE_LIMIT {case.hoist.torque_limit!r}",
-        "/* m/s2: a rope refuses ends that accelerate more */",
-        f"#define DRIVE_HARDEST {Inputs().acceleration_max!r}",
-        f"static const int DRIVE_ACCELERATION[] = {{{', '.join(map(str, hardest))}}}; /* places in the outputs */",
-        "",
-        "/* lowest and highest value of each parameter */",
-        f"static const double DRIVE_BOUNDS[][2] = {_rows(bounds)};",
-        "",
-        "/* s: begin of each segment; m, m/s, m/s2, m/s3: its first position, speed, acceleration, and its jerk */",
-        f"static const double DRIVE_TRIP[][5] = {_rows(trip)};",
-        "",
-        "/* drive_kernels.c */",
-        *(
-            f"int drive_{name}(const double **arg, double **res, int *iw, double *w, int mem);"
-            for name in ("rest", "input", "step", "outputs", "control")
-        ),
-        "",
-        "#endif",
-        "",
-    ]
-    return "\n".join(lines)
+    kernel = "int drive_{}(const double **arg, double **res, int *iw, double *w, int mem);"
+    return _TABLE.format(
+        sizes="\n".join(f"    DRIVE_{name} = {value}," for name, value in integers.items()),
+        radius=case.hoist.sheave_radius,
+        lowest=generated.lowest_force,
+        limit=case.hoist.torque_limit,
+        hardest=Inputs().acceleration_max,
+        accelerations=", ".join(map(str, hardest)),
+        bounds=_rows(bounds),
+        trip=_rows(trip),
+        kernels="\n".join(map(kernel.format, ("rest", "input", "step", "outputs", "control"))),
+    )
 
 
 def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail]) -> dict[str, int]:
@@ -164,60 +170,16 @@ def _rows(rows: Sequence[Sequence[float]]) -> str:
     return "{" + ", ".join("{" + ", ".join(repr(float(x)) for x in row) + "}" for row in rows) + "}"
 
 
-_ABOUT = """\
-<p>{description}.</p>
-<p>The inputs are the balance rope's vertical forces on the two conveyances, held over a communication step; feed back
-the <em>mean</em> forces of the rope's last step. The outputs <code>left.y</code>, <code>left.vy</code>,
-<code>left.ay</code> and those on the right have the names of the rope's inputs: connect equal names, and leave the
-rope's <code>inputs_at_step_end</code> false where the tool steps both at the same time. A hoist with play between
-conveyances and guides has more of them: the rope's horizontal forces and its moment about the vertical in, the motions
-that follow out. Names that begin with a rope's name are that rope's.</p>
-<p>Before the first step the drive is at rest under the forces at the start, its motor holding the imbalance. It waits
-<code>trip.start</code> seconds, then follows an S-curve of limited jerk; the trip is part of the export.</p>
-<h2>Equations</h2>
-<p>Generalised coordinates q = (sheave angle, heights of both suspensions). Lagrange's equation
-d/dt &part;K/&part;q' &minus; &part;K/&part;q + &part;V/&part;q + &part;D/&part;q' = Q with the energies of conveyances,
-sheave and elastic head ropes of changing length; motor torque with a lag, losses at the rim. The classical
-Runge-Kutta method with steps of at most <code>solver.step_max</code>.</p>
-<p>Controller, once per communication step: M = R [m a_ref + imbalance + losses + k_v e + I],
-e = v_ref + k_s (s_ref &minus; s) &minus; v, I grows by H k_v e / T_i; the torque is limited, and I stands still while
-it would push further into the limit.</p>"""
-
-
 def attachments(description: str, table: Sequence[Variable]) -> dict[str, bytes]:
     """Files by their paths in the FMU."""
-    return {
-        "documentation/index.html": _page(description, table).encode(),
-        "model.png": files(__package__).joinpath("icon.png").read_bytes(),
-    }
-
-
-def _page(description: str, table: Sequence[Variable]) -> str:
     rows = "\n".join(
         f"<tr><td><code>{html_text(v.name)}</code></td><td>{v.causality}</td><td>{html_text(v.unit)}</td>"
         f"<td>{'' if v.start is None else f'{v.start:g}'}</td><td>{html_text(v.description)}</td></tr>"
         for v in table
     )
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>HoistDrive</title>
-<style>
-body {{ font: 15px/1.5 sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #222; }}
-table {{ border-collapse: collapse; font-size: .9em; }}
-td, th {{ padding: .2rem .6rem; border-bottom: 1px solid #ddd; text-align: left; vertical-align: top; }}
-</style>
-</head>
-<body>
-<h1>HoistDrive</h1>
-{_ABOUT.format(description=html_text(description))}
-<p><strong>Assumed data.</strong> {html_text(ASSUMED_DATA)}</p>
-<h2>Variables</h2>
-<table>
-<tr><th>name</th><th>causality</th><th>unit</th><th>start</th><th>description</th></tr>
-{rows}
-</table>
-</body>
-</html>
-"""
+    page = files(__package__).joinpath("page.html").read_text(encoding="utf-8")
+    page = page.format(description=html_text(description), assumed=html_text(ASSUMED_DATA), rows=rows)
+    return {
+        "documentation/index.html": page.encode(),
+        "model.png": files(__package__).joinpath("icon.png").read_bytes(),
+    }

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, numbers_of, parts_of
-from hoist_demo.drive.kernels import runge_kutta_step
+from hoist_demo.drive.integrator import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.drive_fmu.interface import Tail, placed, plant_outputs, shown_as, side_forces
@@ -105,23 +105,15 @@ def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
     # the mean first and the small rest by interpolation: rounding is that of the small part
     mean = values.mean(axis=(0, 1))
     sum_ = ca.SX(mean)
-    for i in range(DEGREE + 1):
-        for j in range(DEGREE + 1):
-            sum_ += weights[0][i] * weights[1][j] * (values[i, j] - mean)
+    for i, j in np.ndindex(values.shape[:2]):
+        sum_ += weights[0][i] * weights[1][j] * (values[i, j] - mean)
     n = values.shape[2] - 2
     return ca.Function("drive_rest", [force], [sum_[:n], sum_[n:]])
 
 
 def _lagrange(nodes: NDArray[np.float64], at: Any) -> list[Any]:
     """Polynomials that are 1 at one node and 0 at the others."""
-    out = []
-    for i, node in enumerate(nodes):
-        factor = ca.SX(1.0)
-        for k, other in enumerate(nodes):
-            if k != i:
-                factor *= (at - other) / (node - other)
-        out.append(factor)
-    return out
+    return [math.prod((at - other) / (node - other) for other in nodes if other != node) for node in nodes]
 
 
 def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:

@@ -20,15 +20,23 @@ def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None
         raise ValueError(f"{name} = {value!r} must be {bound}: {cure}")
 
 
-def require_magnitudes(data: Any, may_vanish: Collection[str], prefix: str = "") -> None:
-    """Every number of a dataclass above 0, or at least 0 where it may vanish; None and parts are passed over."""
-    for field in fields(data):
-        value = getattr(data, field.name)
-        if isinstance(value, (int, float)):
-            vanishes = field.name in may_vanish
+def require_magnitudes(
+    data: Any,
+    may_vanish: Collection[str] = (),
+    prefix: str = "",
+    names: Collection[str] = (),
+    cure: str = "give its magnitude in SI units",
+) -> None:
+    """Every number of a dataclass above 0, or at least 0 where it may vanish; None and parts are passed over.
+
+    With `names`, those numbers alone.
+    """
+    for name in names or [field.name for field in fields(data)]:
+        value = getattr(data, name)
+        if names or isinstance(value, (int, float)):
+            vanishes = name in may_vanish
             bound = "finite and at least 0" if vanishes else "finite and above 0"
-            holds = value >= 0.0 if vanishes else value > 0.0
-            require(value, holds, prefix + field.name, bound, "give its magnitude in SI units")
+            require(value, value >= 0.0 if vanishes else value > 0.0, prefix + name, bound, cure)
 
 
 @dataclass(frozen=True)

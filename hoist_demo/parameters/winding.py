@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from hoist_demo.parameters.components import require
+from hoist_demo.parameters.components import require, require_magnitudes
 from hoist_demo.parameters.hoist import Hoist
 from hoist_demo.parameters.quantity import quantity
 
@@ -37,15 +37,11 @@ class Winding:
 
     def __post_init__(self) -> None:
         require(self.travel, self.travel != 0.0, "travel", "finite and not 0", "give the length of the trip in m")
-        for name in ("speed", "acceleration", "jerk"):
-            value = getattr(self, name)
-            require(value, value > 0.0, name, "finite and above 0", "give the limit's magnitude")
-        for name in ("start_delay", "settle"):
-            value = getattr(self, name)
-            require(value, value >= 0.0, name, "finite and at least 0", "give a waiting time in s")
-        for name in ("creep_distance", "departure_creep_distance"):
-            value = getattr(self, name)
-            require(value, value >= 0.0, name, "finite and at least 0", "give a length in m, 0 for no creep")
+        limits, waits = ("speed", "acceleration", "jerk"), ("start_delay", "settle")
+        creeps = ("creep_distance", "departure_creep_distance")
+        require_magnitudes(self, names=limits, cure="give the limit's magnitude")
+        require_magnitudes(self, waits, names=waits, cure="give a waiting time in s")
+        require_magnitudes(self, creeps, names=creeps, cure="give a length in m, 0 for no creep")
         creep, bound = self.creep_speed, f"above 0 and at most the speed limit {self.speed:g} m/s"
         slow = creep > 0.0 and (not self.creeps or creep <= self.speed)
         require(creep, slow, "creep_speed", bound, "creep more slowly")
@@ -80,9 +76,8 @@ class Arrival:
     window: float = quantity(5.0, "s", "after the reference's arrival, over which swing is judged")
 
     def __post_init__(self) -> None:
-        for name in ("position_band", "speed_band", "window"):
-            value = getattr(self, name)
-            require(value, value > 0.0, name, "finite and above 0", "give a bound in SI units")
+        names = ("position_band", "speed_band", "window")
+        require_magnitudes(self, names=names, cure="give a bound in SI units")
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:

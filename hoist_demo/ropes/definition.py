@@ -11,8 +11,7 @@ from hoist_demo.cases.case import Case, Tail
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
-from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup
-from hoist_demo.cosimulation.participants.touching_ropes import TouchingRopes, WholeRope
+from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.files.hoist_file import PLACE
 from hoist_demo.parameters import Hoist, hoist_with
@@ -64,12 +63,11 @@ class Ropes:
 
     def group(self) -> RopeGroup:
         """All ropes as one."""
-        members = [(rope, rope.plant()) for rope in self.ropes]
-        group = [Member(rope.name, plant, rope.place) for rope, plant in members]
+        group = [Member(rope.name, rope.plant(), rope.place) for rope in self.ropes]
         if not self.touching:
             return RopeGroup(group)
         neighbours = Neighbours([rope.scene for rope in self.ropes], [rope.place.origin for rope in self.ropes])
-        return RopeGroup(group, TouchingRopes([plant for _, plant in members], neighbours))
+        return RopeGroup(group, neighbours)
 
     @property
     def touching(self) -> bool:

@@ -10,7 +10,9 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import accumulate, product
+from types import ModuleType
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import casadi as ca
@@ -55,205 +57,141 @@ from rope_model.simulation.messages import warning_rules
 from rope_model.simulation.outputs import audit, diagnostics
 from rope_model.simulation.outputs.audit import Audit
 from rope_model.simulation.state import EnergyBalance
-from rope_model.simulation.stepping import bracket, hang, statics, stepping
+from rope_model.simulation.stepping import events, hang, statics, stepping
 from rope_model.texts import c_string
 
-#: prototype in C -> formula.  A structure of parameters is an object with the same fields in Python.  What is not
-#: const, and last, takes the numbers of a formula that returns several
+#: C function -> formula: what is not typed is a number, an array of numbers, or the structure of that name.  The last
+#: argument of a void function takes the numbers of a formula that returns several
 FORMULAS: dict[str, Callable[..., Any]] = {
-    "double dot(const double a[3], const double b[3])": elementary.dot,
-    "void conveyance_load(const double q[7], const double f[7], double torque, double load[6])": frame.conveyance_load,
-    "double right_offset(const double left[3], const double right[3])": ends.right_offset,
-    "Path path_resting(double t, const EndMotion *at)": EndPath.at_rest,
-    "Following following_resting(double t, const EndMotion *at)": Following.at_rest,
-    "Manner follow_manner(const Scene *scene, double trusted)": following.follow_manner,
-    "Following follow_sample(const Following *now, const Manner *manner, double given_at, double h, "
-    "const EndMotion *end)": following.follow_sample,
-    "Path follow_path(const Path *path, const Following *now, double stop, double bandwidth)": following.follow_path,
-    "void follow_limits(const Path *path, const Following *now, double limits[3][4])": following.follow_limits,
-    "Following follow_account(const Following *now, const Path *path, const Manner *manner, const Rope *rope, "
-    "double leg)": misfit.follow_account,
-    "void sample_moves(const Manner *manner, double h, double ahead, const double sample[3], double moved[3])": (
-        following.sample_moves
+    "dot(a[3], b[3])": elementary.dot,
+    "void conveyance_load(q[7], f[7], torque, load[6])": frame.conveyance_load,
+    "right_offset(left[3], right[3])": ends.right_offset,
+    "Path path_resting(t, EndMotion at)": EndPath.at_rest,
+    "Following following_resting(t, EndMotion at)": Following.at_rest,
+    "Manner follow_manner(scene, trusted)": following.follow_manner,
+    "Following follow_sample(Following now, manner, given_at, h, EndMotion end)": following.follow_sample,
+    "Path follow_path(path, Following now, stop, bandwidth)": following.follow_path,
+    "void follow_limits(path, Following now, limits[3][4])": following.follow_limits,
+    "Following follow_account(Following now, path, manner, rope, leg)": misfit.follow_account,
+    "void sample_moves(manner, h, ahead, sample[3], moved[3])": following.sample_moves,
+    "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
+    "EndMotion path_at(path, t)": EndPath.at,
+    "path_height(path, t)": EndPath.height,
+    "void path_motion(path, t, motion[3][4])": EndPath.motion,
+    "void held_end(path, t, nominal_x, sense, angle, rows[3][7])": ends.held_end,
+    "void suspension_points(layout, EndMotion left, EndMotion right, points[2][3])": outline.suspension_points,
+    "void node_values(xi, l, nodes[14], values[7])": hermite.node_values,
+    "void missing_load(start, stop, s, l, old_s, old_l, old[14], now[14], load[14])": hermite.missing_load,
+    "void hermite_shares(xi, l, shares[4])": hermite.shares,
+    "void hermite_products(l, products[10])": hermite.share_products,
+    "hermite_integral(l, r1, s1, r2, s2)": hermite.integral,
+    "hermite_integral_to(xi, l, r1, s1, r2, s2)": hermite.integral_to,
+    "place_on_rope(bottom, reach, part, loop)": outline.place,
+    "least_squared_distance(a[6], b[6])": outline.least_squared_distance,
+    "squared_distance(point[3], start[3], along[3])": outline.squared_distance,
+    "void middle_of(length, a[6], b[6], middle[6])": outline.middle,
+    "void place_between(part, length, a[6], b[6], place[3])": outline.place_between,
+    "turns_of(yaw, line, passages)": outline.turns,
+    "void enclosing_box(length, a[6], b[6], box[6])": outline.enclosing_box,
+    "lowest_on(known, length, a, slope_a, b, slope_b)": outline.lowest,
+    "highest_on(known, length, a, slope_a, b, slope_b)": outline.highest,
+    "void box_between(bounds[6], box[6])": outline.box_between,
+    "void heading(yaw, vector[2])": outline.heading,
+    "line_yaw(left[3], right[3])": outline.line_yaw,
+    "void plane_between(left[3], right[3], start[3], direction[2], normal[3])": outline.plane_between,
+    "side_gap(side, length, outer[6], inner[6], top, start[3], normal[3], diameter, above)": outline.side_gap,
+    "least_advance(length, a[6], b[6], direction[2])": outline.least_advance,
+    "turn_about_y(before[2], after[2])": outline.turn,
+    "body_distance(point[3], body)": shaft.distance,
+    "body_least_distance(point[3], extent[3], body)": shaft.least_distance,
+    "Touch touch(contact, diameter, body, moves[3], point[3], speed[3], cq, cv)": contact.touch,
+    "Probe contact_probe(place, l, a[6], b[6], diameter, body)": contact_places.probe,
+    "contact_turning(Probe start, Probe stop)": contact_places.turning,
+    "contact_reaching(Probe outer, inner, level)": contact_places.reaching,
+    "void contact_point(part, weight, start, stop, point[2])": contact_places.point_in,
+    "places_of(l, diameter)": rope_on_rope.places,
+    "places_skipped(distance, diameter, weight, number)": rope_on_rope.places_skipped,
+    "most_places(length, elements, diameter)": rope_on_rope.most_places,
+    "nearer_place(xi, l, point[3], a[6], b[6])": rope_on_rope.nearer_place,
+    "Touch rope_touch(contact, diameter, apart[3], speed[3], cq, cv)": rope_on_rope.rope_touch,
+    "part_of_time(start, stop, t)": point_forces.part_of_time,
+    "void point_load(place[3], force[3], load[6])": point_forces.point_load,
+    "largest_motion(longest, q[6], before[6])": contact.largest_motion,
+    "moved_by(corrections, longest, shortest)": contact.moved_by,
+    "AirLaw air_law(air, diameter, spacing)": air.air_law,
+    "wire_stiffness(rope)": wire_friction.wire_stiffness,
+    "slip_curvature(rope, stiffness, e, tau)": wire_friction.slip_curvature,
+    "void section_at(xi, l, nodes[14], section[7])": wire_friction.section_at,
+    "Slid wire_slide(before[10], now[7], k0)": wire_friction.slide,
+    "void directors(angle, l, nodes[14], start[3], found[12])": initial_curvature.directors,
+    "Body lining_body(lining)": shaft.lining,
+    "Body conveyance_body(conveyance, end[3])": shaft.conveyance,
+    "Body head_ropes_body(head_ropes, conveyance, end[3])": shaft.head_ropes,
+    "Body divider_body(divider)": shaft.divider,
+    "Body floor_body(sump)": shaft.floor,
+    "guarded(guard)": guard.guarded,
+    "loop_height(rope, layout, lowest, left, right)": guard.loop_height,
+    "sideways(point[3], left[3], right[3])": guard.sideways,
+    "off_plumb(height, a[3], b[3], end[3])": guard.off_plumb,
+    "GuardState watch(guard, GuardState state, t, seen[5])": guard.watch,
+    "void material_values(rope, torsional, strains[3], values[4])": stress.material_values,
+    f"void element_parameters(rope, gravity, P[{len(element.PARAMETERS)}])": element.parameters,
+    "EnergyBalance with_energies(energy_balance, balance[9], double contact)": energy_balance.with_energies,
+    "EnergyBalance account_of_step(energy_balance, h, before[2], now[2], losses[4], wires, double air)": (
+        energy_balance.after_step
     ),
-    "Path path_coasting(const Path *path, double t)": EndPath.at_constant_acceleration,
-    "EndMotion path_at(const Path *path, double t)": EndPath.at,
-    "double path_height(const Path *path, double t)": EndPath.height,
-    "void path_motion(const Path *path, double t, double motion[3][4])": EndPath.motion,
-    "void held_end(const Path *path, double t, double nominal_x, double sense, double angle, double rows[3][7])": (
-        ends.held_end
+    "energy_total(energy_balance)": energy_balance.total,
+    "energy_residual(energy_balance)": energy_balance.residual,
+    "Flow rigid_flow(v1, v2)": inextensible.flow,
+    "Pull rigid_pull(rope, layout, EndMotion left, EndMotion right)": inextensible.pull,
+    "rigid_lowest(pull)": inextensible.lowest,
+    "void rigid_energies(rope, layout, pull, EndMotion left, EndMotion right, energies[2])": inextensible.energies,
+    "rigid_tension_at(rho, gravity, Flow rate, at_end, rise, s)": inextensible.tension,
+    "loop_width(scene)": estimates.loop_width,
+    "Hanging hanging_shape(length, middle, width, cell)": hanging.hanging_shape,
+    "void hanging_row(hanging, left[3], across[3], s, row[7])": hanging.node_row,
+    "FittedMesh fit_elements(scene, loop_error, decades)": mesh_fit.fit_elements,
+    "void newton_coefficients(Coefficients method, h, c[3])": generalized_alpha.newton_coefficients,
+    "void prediction_weights(Coefficients method, h, recentring, ahead, weights[6])": (
+        generalized_alpha.prediction_weights
     ),
-    "void suspension_points(const Layout *layout, const EndMotion *left, const EndMotion *right, "
-    "double points[2][3])": outline.suspension_points,
-    "void node_values(double xi, double l, const double nodes[14], double values[7])": hermite.node_values,
-    "void missing_load(double start, double stop, double s, double l, double old_s, double old_l, "
-    "const double old[14], const double now[14], double load[14])": hermite.missing_load,
-    "void hermite_shares(double xi, double l, double shares[4])": hermite.shares,
-    "void hermite_products(double l, double products[10])": hermite.share_products,
-    "double hermite_integral(double l, double r1, double s1, double r2, double s2)": hermite.integral,
-    "double hermite_integral_to(double xi, double l, double r1, double s1, double r2, double s2)": (
-        hermite.integral_to
+    "void auxiliary_weights(Coefficients method, recentring, weights[4])": generalized_alpha.auxiliary_weights,
+    "recentring_time(Coefficients method, h, before)": generalized_alpha.recentring_time,
+    "local_error(Coefficients method, h, change)": generalized_alpha.local_error,
+    "trial_place(bracket, width)": events.trial_place,
+    "Bracket narrowed(bracket, x, value)": events.narrowed,
+    "relaxation(change, last)": statics.relaxation,
+    "StepLimits step_limits(scene, ErrorSums sums, bottom, apart, error_constant)": accuracy.step_limits,
+    "ErrorSums add_errors(scene, ErrorSums sums, bottom, apart, h, constant, paces[2], place, force)": (
+        accuracy.add_errors
     ),
-    "double place_on_rope(double bottom, double reach, double part, double loop)": outline.place,
-    "double least_squared_distance(const double a[6], const double b[6])": (outline.least_squared_distance),
-    "double squared_distance(const double point[3], const double start[3], const double along[3])": (
-        outline.squared_distance
+    "step_error(StepLimits limits, h, place, strain)": accuracy.step_error,
+    "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
+    "most_work(interval, step_max)": stepping.most_work,
+    "parts_of(way, step_next, left)": accuracy.parts_of,
+    "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
+    "contact_error(ContactSums sums)": contact_error.contact_error,
+    "with_contact_at_ends(error, ContactSums sums, time, force)": contact_error.with_contact_at_ends,
+    "with_contact_of_place(scene, error, ContactSums sums)": contact_error.with_contact_of_place,
+    "end_force_error(rope, ErrorSums sums)": accuracy.end_force_error,
+    "with_misfit(error, ErrorSums sums, Following left, Following right)": misfit.with_misfit,
+    "with_drift(error, Following left, Following right)": misfit.with_drift,
+    "loop_error(scene, ErrorSums sums, fine, grading_length)": accuracy.loop_error,
+    "friction_moment(mu, mean_diameter, seal_moment, tension)": swivel.friction_moment,
+    "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
+    "axial_share(rope, bottom, h)": audit.axial_share,
+    "void audit_values(audit, values[6])": audit.signal_values,
+    "Audit audit_after_step(audit, Coefficients method, h, recentring, load[6], force, change, share)": (
+        audit.after_step
     ),
-    "void middle_of(double length, const double a[6], const double b[6], double middle[6])": outline.middle,
-    "void place_between(double part, double length, const double a[6], const double b[6], double place[3])": (
-        outline.place_between
-    ),
-    "double turns_of(double yaw, double line, double passages)": outline.turns,
-    "void enclosing_box(double length, const double a[6], const double b[6], double box[6])": outline.enclosing_box,
-    "double lowest_on(double known, double length, double a, double slope_a, double b, double slope_b)": outline.lowest,
-    "double highest_on(double known, double length, double a, double slope_a, double b, double slope_b)": (
-        outline.highest
-    ),
-    "void box_between(const double bounds[6], double box[6])": outline.box_between,
-    "void heading(double yaw, double vector[2])": outline.heading,
-    "double line_yaw(const double left[3], const double right[3])": outline.line_yaw,
-    "void plane_between(const double left[3], const double right[3], const double start[3], const double direction[2], "
-    "double normal[3])": outline.plane_between,
-    "double side_gap(double side, double length, const double outer[6], const double inner[6], double top, "
-    "const double start[3], const double normal[3], double diameter, double above)": outline.side_gap,
-    "double least_advance(double length, const double a[6], const double b[6], const double direction[2])": (
-        outline.least_advance
-    ),
-    "double turn_about_y(const double before[2], const double after[2])": outline.turn,
-    "double body_distance(const double point[3], const Body *body)": shaft.distance,
-    "double body_least_distance(const double point[3], const double extent[3], const Body *body)": (
-        shaft.least_distance
-    ),
-    "Touch touch(const Contact *contact, double diameter, const Body *body, const double moves[3], "
-    "const double point[3], const double speed[3], double cq, double cv)": contact.touch,
-    "Probe contact_probe(double place, double l, const double a[6], const double b[6], double diameter, "
-    "const Body *body)": contact_places.probe,
-    "double contact_turning(const Probe *start, const Probe *stop)": contact_places.turning,
-    "double contact_reaching(const Probe *outer, double inner, double level)": contact_places.reaching,
-    "void contact_point(double part, double weight, double start, double stop, double point[2])": (
-        contact_places.point_in
-    ),
-    "double places_of(double l, double diameter)": rope_on_rope.places,
-    "double places_skipped(double distance, double diameter, double weight, double number)": (
-        rope_on_rope.places_skipped
-    ),
-    "double most_places(double length, double elements, double diameter)": rope_on_rope.most_places,
-    "double nearer_place(double xi, double l, const double point[3], const double a[6], const double b[6])": (
-        rope_on_rope.nearer_place
-    ),
-    "Touch rope_touch(const Contact *contact, double diameter, const double apart[3], const double speed[3], "
-    "double cq, double cv)": rope_on_rope.rope_touch,
-    "double part_of_time(double start, double stop, double t)": point_forces.part_of_time,
-    "void point_load(const double place[3], const double force[3], double load[6])": point_forces.point_load,
-    "double largest_motion(double longest, const double q[6], const double before[6])": contact.largest_motion,
-    "double moved_by(double corrections, double longest, double shortest)": contact.moved_by,
-    "AirLaw air_law(const Air *air, double diameter, double spacing)": air.air_law,
-    "double wire_stiffness(const Rope *rope)": wire_friction.wire_stiffness,
-    "double slip_curvature(const Rope *rope, double stiffness, double e, double tau)": wire_friction.slip_curvature,
-    "void section_at(double xi, double l, const double nodes[14], double section[7])": wire_friction.section_at,
-    "Slid wire_slide(const double before[10], const double now[7], double k0)": wire_friction.slide,
-    "void directors(double angle, double l, const double nodes[14], const double start[3], double found[12])": (
-        initial_curvature.directors
-    ),
-    "Body lining_body(const Lining *lining)": shaft.lining,
-    "Body conveyance_body(const Conveyance *conveyance, const double end[3])": shaft.conveyance,
-    "Body head_ropes_body(const HeadRopes *head_ropes, const Conveyance *conveyance, const double end[3])": (
-        shaft.head_ropes
-    ),
-    "Body divider_body(const Divider *divider)": shaft.divider,
-    "Body floor_body(const Sump *sump)": shaft.floor,
-    "double guarded(const Guard *guard)": guard.guarded,
-    "double loop_height(const Rope *rope, const Layout *layout, double lowest, double left, double right)": (
-        guard.loop_height
-    ),
-    "double sideways(const double point[3], const double left[3], const double right[3])": guard.sideways,
-    "double off_plumb(double height, const double a[3], const double b[3], const double end[3])": guard.off_plumb,
-    "GuardState watch(const Guard *guard, const GuardState *state, double t, const double seen[5])": guard.watch,
-    "void material_values(const Rope *rope, double torsional, const double strains[3], double values[4])": (
-        stress.material_values
-    ),
-    f"void element_parameters(const Rope *rope, double gravity, double P[{len(element.PARAMETERS)}])": (
-        element.parameters
-    ),
-    "EnergyBalance with_energies(const EnergyBalance *energy_balance, const double balance[9], double contact)": (
-        energy_balance.with_energies
-    ),
-    "EnergyBalance account_of_step(const EnergyBalance *energy_balance, double h, const double before[2], "
-    "const double now[2], const double losses[4], double wires, double air)": (energy_balance.after_step),
-    "double energy_total(const EnergyBalance *energy_balance)": energy_balance.total,
-    "double energy_residual(const EnergyBalance *energy_balance)": energy_balance.residual,
-    "Flow rigid_flow(double v1, double v2)": inextensible.flow,
-    "Pull rigid_pull(const Rope *rope, const Layout *layout, const EndMotion *left, const EndMotion *right)": (
-        inextensible.pull
-    ),
-    "double rigid_lowest(const Pull *pull)": inextensible.lowest,
-    "void rigid_energies(const Rope *rope, const Layout *layout, const Pull *pull, const EndMotion *left, "
-    "const EndMotion *right, double energies[2])": inextensible.energies,
-    "double rigid_tension_at(double rho, double gravity, const Flow *rate, double at_end, double rise, double s)": (
-        inextensible.tension
-    ),
-    "double loop_width(const Scene *scene)": estimates.loop_width,
-    "Hanging hanging_shape(double length, double middle, double width, double cell)": hanging.hanging_shape,
-    "void hanging_row(const Hanging *hanging, const double left[3], const double across[3], double s, double row[7])": (
-        hanging.node_row
-    ),
-    "FittedMesh fit_elements(const Scene *scene, double loop_error, double decades)": mesh_fit.fit_elements,
-    "void newton_coefficients(const Coefficients *method, double h, double c[3])": (
-        generalized_alpha.newton_coefficients
-    ),
-    "void prediction_weights(const Coefficients *method, double h, double recentring, double ahead, "
-    "double weights[6])": (generalized_alpha.prediction_weights),
-    "void auxiliary_weights(const Coefficients *method, double recentring, double weights[4])": (
-        generalized_alpha.auxiliary_weights
-    ),
-    "double recentring_time(const Coefficients *method, double h, double before)": generalized_alpha.recentring_time,
-    "double local_error(const Coefficients *method, double h, double change)": generalized_alpha.local_error,
-    "double trial_place(const Bracket *bracket, double width)": bracket.trial_place,
-    "Bracket narrowed(const Bracket *bracket, double x, double value)": bracket.narrowed,
-    "double relaxation(double change, double last)": statics.relaxation,
-    "StepLimits step_limits(const Scene *scene, const ErrorSums *sums, double bottom, double apart, "
-    "double error_constant)": (accuracy.step_limits),
-    "ErrorSums add_errors(const Scene *scene, const ErrorSums *sums, double bottom, double apart, double h, "
-    "double constant, const double paces[2], double place, double force)": accuracy.add_errors,
-    "double step_error(const StepLimits *limits, double h, double place, double strain)": accuracy.step_error,
-    "NextStep next_step(const Solver *solver, double h, double step_next, double error, double rejected, double t, "
-    "double calm_since)": accuracy.next_step,
-    "double most_work(double interval, double step_max)": stepping.most_work,
-    "double parts_of(double way, double step_next, double left)": accuracy.parts_of,
-    "ContactSums add_contact(const Scene *scene, const ContactSums *sums, double h, const double pressures[6], "
-    "double longest)": contact_error.add_contact,
-    "double contact_error(const ContactSums *sums)": contact_error.contact_error,
-    "double with_contact_at_ends(double error, const ContactSums *sums, double time, double force)": (
-        contact_error.with_contact_at_ends
-    ),
-    "double with_contact_of_place(const Scene *scene, double error, const ContactSums *sums)": (
-        contact_error.with_contact_of_place
-    ),
-    "double end_force_error(const Rope *rope, const ErrorSums *sums)": accuracy.end_force_error,
-    "double with_misfit(double error, const ErrorSums *sums, const Following *left, const Following *right)": (
-        misfit.with_misfit
-    ),
-    "double with_drift(double error, const Following *left, const Following *right)": misfit.with_drift,
-    "double loop_error(const Scene *scene, const ErrorSums *sums, double fine, double grading_length)": (
-        accuracy.loop_error
-    ),
-    "double friction_moment(double mu, double mean_diameter, double seal_moment, double tension)": (
-        swivel.friction_moment
-    ),
-    "void end_load(const double q[7], const double f[7], double torque, double load[6])": audit.end_load,
-    "double axial_share(const Rope *rope, double bottom, double h)": audit.axial_share,
-    "void audit_values(const Audit *audit, double values[6])": audit.signal_values,
-    "Audit audit_after_step(const Audit *audit, const Coefficients *method, double h, double recentring, "
-    "const double load[6], double force, double change, double share)": audit.after_step,
-    "Audit audit_after_interval(const Audit *audit, double h, double mass, double gravity, const double sums[9], "
-    "const double about[3], double residual, double bend)": audit.after_interval,
+    "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
 }
 #: results: structures that C has from here
 DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
     inextensible.Pull,
     hanging.Hanging,
-    bracket.Bracket,
+    events.Bracket,
     mesh_fit.FittedMesh,
     generalized_alpha.Coefficients,
     accuracy.StepLimits,
@@ -274,53 +212,39 @@ STRUCTURES: dict[str, type[Any]] = {
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
-#: numbers of the formulas and of the control flow
+#: numbers of the formulas and of the control flow that have one name in Python and in C
+_SHARED: tuple[tuple[ModuleType, str], ...] = (
+    (accuracy, "ACCEPT_BELOW"),
+    (adaptation, "RELAXATION_TIME"),
+    (contact, "LOOK_AHEAD OWN_LENGTH"),
+    (diagnostics, "PIECES FINE OUTLINE"),
+    (generalized_alpha, "LARGEST_GROWTH"),
+    (guard, "NEVER"),
+    (hang, "CURVATURE_STEPS TWIST_STEP LEAST_TWIST_STEP MOST_TURN MOST_CORRECTIONS"),
+    (mesh, "LEG_LENGTHS GRADING"),
+    (mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
+    (mesh_pattern, "DUE_EARLY"),
+    (paths, "RESTS_BELOW"),
+    (rigid, "SETTLING_TIME DIFFERENCE"),
+    (rope_on_rope, "MOST_PLACES APART MOST_STRANDS CORRECTIONS"),
+    (shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
+    (simulator, "FARTHEST_START MOST_STEPS"),
+    (statics, "SETTLED BALANCED"),
+    (stepping, "STEP_WORK"),
+    (switching, "EVENT_WIDTH"),
+    (warning_rules, "YAWED_FAR"),
+)
 CONSTANTS: dict[str, float | tuple[Any, ...]] = {
+    name: getattr(module, name) for module, names in _SHARED for name in names.split()
+} | {
     "PARAMETERS": len(element.PARAMETERS),
-    "FARTHEST_START": simulator.FARTHEST_START,
-    "MOST_STEPS": simulator.MOST_STEPS,
-    "STEP_WORK": stepping.STEP_WORK,
-    "LARGEST_GROWTH": generalized_alpha.LARGEST_GROWTH,
-    "EVENT_WIDTH": switching.EVENT_WIDTH,
-    "CHATTER_TIME": switching.CHATTER[1],
-    "RESTS_BELOW": paths.RESTS_BELOW,
-    "MESH_LATEST": mesh.LATEST,
-    "DUE_EARLY": mesh_pattern.DUE_EARLY,
-    "LEG_LENGTHS": mesh.LEG_LENGTHS,
-    "GRADING": mesh.GRADING,
-    "RELAXATION_TIME": adaptation.RELAXATION_TIME,
-    "SETTLING_TIME": rigid.SETTLING_TIME,
-    "SETTLING_TOLERANCE": rigid.NEWTON_TOLERANCE,
-    "DIFFERENCE": rigid.DIFFERENCE,
-    "SETTLED": statics.SETTLED,
-    "BALANCED": statics.BALANCED,
-    "CURVATURE_STEPS": hang.CURVATURE_STEPS,
-    "TWIST_STEP": hang.TWIST_STEP,
-    "LEAST_TWIST_STEP": hang.LEAST_TWIST_STEP,
-    "MOST_TURN": hang.MOST_TURN,
-    "MOST_CORRECTIONS": hang.MOST_CORRECTIONS,
-    "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
-    "ACCEPT_BELOW": accuracy.ACCEPT_BELOW,
-    "FADE_ERROR": mesh_fit.FADE_ERROR,
-    "MESH_SHARE": mesh_fit.MESH_SHARE,
-    "DUE": mesh_fit.DUE,
     "FAR": FAR,
-    "NEVER": guard.NEVER,
-    "RESOLUTION": shaft_search.RESOLUTION,
-    "TURNED_FAR": shaft_search.TURNED_FAR,
-    "PIECES": diagnostics.PIECES,
-    "FINE": diagnostics.FINE,
-    "OUTLINE": diagnostics.OUTLINE,
-    "LOOK_EVERY": shaft_search.LOOK_EVERY,
-    "YAWED_FAR": warning_rules.YAWED_FAR,
-    "LOOK_AHEAD": contact.LOOK_AHEAD,
-    "OWN_LENGTH": contact.OWN_LENGTH,
-    "MOST_PLACES": rope_on_rope.MOST_PLACES,
-    "APART": rope_on_rope.APART,
-    "MOST_STRANDS": rope_on_rope.MOST_STRANDS,
+    "CHATTER_TIME": switching.CHATTER[1],
+    "MESH_LATEST": mesh.LATEST,
+    "SETTLING_TOLERANCE": rigid.NEWTON_TOLERANCE,
+    "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "PROBES": len(rope_on_rope.PROBES),
     "PROBE_PLACES": rope_on_rope.PROBES,
-    "CORRECTIONS": rope_on_rope.CORRECTIONS,
     "DIRECTOR_START": initial_curvature.START,
     "WIRE_POINTS": len(element.POINTS),
     "WIRE_PLACES": element.POINTS,
@@ -412,10 +336,16 @@ class _Text(NamedTuple):
         return self.text if self.binds >= least else f"({self.text})"
 
 
+@cache
+def formulas() -> dict[str, Callable[..., Any]]:
+    """Return the formulas by their prototypes in C."""
+    return {_prototype(written): formula for written, formula in FORMULAS.items()}
+
+
 def formulas_code() -> str:
     """The text of formulas.h."""
     structures = (_definition(kind) for kind in DEFINED_HERE)
-    functions = (function_code(prototype, formula) for prototype, formula in FORMULAS.items())
+    functions = (function_code(prototype, formula) for prototype, formula in formulas().items())
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
 
@@ -462,6 +392,25 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
         lines += [f"const {result} result = {_initializer(STRUCTURES[result], texts)};", "return result;"]
     body = "".join(f"    {line}\n" for line in lines)
     return f"/* {formula.__module__}.{formula.__qualname__} */\nstatic inline {prototype} {{\n{body}}}\n"
+
+
+def _prototype(written: str) -> str:
+    """The prototype in C of a function as ``FORMULAS`` has it."""
+    match = re.fullmatch(r"(?:(\w+) )?(\w+)\((.*)\)", written)
+    assert match, written
+    result, arguments = match[1] or "double", [_declared(text) for text in match[3].split(", ")]
+    if result == "void":
+        arguments[-1] = arguments[-1].removeprefix("const ")
+    return f"{result} {match[2]}({', '.join(arguments)})"
+
+
+def _declared(written: str) -> str:
+    """The declaration of an argument."""
+    kind, _, name = written.rpartition(" ")
+    kind = kind or {re.sub(r"\B([A-Z])", r"_\1", kind).lower(): kind for kind in STRUCTURES}.get(name, "double")
+    if kind != "double":
+        return f"const {kind} *{name}"
+    return f"const double {name}" if "[" in name else f"double {name}"
 
 
 def argument_of(text: str) -> Argument:

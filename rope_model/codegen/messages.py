@@ -1,19 +1,18 @@
 """C text of the rope's messages: the header messages.h.
 
-The text of each function of simulation's messages, fidelity_messages and warning_messages is read, and becomes a format
-of printf: a number is written by text.h as Python writes it.
+Each text of simulation's messages, fidelity_messages and warning_messages becomes a format of printf: a number is
+written by text.h as Python writes it.
 """
 
 from __future__ import annotations
 
-import ast
-import inspect
 import re
 
 from rope_model.simulation.messages import fidelity_messages, messages, warning_messages
+from rope_model.simulation.messages.text import Text
 from rope_model.texts import c_string
 
-#: modules whose functions are texts
+#: modules of texts
 SPOKEN = (messages, fidelity_messages, warning_messages)
 
 _HEAD = """\
@@ -28,45 +27,39 @@ _HEAD = """\
 #include "text.h"
 
 """
-_TYPES = {"float": "double ", "int": "int ", "str": "const char *"}
+_TYPES = {float: "double ", int: "int ", str: "const char *"}
+
+
+def texts() -> dict[str, Text]:
+    """Return all texts by name."""
+    return {name: text for module in SPOKEN for name, text in vars(module).items() if isinstance(text, Text)}
 
 
 def messages_code() -> str:
     """The text of messages.h."""
-    nodes = (node for module in SPOKEN for node in ast.parse(inspect.getsource(module)).body)
-    functions = (node for node in nodes if isinstance(node, ast.FunctionDef))
-    return _HEAD + "\n".join(map(_function, functions)) + "\n#endif\n"
+    return _HEAD + "\n".join(_function(name, text) for name, text in texts().items()) + "\n#endif\n"
 
 
-def _function(node: ast.FunctionDef) -> str:
-    returned = node.body[0]
-    assert isinstance(returned, ast.Return), node.name
-    kinds = {argument.arg: ast.unparse(argument.annotation or argument) for argument in node.args.args}
-    declared = "".join(f", {_TYPES[kind]}{name}" for name, kind in kinds.items())
-    parts = returned.value.values if isinstance(returned.value, ast.JoinedStr) else [returned.value]
-    found = [_conversion(part, kinds) for part in parts]
-    text, values = "".join(text for text, _ in found), "".join(f", {value}" for _, value in found if value)
+def _function(name: str, text: Text) -> str:
+    declared = "".join(f", {_TYPES[kind]}{value}" for value, kind in text.kinds.items())
+    form, values = "", ""
+    for before, value, spec in text.parts:
+        conversion, given = _conversion(value, spec, text.kinds[value]) if value else ("", "")
+        form, values = f"{form}{before.replace('%', '%%')}{conversion}", f"{values}{given}"
     return (
-        f"static inline int say_{node.name}(char *message{declared}) {{\n"
-        f"    snprintf(message, MESSAGE, {c_string(text)}{values});\n    return 0;\n}}\n"
+        f"static inline int say_{name}(char *message{declared}) {{\n"
+        f"    snprintf(message, MESSAGE, {c_string(form)}{values});\n    return 0;\n}}\n"
     )
 
 
-def _conversion(part: ast.expr | None, kinds: dict[str, str]) -> tuple[str, str]:
-    """Return printf's format for a part of a text, and the argument that it takes, if any."""
-    if isinstance(part, ast.Constant):
-        return str(part.value).replace("%", "%%"), ""
-    assert isinstance(part, ast.FormattedValue)
-    assert isinstance(part.value, ast.Name)
-    name, spec = part.value.id, ast.unparse(part.format_spec)[2:-1] if part.format_spec else ""
-    if kinds[name] == "str":
-        return f"%{spec}s", name
-    if kinds[name] == "int":
-        return "%d", name
+def _conversion(value: str, spec: str, kind: type[float | str]) -> tuple[str, str]:
+    """Return printf's format for a value, and its argument behind a comma."""
+    if kind is str:
+        return f"%{spec.rstrip('s')}s", f", {value}"
+    if kind is int or spec == ".0f":  # no point that a locale could change
+        return f"%{spec}", f", {value}"
     if not spec:
-        return "%s", f"EXACT({name})"
-    if spec == ".0f":  # no point that a locale could change
-        return "%.0f", name
+        return "%s", f", EXACT({value})"
     digits = re.fullmatch(r"(?:\.(\d+))?g", spec)
     assert digits, spec
-    return "%s", f"ROUNDED({name}, {digits[1] or 6})"
+    return "%s", f", ROUNDED({value}, {digits[1] or 6})"

@@ -19,6 +19,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 import casadi as ca
 
 from rope_model.codegen.formulas import statements, texts_of
+from rope_model.codegen.messages import texts
 from rope_model.codegen.state_structures import PatternStructure, StateStructure
 from rope_model.codegen.tables import Word, constant
 from rope_model.numerics.program import no_simplification
@@ -33,7 +34,8 @@ from rope_model.simulation.mesh import mesh_pattern
 from rope_model.simulation.messages import fidelity_rules, warning_rules
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import Rules
-from rope_model.simulation.outputs.state_signals import STATE_SIGNALS
+from rope_model.simulation.messages.text import Text
+from rope_model.simulation.outputs.state_signals import remembered
 from rope_model.simulation.state import RopeState
 
 #: tables by their name in C behind tell_: each gives whether a case applied
@@ -91,6 +93,7 @@ _STRUCTURES: dict[str, type[Any]] = {
     "now": SwivelState,
     "following": Following,
 }
+_NAMES = {text: name for name, text in texts().items()}
 _IN_C: dict[type[Any], str] = {RopeState: "State"}
 #: members that C has under another name
 _MEMBERS = {"left": "swivels[LEFT]", "right": "swivels[RIGHT]"}
@@ -112,11 +115,10 @@ def rules_code() -> str:
 
 def state_signals() -> str:
     """The text of state_signals.h: the signals of simulation.outputs.state_signals."""
-    state = _members_at(StateStructure, "state->")
-    values = [value(state) for value in STATE_SIGNALS.values()]
+    values = remembered(_members_at(StateStructure, "state->"))
     with no_simplification():
-        lines, texts = texts_of(values)
-    lines += [f"values[{constant(name)}] = {text};" for name, text in zip(STATE_SIGNALS, texts, strict=True)]
+        lines, texts = texts_of([*values.values()])
+    lines += [f"values[{constant(name)}] = {text};" for name, text in zip(values, texts, strict=True)]
     return (
         "/* Generated from rope_model.simulation.outputs.state_signals by rope_model.codegen.rules. */\n"
         "static void state_signals(Simulator *rope, double *values) {\n    const State *state = rope->state;\n"
@@ -200,14 +202,13 @@ def _table(name: str, rules: Rules) -> str:
     return f"static inline int tell_{name}({declared}char *message) {{\n{unused}{body}    return 0;\n}}\n"
 
 
-def _rule(message: Callable[..., str], formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
+def _rule(message: Text, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
     """A block that gives the message where it applies."""
     found = formula(*(fact.symbols for fact in facts.values()))
     lines, texts = _texts([x for x in found if not isinstance(x, Word)])
     applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in found)
-    kinds = get_type_hints(message).values()
-    given = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, kinds, strict=False)]
-    call = f"return !say_{message.__name__}({', '.join(('message', *given))});"
+    given = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, message.kinds.values(), strict=True)]
+    call = f"return !say_{_NAMES[message]}({', '.join(('message', *given))});"
     body = "".join(f"        {line}\n" for line in (*lines, f"if ({applies}) {call}"))
     return f"    {{\n{body}    }}\n"
 

@@ -1,6 +1,7 @@
 """Layout of the state in memory, for ctypes and for C: structures, and the arrays behind them.
 
-A class is the structure; its docstring becomes the comment in C.  The header state.h is printed from here.
+A class is the structure, its docstring the comment in C; a part of RopeState has a structure like its named tuple.  The
+header state.h is printed from here.
 """
 
 from __future__ import annotations
@@ -9,18 +10,13 @@ import ctypes
 from ctypes import Structure, c_char, c_double, c_int, c_int64
 from inspect import cleandoc
 from itertools import pairwise
-from typing import Any
+from typing import Any, get_args, get_origin, get_type_hints
 
-from rope_model.physics.accuracy import ErrorSums
-from rope_model.physics.contact_error import ContactSums
-from rope_model.physics.guard import CAUSES, GuardState
+from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.ends.ends import Phase
-from rope_model.simulation.ends.following import Following
-from rope_model.simulation.ends.paths import PATH
+from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.switching import CHATTER
-from rope_model.simulation.outputs.audit import Audit
-from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest
+from rope_model.simulation.state import Counts, RopeState
 from rope_model.simulation.wires import NO_MEMORY
 
 MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
@@ -31,78 +27,28 @@ ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 _NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t", c_char: "char"}
 
 
-def _array_type(zero: Any) -> Any:
-    """The type of a number, or of nested tuples of numbers alike."""
-    return _array_type(zero[0]) * len(zero) if isinstance(zero, tuple) else c_double
-
-
-class PathStructure(Structure):
-    """A quintic in s = t - start for each of x, y, z and yaw; held from stop on."""
-
-    _fields_ = (("start", c_double), ("stop", c_double), ("coefficients", c_double * 6 * len(PATH)))
-
-
-class FollowingStructure(Structure):
-    """rope_model.simulation.ends.following.Following."""
-
-    _fields_ = tuple((name, _array_type(zero)) for name, zero in Following()._asdict().items())
-
-
-class SwivelStructure(Structure):
+class SwivelStateStructure(Structure):
     """State of a swivel: relative angle b while it holds, sign of b_t while it slips."""
 
     _fields_ = (("angle", c_double), ("sign", c_double), ("phase", c_int), ("unused", c_int))
 
 
-class EnergyStructure(Structure):
-    """rope_model.simulation.state.EnergyBalance."""
-
-    _fields_ = tuple((name, c_double) for name in EnergyBalance._fields)
+#: structures of the parts of RopeState that StateStructure has
+PARTS: dict[Any, type[Structure]] = {SwivelState: SwivelStateStructure}
 
 
-class ErrorStructure(Structure):
-    """rope_model.physics.accuracy.ErrorSums."""
-
-    _fields_ = tuple((name, _array_type(zero)) for name, zero in ErrorSums()._asdict().items())
-
-
-class ContactStructure(Structure):
-    """rope_model.physics.contact_error.ContactSums."""
-
-    _fields_ = tuple(
-        (name, c_double * len(zero) if isinstance(zero, tuple) else c_double)
-        for name, zero in ContactSums()._asdict().items()
-    )
-
-
-class AuditStructure(Structure):
-    """rope_model.simulation.outputs.audit.Audit."""
-
-    _fields_ = tuple((name, _array_type(zero)) for name, zero in Audit()._asdict().items())
-
-
-class NearestStructure(Structure):
-    """rope_model.simulation.state.Nearest."""
-
-    _fields_ = tuple((name, c_double) for name in Nearest._fields)
-
-
-class CrossingStructure(Structure):
-    """rope_model.simulation.state.Crossing."""
-
-    _fields_ = tuple((name, c_double) for name in Crossing._fields)
-
-
-class GuardStructure(Structure):
-    """rope_model.physics.guard.GuardState."""
-
-    _fields_ = tuple((name, _array_type(zero)) for name, zero in GuardState()._asdict().items())
-
-
-class CountsStructure(Structure):
-    """rope_model.simulation.state.Counts."""
-
-    _fields_ = tuple((name, c_int64) for name in Counts._fields)
+def _type_of(hint: Any) -> Any:
+    """The type of a member of a named tuple: numbers, other named tuples, and tuples of one of them."""
+    if get_origin(hint) is tuple:
+        parts = get_args(hint)
+        return _type_of(parts[0]) * (len(KINDS) if Ellipsis in parts else len(parts))
+    if not hasattr(hint, "_fields"):
+        return c_int64 if hint is int else c_double
+    if hint not in PARTS:
+        name, where = hint.__name__.removeprefix("End"), f"{hint.__module__}.{hint.__name__}."
+        members = [(member, _type_of(of)) for member, of in get_type_hints(hint).items()]
+        PARTS[hint] = type(f"{name}Structure", (Structure,), {"__doc__": where, "_fields_": members})
+    return PARTS[hint]
 
 
 class PatternStructure(Structure):
@@ -117,93 +63,71 @@ class EventStructure(Structure):
     _fields_ = (("t", c_double), ("kinetic", c_double), ("potential", c_double), ("what", c_int), ("which", c_int))
 
 
+_HINTS = get_type_hints(RopeState)
+_OTHERS = ("motion", "partition", "fidelity", "fidelity_reason", "events", "powers", "hysteresis")
+_REAL = tuple(name for name, hint in _HINTS.items() if hint in (float, tuple[float, float]))
+#: members that RopeState has under the same name
+ALIKE = tuple(name for name in RopeState._fields if name not in _OTHERS)
+
+
 class StateStructure(Structure):
     """Complete state, and events of the last advance; the arrays lie behind it.
 
+    state.c goes by this order: real numbers before the swivels, and from the energy balance to the counts.
     rubs: whether the wires rub on each other, and remember z.
     switchings: instants of the last swivel events of this advance, newest first.  switched and event_count end with the
     room for events.
     """
 
     _fields_ = (
-        *(
-            (name, c_double)
-            for name in (
-                *("t", "h", "step_next", "last_interval", "loop_yaw", "snapped_at", "calm_since"),
-                "given_up_since",
-                "looked_at",
-            )
-        ),
-        ("offsets", c_double * 2),
-        ("force_mean", c_double * 2),
+        ("t", c_double),
+        ("h", c_double),
+        *((name, _type_of(_HINTS[name])) for name in _REAL),
         ("power_ends", c_double),
         ("power_swivel", c_double),
         ("switchings", c_double * CHATTER_EVENTS),
-        ("swivels", SwivelStructure * 2),
-        ("paths", PathStructure * 2),
-        ("following", FollowingStructure * 2),
+        *((name, _type_of(_HINTS[name])) for name in ALIKE if name not in (*_REAL, "counts")),
+        ("counts", _type_of(Counts)),
         ("pattern", PatternStructure),
         ("events", EventStructure * LOGGED_EVENTS),
-        ("energy_balance", EnergyStructure),
-        ("errors", ErrorStructure),
-        ("contact", ContactStructure),
-        ("audit", AuditStructure),
-        ("nearest", NearestStructure * len(KINDS)),
-        ("crossing", CrossingStructure),
-        ("guard", GuardStructure),
-        ("counts", CountsStructure),
         *((name, c_int) for name in ("elements", "fidelity", "switched", "event_count", "rubs", "unused")),
         ("fidelity_reason", c_char * MESSAGE),
     )
-
-
-#: their names in C
-NAMES: dict[Any, str] = {
-    PathStructure: "Path",
-    FollowingStructure: "Following",
-    SwivelStructure: "SwivelState",
-    EnergyStructure: "EnergyBalance",
-    ErrorStructure: "ErrorSums",
-    ContactStructure: "ContactSums",
-    AuditStructure: "Audit",
-    NearestStructure: "Nearest",
-    CrossingStructure: "Crossing",
-    GuardStructure: "GuardState",
-    CountsStructure: "Counts",
-    PatternStructure: "Pattern",
-    EventStructure: "Event",
-    StateStructure: "State",
-}
 
 
 def state_structures() -> str:
     """The text of state.h."""
     names = [phase.name for phase in Phase], HAPPENINGS, KINDS
     phases, happenings, kinds = (", ".join(map(str.upper, words)) for words in names)
+    parts: tuple[type[Structure], ...] = (*PARTS.values(), PatternStructure, EventStructure, StateStructure)
     sizes = f"SEGMENTS = {SEGMENTS}, CHATTER_EVENTS = {CHATTER_EVENTS}, LOGGED_EVENTS = {LOGGED_EVENTS}"
     return (
         "/* The state: generated by rope_model.codegen.state_structures. */\n#ifndef STATE_H\n#define STATE_H\n\n"
         '#include <stdint.h>\n\n#include "rope.h"\n\n'
         f"enum {{ {phases} }};\n/* kinds of bodies */\nenum {{ {kinds}, KINDS }};\n"
         f"enum {{ GUARDS = {len(CAUSES)}, {sizes} }};\n/* what happened */\nenum {{ {happenings} }};\n\n"
-        + "\n".join(structure_code(kind, name, NAMES) for kind, name in NAMES.items())
+        + "\n".join(map(structure_code, parts))
         + _arrays_code()
         + "\n#endif\n"
     )
 
 
-def structure_code(kind: type[Structure], name: str, names: dict[Any, str]) -> str:
-    """The definition in C of a structure; ``names`` has those of the structures in it."""
-    members = "".join(f"    {_member(field, of, names)};\n" for field, of in kind._fields_)  # type: ignore[misc]
+def structure_code(kind: type[Structure]) -> str:
+    """The definition in C of a structure."""
+    members = "".join(f"    {_member(field, of)};\n" for field, of in kind._fields_)  # type: ignore[misc]
     comment = f"/* {cleandoc(kind.__doc__)} */\n" if kind.__doc__ else ""
-    return f"{comment}typedef struct {{\n{members}}} {name};\n"
+    return f"{comment}typedef struct {{\n{members}}} {_name_of(kind)};\n"
 
 
-def _member(field: str, of: Any, names: dict[Any, str]) -> str:
+def _member(field: str, of: Any) -> str:
     lengths = ""
     while issubclass(of, ctypes.Array):
         lengths, of = f"{lengths}[{of._length_}]", of._type_
-    return f"{_NUMBERS.get(of) or names[of]} {field}{lengths}"
+    return f"{_NUMBERS.get(of) or _name_of(of)} {field}{lengths}"
+
+
+def _name_of(kind: type[Structure]) -> str:
+    return kind.__name__.removesuffix("Structure")
 
 
 def _arrays_code() -> str:

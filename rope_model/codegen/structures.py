@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import fields
+from itertools import starmap
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
-from rope_model.parameters import Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Stations, Swivel
-from rope_model.shaft_parameters import PARTS
+from rope_model.parameters import GROUPS as GROUPS_BY_NAME
+from rope_model.parameters import Scene, Swivel
+from rope_model.shaft_parameters import PARTS, Shaft
 from rope_model.simulation.ends.paths import EndMotion
 
 NOT_IN_C = {"kernels"}
@@ -51,8 +53,8 @@ def _type(member: Member) -> type[Any]:
     return kind * member.length if member.length else kind
 
 
-_KINDS = (Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Inputs, Stations, *PARTS.values())
-GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(_KINDS)}
+#: structures of the groups of a scene
+GROUPS = {kind: _structure(kind) for kind in dict.fromkeys(GROUPS_BY_NAME.values())}
 
 
 class ShaftStructure(ctypes.Structure):
@@ -61,24 +63,19 @@ class ShaftStructure(ctypes.Structure):
     _fields_ = tuple((name, GROUPS[kind]) for name, kind in PARTS.items())
 
 
+def _part_of_scene(name: str, kind: type[Any]) -> tuple[str, Any]:
+    if kind is Swivel:
+        return "swivels", GROUPS[Swivel] * 2
+    return name, ShaftStructure if kind is Shaft else GROUPS[kind]
+
+
 class SceneStructure(ctypes.Structure):
     """All parameters of a rope."""
 
-    _fields_ = (
-        ("rope", GROUPS[Rope]),
-        ("layout", GROUPS[Layout]),
-        ("swivels", GROUPS[Swivel] * 2),
-        ("mesh", GROUPS[Mesh]),
-        ("accuracy", GROUPS[Accuracy]),
-        ("solver", GROUPS[Solver]),
-        ("model", GROUPS[Model]),
-        ("inputs", GROUPS[Inputs]),
-        ("station", GROUPS[Stations]),
-        ("shaft", ShaftStructure),
-    )
+    _fields_ = tuple(dict(starmap(_part_of_scene, get_type_hints(Scene).items())).items())
 
 
-class EndStructure(ctypes.Structure):
+class EndMotionStructure(ctypes.Structure):
     """Motion of a suspension point: x and z from the nominal point, y the height in the shaft, yaw about Y."""
 
     _fields_ = tuple((field.name, ctypes.c_double) for field in fields(EndMotion))
@@ -86,14 +83,14 @@ class EndStructure(ctypes.Structure):
 
 def scene_structure(scene: Scene) -> SceneStructure:
     """The scene as C sees it."""
-    swivels = (GROUPS[Swivel] * 2)(_fill(scene.left), _fill(scene.right))
-    parts = scene.mesh, scene.accuracy, scene.solver, scene.model, scene.inputs, scene.station
-    groups = map(_fill, parts)
-    shaft = ShaftStructure(*(_fill(getattr(scene.shaft, name)) for name in PARTS))
-    return SceneStructure(_fill(scene.rope), _fill(scene.layout), swivels, *groups, shaft)
+    parts = {name: _fill(part) for name, part in vars(scene).items()}
+    swivels = (GROUPS[Swivel] * 2)(parts.pop("left"), parts.pop("right"))
+    return SceneStructure(swivels=swivels, **parts)
 
 
 def _fill(group: Any) -> ctypes.Structure:
+    if isinstance(group, Shaft):
+        return ShaftStructure(**{name: _fill(part) for name, part in vars(group).items()})
     values = {name: _value(getattr(group, name), hint) for name, hint in _hints(type(group)).items()}
     return GROUPS[type(group)](**values)
 

@@ -11,10 +11,11 @@ import casadi as ca
 
 from rope_model.codegen.formulas import structure_at, texts_of
 from rope_model.codegen.state_structures import structure_code
-from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndStructure, SceneStructure, ShaftStructure, members
+from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndMotionStructure, SceneStructure, ShaftStructure, members
 from rope_model.numerics.program import no_simplification
 from rope_model.parameter_table import Joint, Parameter, check_order, parameters_of
-from rope_model.parameters import MOST_ELEMENTS, FidelityChoice, Swivel
+from rope_model.parameters import GROUPS as GROUPS_BY_NAME
+from rope_model.parameters import MOST_ELEMENTS, FidelityChoice
 from rope_model.physics.elementary import both
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.contact.shaft import BODIES
@@ -71,9 +72,7 @@ def parameter_structures() -> str:
     )
     parts.append(f"/* s, of rope_advance_to */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
-    groups = {structure: kind.__name__ for kind, structure in GROUPS.items()}
-    wholes = {ShaftStructure: "Shaft", SceneStructure: "Scene", EndStructure: "EndMotion"}
-    parts += [*(structure_code(kind, name, groups | wholes) for kind, name in wholes.items())]
+    parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
 
@@ -144,9 +143,12 @@ def _bounds(kind: type[Any]) -> str:
 
 def _scene_check() -> str:
     """check_scene: every group by the name that it has for hosts."""
+    places = {f"{side}.swivel": f"swivels[{k}]" for k, side in enumerate(SIDES)} | {
+        part: f"shaft.{part}" for part in PARTS
+    }
     calls = [
-        f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{place});\n'
-        for name, place, kind in _groups_of_scene()
+        f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{places.get(name, name)});\n'
+        for name, kind in GROUPS_BY_NAME.items()
     ]
     return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
 
@@ -173,18 +175,6 @@ def _joint(kind: type[Any], joint: Joint) -> str:
     refused = f"refuse(check, {c_string(joint.what)}, {given}, {bound}, {c_string(joint.cure)})"
     body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
     return f"    {{\n{body}    }}\n"
-
-
-def _groups_of_scene() -> Iterator[tuple[str, str, type[Any]]]:
-    """Name of each group for hosts, its place in C's Scene, and its data class."""
-    kinds: dict[Any, type[Any]] = {structure: kind for kind, structure in GROUPS.items()}
-    for member, of in SceneStructure._fields_:
-        if member == "swivels":
-            yield from ((f"{side}.swivel", f"swivels[{k}]", Swivel) for k, side in enumerate(SIDES))
-        elif member == "shaft":
-            yield from ((part, f"shaft.{part}", kind) for part, kind in PARTS.items())
-        else:
-            yield member, member, kinds[of]
 
 
 def _choice(name: str, p: Parameter) -> str:

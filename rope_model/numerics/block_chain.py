@@ -17,6 +17,7 @@ element is the same in chains of any length, and is compiled once: ``chain_parts
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple, Protocol
 
 import casadi as ca
@@ -176,11 +177,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     limits = {"scale": scale, "tolerance": tolerance}
     after = dict(zip(("q", "v", "a", "R"), solved, strict=True))
 
-    def function(
-        name: str, inputs: dict[str, ca.MX], outputs: dict[str, ca.MX], carried: tuple[str, ...] = ()
-    ) -> ca.Function:
-        return _widen(name, inputs, outputs, dof, kept, carried)
-
+    function = partial(_widen, dof, kept)
     return ChainFunctions(
         solve=function(
             "solve",
@@ -203,12 +200,12 @@ _NODAL = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free", "sca
 
 
 def _widen(
+    dof: int,
+    kept: tuple[int, ...],
     name: str,
     inputs: dict[str, ca.MX],
     outputs: dict[str, ca.MX],
-    dof: int,
-    kept: tuple[int, ...],
-    carried: tuple[str, ...],
+    carried: tuple[str, ...] = (),
 ) -> ca.Function:
     """The function with ``dof`` rows wherever it has those ``kept``.
 

@@ -20,18 +20,7 @@ from typing import Literal, NamedTuple
 from rope_model.parameters import Scene
 from rope_model.physics.element import ElementFidelity
 from rope_model.simulation.ends.paths import SIDES, EndMotion
-from rope_model.simulation.messages import fidelity_messages, messages
-from rope_model.simulation.messages.fidelity_rules import (
-    COMPLETE,
-    INPUTS,
-    SUFFICIENT,
-    TORQUE,
-    UNSUPPORTED,
-    carries_torque,
-    held_input,
-    out_of_plane,
-    unsupported_input,
-)
+from rope_model.simulation.messages import fidelity_messages, fidelity_rules, messages
 from rope_model.simulation.messages.rules import first_text
 
 log = logging.getLogger(__name__)
@@ -76,29 +65,35 @@ def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int
     """Return '' while ``fidelity`` can follow ends and forces, for 'auto' within the tolerance; else the reason."""
     if fidelity == "torsional":
         return ""
-    if number := int(unsupported_input(scene, fidelity, *ends)):
+    if number := int(fidelity_rules.unsupported_input(scene, fidelity, *ends)):
         why = _input_text(ends, number)
-        return fidelity_messages.while_swivels_hold(why) if fidelity == "spatial" and out_of_plane(number) else why
+        return (
+            fidelity_messages.while_swivels_hold(why)
+            if fidelity == "spatial" and fidelity_rules.out_of_plane(number)
+            else why
+        )
     if scene.model.fidelity == "auto":
-        return first_text(UNSUPPORTED, scene, fidelity, *ends, forces)
+        return first_text(fidelity_rules.UNSUPPORTED, scene, fidelity, *ends, forces)
     return fidelity_messages.applied_forces() if fidelity == "rigid" and forces else ""
 
 
 def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
-    if why := first_text(COMPLETE, scene, forces):
+    if why := first_text(fidelity_rules.COMPLETE, scene, forces):
         return Choice("torsional", why)
-    if number := int(held_input(*ends)):
+    if number := int(fidelity_rules.held_input(*ends)):
         return Choice("torsional", fidelity_messages.held_where_initialised(_input_text(ends, number)))
     estimated = scene.model.force_tolerance > 0
     fidelity = lowest_sufficient(scene, ends, forces) if estimated else "torsional"
-    if why := first_text(SUFFICIENT, scene, fidelity, *ends):
-        return Choice(fidelity if carries_torque(scene) or fidelity == "rigid" else "planar", why)
+    if why := first_text(fidelity_rules.SUFFICIENT, scene, fidelity, *ends):
+        return Choice(fidelity if fidelity_rules.carries_torque(scene) or fidelity == "rigid" else "planar", why)
     below = unsupported_motion(scene, "spatial", ends, forces) if estimated else ""
-    torque = first_text(TORQUE, scene)
+    torque = first_text(fidelity_rules.TORQUE, scene)
     return Choice("torsional", fidelity_messages.torque_and_more(torque, below) if below else torque)
 
 
 def _input_text(ends: Ends, number: int) -> str:
     """An input by its number, and its value."""
-    side, place = divmod(number - 1, len(INPUTS))
-    return messages.nonzero_input(SIDES[side], INPUTS[place], getattr(ends[side], INPUTS[place]))
+    side, place = divmod(number - 1, len(fidelity_rules.INPUTS))
+    return messages.nonzero_input(
+        SIDES[side], fidelity_rules.INPUTS[place], getattr(ends[side], fidelity_rules.INPUTS[place])
+    )

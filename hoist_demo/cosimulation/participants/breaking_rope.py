@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.touching_ropes import WholeRope
+from hoist_demo.cosimulation.participants.rope_group import WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, Reader
 from hoist_demo.parameters import GRAVITY
 from rope_model import BalanceRope, EndMotion, Status

@@ -12,7 +12,7 @@ from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32,
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, NoReturn
+from typing import Any, Literal, NamedTuple
 from weakref import WeakKeyDictionary, finalize
 
 import fmpy
@@ -41,6 +41,8 @@ WARNING = 1  #: Status of a message that fails no call; those of errors are larg
 
 _DISCARD = 2
 
+_CLOSED = "the FMU is closed, its memory is gone: read from it before close(), or load it anew"
+
 #: What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
 #: several steps, and callers may by any number, so the FMU must be able to.
 _NO_STATE_PRIOR = False
@@ -56,17 +58,6 @@ class Buffer(NamedTuple):
     values: NDArray[Any]
 
 
-def _refuse() -> NoReturn:
-    raise RuntimeError("the FMU is closed, its memory is gone: read from it before close(), or load it anew")
-
-
-class _Closed:
-    """Stand-in for FMPy's instance once that is freed."""
-
-    def __getattr__(self, name: str) -> NoReturn:
-        _refuse()
-
-
 @dataclass(frozen=True, eq=False)
 class FmuState:
     """A state in the FMU's memory, for as long as somebody has it."""
@@ -77,17 +68,21 @@ class FmuState:
 class Instance(ABC):
     """One instance for co-simulation. After `close` each call but that one raises RuntimeError."""
 
+    _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
+    _fmpy_module: Any
+    _prefix: str  #: Of the names in C.
+    _enumeration: str  #: Type whose functions get and set enumerations.
+    _tells_lengths: bool  #: Whether getters and setters are told the number of the values.
+    _do_step: Callable[[], None]
+
     def __init__(self, directory: Path, description: Any, hear: Hear) -> None:
         """Load from the FMU's files and instantiate; RuntimeError when that fails."""
         self._hear = hear
-        self._fmu: Any = None
-        self._spare: Any = None
+        self._loaded: Any = None  # FMPy's; None once it is freed
         self._t, self._h = c_double(), c_double()  # of the next step
-        # of each call that is still held, what makes it refuse: asked once, on close, and not in every call
         self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # those that somebody has, and their ends
-        self._ends = WeakKeyDictionary[Callable[[], None], Callable[[], None]]()
         try:
-            self._fmu = self._fmpy_class(
+            self._loaded = self._fmpy_class(
                 guid=description.guid,
                 modelIdentifier=description.coSimulation.modelIdentifier,
                 unzipDirectory=str(directory),
@@ -95,22 +90,15 @@ class Instance(ABC):
             )
             self._instantiate()
         except Exception as error:  # FMPy raises the bare class here
-            if self._fmu is not None:
-                self._fmu.freeLibrary()
+            if self._loaded is not None:
+                self._loaded.freeLibrary()
             raise RuntimeError(str(error)) from error
 
-    _do_step: Callable[[], None]
-
-    _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
-
-    _fmpy_module: Any
-    _prefix: str  #: Of the names in C.
-
-    _state: str  #: How they spell a state.
-
-    _enumeration: str  #: Type whose functions get and set enumerations.
-
-    _tells_lengths: bool  #: Whether getters and setters are told the number of the values.
+    @property
+    def _fmu(self) -> Any:
+        if self._loaded is None:
+            raise RuntimeError(_CLOSED)
+        return self._loaded
 
     @abstractmethod
     def _instantiate(self) -> None:
@@ -166,15 +154,12 @@ class Instance(ABC):
         call: Callable[[], int] = partial(self._fmu.dll[name], c_void_p(self._fmu.component), *arguments)
 
         def checked() -> None:
+            if self._loaded is None:
+                raise RuntimeError(_CLOSED)
             status = call()
             if status > WARNING:
                 raise CallError(name, status)
 
-        def end() -> None:
-            nonlocal call
-            call = _refuse
-
-        self._ends[checked] = end
         return checked
 
     def set(self, variable: Variable, values: Sequence[Value]) -> None:
@@ -191,12 +176,8 @@ class Instance(ABC):
         self._fmu.terminate()
 
     def save(self) -> FmuState:
-        """The state, in the memory of the last one that was given back."""
-        if self._spare is None:
-            return self._held(self._fmu.getFMUState())
-        handle, self._spare = self._spare, None
-        getattr(self._fmu, f"{self._prefix}GetFMU{self._state}")(self._fmu.component, byref(handle))
-        return self._held(handle)
+        """The state."""
+        return self._held(self._fmu.getFMUState())
 
     def restore(self, state: FmuState) -> None:
         """Go back to a state."""
@@ -216,29 +197,22 @@ class Instance(ABC):
         return state
 
     def _give_back(self, handle: Any) -> None:
-        """Give a state back that nobody has any more; the last one is kept for the next state."""
-        spare, self._spare = self._spare, handle
-        if spare is not None:
-            with suppress(CallError):
-                self._fmu.freeFMUState(spare)
+        """Give a state back that nobody has any more."""
+        with suppress(CallError):
+            self._fmu.freeFMUState(handle)
 
     def close(self) -> None:
         """Free the instance; may be called more than once."""
-        if isinstance(self._fmu, _Closed):
+        if self._loaded is None:
             return
         for give_back in [*self._states.values()]:
             give_back()
-        fmu, self._fmu = self._fmu, _Closed()
-        for end in self._ends.values():
-            end()
-        if self._spare is not None:
-            with suppress(CallError):
-                fmu.freeFMUState(self._spare)
+        fmu, self._loaded = self._loaded, None
         fmu.freeInstance()
 
 
 class _Instance2(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "state", "Integer"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
     _tells_lengths = False
 
     def _instantiate(self) -> None:
@@ -261,7 +235,7 @@ class _Instance2(Instance):
 
 
 class _Instance3(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _state, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "State", "Int64"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
     _tells_lengths = True
 
     def _instantiate(self) -> None:

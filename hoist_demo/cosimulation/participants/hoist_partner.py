@@ -33,7 +33,7 @@ class HoistPartner:
         self.plant, self.state = plant, state
         self.per_step = 1  # samples of the controller in a step
         self.next_command: NextCommand | None = None  # where there are several
-        self._first = (0.0, 0.0)  # command of a step, torque and brake
+        self._first = held.item(_TORQUE), held.item(_BRAKE)  # command of a step, torque and brake
         self.input = held  # that acts now, forces included
         self._path = np.concatenate([held, np.zeros(2 * held.size)])  # of the next step
         self._clock = clock
@@ -49,26 +49,22 @@ class HoistPartner:
     def step(self, t: float, h: float, load: Load) -> str:
         """One step under the load; a constant one is held to the bit."""
         with self._clock:
-            moved = self._moved(h, load) if self.next_command is None else self._sampled(t, h, load, self.next_command)
+            moved = self._moved(t, h, load)
             if not moved.valid:
                 return f"t = {t:.6g} s: {moved.message}"
             self.state, self.input, self._shown = moved.state, moved.acting, moved.shown
             self._done = load, _motion(moved.shown)
         return ""
 
-    def _moved(self, h: float, load: Load) -> PlantStep:
-        """The step under one command."""
-        return self.plant.advance(self.state, h, self._under(load), load.added_mass)
-
-    def _sampled(self, t: float, h: float, load: Load, next_command: NextCommand) -> PlantStep:
-        """The step under several commands, the first again where it is repeated."""
+    def _moved(self, t: float, h: float, load: Load) -> PlantStep:
+        """The step under its commands, the first again where it is repeated."""
         number, path, added = self.per_step, self._under(load), load.added_mass
         path[_TORQUE], path[_BRAKE] = self._first
         moved = self.plant.advance(self.state, h, path, added, 0.0, 1.0 / number)
         for k in range(1, number):
-            if not moved.valid:
+            if not moved.valid or self.next_command is None:
                 break
-            path[_TORQUE], path[_BRAKE] = next_command(k, t + k * h / number, moved.shown)
+            path[_TORQUE], path[_BRAKE] = self.next_command(k, t + k * h / number, moved.shown)
             moved = self.plant.advance(moved.state, h, path, added, k / number, (k + 1) / number)
         return moved
 

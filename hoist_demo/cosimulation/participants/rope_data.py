@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import get_args
 
 from hoist_demo.parameters.quantity import Value
-from rope_model.scene_names import choices_of
+from rope_model import Level, Scene, at_level
+from rope_model.scene_names import choices_of, named_parameters
 
-#: Parameters of the mesh, the solver and the model by FMI name, for each level of accuracy.
-Levels = Mapping[str, Mapping[str, Value]]
+#: Parameters of a level of accuracy: their numbers, and these choices.
+_LEVEL, _CHOICES = ("mesh.", "solver.", "model."), ("mesh.kind", "model.fidelity")
 
 _FREE = "solver.kernels"  #: What may differ when a run goes on.
 
@@ -65,9 +67,12 @@ class RopeData:
         value, words = self.parameters[name], choices_of(name)
         return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
 
-    def level(self, levels: Levels) -> str:
-        """Name of the level whose parameters these are, "" for none."""
-        for name, wanted in levels.items():
-            if all(self.parameters.get(key) == value for key, value in wanted.items()):
-                return name
+    @property
+    def level(self) -> str:
+        """Name of the level whose mesh, solver and model these are, "" for none."""
+        for level in get_args(Level):
+            numbers = [p for p in named_parameters(at_level(Scene(), level)) if p.name.startswith(_LEVEL)]
+            wanted = {p.name: p.value for p in numbers if isinstance(p.value, float) or p.name in _CHOICES}
+            if all(self.parameters.get(name) == value for name, value in wanted.items()):
+                return str(level)
         return ""

@@ -3,7 +3,9 @@
 Forces and moments that the ropes put on the conveyances at their places are added up (parameters.place). There the
 growth of the yaw's rate is its change over the step.
 
-Ropes that may press each other step together (touching_ropes).
+Ropes that may press each other take a step together, halved where they strike: their contact is rope_model's, here is
+what each rope's turn in a step is. The ends of a halved step lie on the quintic that the whole has; the mean forces of
+its parts are put together.
 """
 
 from __future__ import annotations
@@ -11,22 +13,31 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.touching_ropes import MEANS, TouchingRopes
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
 from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
-from rope_model import Account, EndMotion, Status
+from rope_model import Account, BalanceRope, EndMotion, Neighbours, Status
 
+MEANS = tuple(f"{end}.fy_mean" for end in ENDS)
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
 _PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))  #: What is added up as it is.
 #: Signals of the group: those of all its ropes together, moments about the conveyances' centres.
 SUMS = (*_ACTIONS, *_PLAIN)
 #: Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J].
 CONTACT_ENERGIES = tuple(f"neighbours.{name}" for name in ("energy", "work", "dissipated", "made"))
+_Ends = tuple[EndMotion, EndMotion]
+
+
+class WholeRope(RopePlant, Protocol):
+    """A RopePlant in this process."""
+
+    @property
+    def whole(self) -> BalanceRope | None:
+        """The rope; None once it is broken."""
 
 
 @dataclass(frozen=True)
@@ -39,31 +50,39 @@ class Member:
 
 
 class RopeGroup:
-    """A RopePlant of several; signals of a member begin with its name. With `touching` they press each other."""
+    """A RopePlant of several; signals of a member begin with its name."""
 
-    def __init__(self, members: Sequence[Member], touching: TouchingRopes | None = None) -> None:
+    def __init__(self, members: Sequence[Member], neighbours: Neighbours | None = None) -> None:
+        """With `neighbours` the members, each a WholeRope, press each other."""
         names = [member.name for member in members]
         if not names or len({*names}) < len(names):
             raise ValueError(f"the ropes' names {', '.join(names)} must be different: name each rope")
-        self.members = tuple(members)
-        self._rates = (0.0, 0.0)  # of the conveyances' yaw, at the last instant
-        self._yaws = (0.0, 0.0)
-        self.touching, self._placed = touching, list[tuple[EndMotion, EndMotion]]()  # where the ropes' ends are
+        self.members, self.neighbours = tuple(members), neighbours
+        self._last: _Ends = EndMotion(), EndMotion()  # of the conveyances
+        self._placed = list[_Ends]()  # where the ropes' ends are
+        self._means: list[NDArray[np.float64] | None] = [None] * len(names)  # of ropes whose step was halved
+        self._read_means = [] if neighbours is None else [member.rope.reader(MEANS) for member in members]
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
-        self._keep(left, right)
+        self._last = left, right
         self._placed = [self._ends(m.place, 0.0, left, right) for m in self.members]
-        if self.touching is not None:
-            return self._all(self.touching.initialize(t0, self._placed))
-        return self._all([m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)])
+        statuses = [m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)]
+        if self.neighbours is not None and all(status.valid for status in statuses):
+            self.neighbours.begin(t0, [whole for m in self.members if (whole := _whole(m.rope)) is not None])
+        self._means = [None] * len(self.members)
+        return self._all(statuses)
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         ends = [self._ends(m.place, h, left, right) for m in self.members]
-        self._keep(left, right)
+        self._last = left, right
         before, self._placed = self._placed, ends
-        if self.touching is not None:
-            return self._all(self.touching.step(t, h, before, ends))
-        return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
+        if self.neighbours is None:
+            return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
+        parts = zip(self.members, self._read_means, before, ends, strict=True)
+        turns = [Turn(m.rope, read, t, h, *motions) for m, read, *motions in parts]
+        self.neighbours.step(t, h, turns)
+        self._means = [turn.means if turn.parts > 1 else None for turn in turns]
+        return self._all([turn.status for turn in turns])
 
     def reader(self, names: Sequence[str]) -> Reader:
         asked = set(names)
@@ -82,7 +101,7 @@ class RopeGroup:
             for member, one in zip(self.members, values, strict=True):
                 if summed:
                     total += one[: len(summed)]
-                    total[: len(_ACTIONS)] += _moments(one, member.place, self._yaws)
+                    total[: len(_ACTIONS)] += _moments(one, member.place, self._last)
             parts = [one[len(summed) :] for one in values]
             return np.concatenate([[*self._contact().values()], total, *parts, [math.nan]])[order]
 
@@ -98,14 +117,14 @@ class RopeGroup:
     def save(self) -> Any:
         """All ropes' snapshots; None where one of them cannot."""
         kept = [m.rope.save() for m in self.members]
-        contact = None if self.touching is None else self.touching.save()
-        own = self._rates, self._yaws, self._placed, contact
+        contacts = None if self.neighbours is None else self.neighbours.contacts
+        own = self._last, self._placed, self._means, contacts
         return None if any(one is None for one in kept) else (kept, own)
 
     def restore(self, snapshot: Any) -> None:
-        kept, (self._rates, self._yaws, self._placed, contact) = snapshot
-        if self.touching is not None:
-            self.touching.restore(contact)
+        kept, (self._last, self._placed, self._means, contacts) = snapshot
+        if self.neighbours is not None:
+            self.neighbours.contacts = contacts
         for member, one in zip(self.members, kept, strict=True):
             member.rope.restore(one)
 
@@ -121,12 +140,12 @@ class RopeGroup:
 
     def accounts(self) -> dict[tuple[str, str], Account]:
         """Accounts of each two ropes that may press each other."""
-        found = {} if self.touching is None else self.touching.neighbours.contacts.accounts
+        found = {} if self.neighbours is None else self.neighbours.contacts.accounts
         return {(self.members[i].name, self.members[j].name): account for (i, j), account in found.items()}
 
     def _contact(self) -> dict[str, float]:
         """Signals of all that press each other."""
-        if self.touching is None:
+        if self.neighbours is None:
             return {}
         accounts = self.accounts()
         forces = {f"neighbours.{one}.{other}.force": account.pressure for (one, other), account in accounts.items()}
@@ -137,25 +156,72 @@ class RopeGroup:
 
     def _over_parts(self, k: int, summed: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a rope's values, with the mean forces of the whole step where it was halved."""
-        means = self.touching.means[k] if self.touching is not None and self.touching.means else None
-        if means is not None:
+        if (means := self._means[k]) is not None:
             for name, mean in zip(MEANS, means, strict=True):
                 if name in summed:
                     values[summed.index(name)] = mean
         return values
 
-    def _keep(self, left: EndMotion, right: EndMotion) -> None:
-        self._yaws, self._rates = (left.yaw, right.yaw), (left.yaw_rate, right.yaw_rate)
-
-    def _ends(self, place: Place, h: float, left: EndMotion, right: EndMotion) -> tuple[EndMotion, EndMotion]:
+    def _ends(self, place: Place, h: float, left: EndMotion, right: EndMotion) -> _Ends:
         """Motions of a rope's ends at the end of a step."""
-        was_left, was_right = self._rates
-        return _end(left, place.at("left"), was_left, h), _end(right, place.at("right"), was_right, h)
+        was_left, was_right = self._last
+        return (
+            _end(left, place.at("left"), was_left.yaw_rate, h),
+            _end(right, place.at("right"), was_right.yaw_rate, h),
+        )
 
     def _all(self, statuses: Sequence[Status]) -> Status:
         """Valid when all are."""
         failed = [(m.name, s) for m, s in zip(self.members, statuses, strict=True) if not s.valid]
         return Status(not failed, "; ".join(f"{name}: {status.message}" for name, status in failed))
+
+
+class Turn:
+    """A rope's part in a step of all, which it may have to take several times, or in parts."""
+
+    def __init__(self, rope: RopePlant, read: Reader, t: float, h: float, before: _Ends, after: _Ends) -> None:
+        self.status, self.parts, self._impulse = Status(True), 0, np.zeros(len(MEANS))
+        self._rope, self._read, self._t, self._h, self._before, self._after = rope, read, t, h, before, after
+        self._part, self._kept = (t, h), None
+
+    @property
+    def rope(self) -> BalanceRope | None:
+        """The rope; None once it is broken."""
+        return _whole(self._rope)
+
+    @property
+    def means(self) -> NDArray[np.float64]:
+        """MEANS of the whole step [N]."""
+        return self._impulse / self._h
+
+    def begin(self, t: float, h: float) -> None:
+        """The next part is that to t + h [s]."""
+        self._kept, self._part = self._rope.save(), (t, h)
+
+    def go(self) -> bool:
+        """Take it."""
+        t, h = self._part
+        done = t + h - self._t
+        left, right = (
+            after if done > (1.0 - 1e-9) * self._h else before.on_the_way(after, self._h, done)
+            for before, after in zip(self._before, self._after, strict=True)
+        )
+        self.status = self._rope.step(t, h, left, right)
+        return self.status.valid
+
+    def back(self) -> None:
+        """Back to where it begins."""
+        self._rope.restore(self._kept)
+
+    def accept(self) -> None:
+        """Accept the step."""
+        self.parts += 1
+        self._impulse += self._part[1] * self._read()
+
+
+def _whole(rope: RopePlant) -> BalanceRope | None:
+    """Return the rope of a WholeRope; None once it is broken."""
+    return getattr(rope, "whole", None)
 
 
 def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, h: float) -> EndMotion:
@@ -168,9 +234,9 @@ def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, 
     return replace(c, **dict(zip(MOVED, moved, strict=True)))
 
 
-def _moments(values: NDArray[np.float64], place: Place, yaws: tuple[float, float]) -> NDArray[np.float64]:
+def _moments(values: NDArray[np.float64], place: Place, conveyances: _Ends) -> NDArray[np.float64]:
     """Return the moments of a rope's forces about the centres, in the order of _ACTIONS."""
     found = np.zeros((len(ENDS), 6))
     for k, end in enumerate(ENDS):
-        found[k, 3:] = moment_at(place.at(end), yaws[k], values[6 * k : 6 * k + 3].tolist())
+        found[k, 3:] = moment_at(place.at(end), conveyances[k].yaw, values[6 * k : 6 * k + 3].tolist())
     return found.ravel()

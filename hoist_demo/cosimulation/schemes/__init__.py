@@ -1,7 +1,6 @@
-"""Schemes by which a drive and a rope exchange forces and motions: one per file, all interchangeable.
+"""Schemes by which a drive and a rope exchange forces and motions, all interchangeable.
 
-Reads as interface -> extrapolation -> gauss_seidel, jacobi, semi_implicit, iterative (with accelerators), energy ->
-catalogue, stability.
+Reads as interface -> explicit, iterative, energy -> catalogue, stability.
 
 The drive takes forces and gives motions, the rope takes motions and gives forces; a scheme advances both over one
 communication step H. Nothing here knows what the two are: n interface coordinates, forces on the drive in N (or

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
-from hoist_demo.cosimulation.schemes.gauss_seidel import GaussSeidel, ImpulsePreserving
+from hoist_demo.cosimulation.schemes.explicit import GaussSeidel, ImpulsePreserving, Jacobi, SemiImplicit
 from hoist_demo.cosimulation.schemes.interface import Scheme
 from hoist_demo.cosimulation.schemes.iterative import ACCELERATORS, Iterative
-from hoist_demo.cosimulation.schemes.jacobi import Jacobi
-from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 
 #: Numbers are orders of extrapolation; docs/howto/hoist.md compares them.
 SCHEMES: dict[str, Scheme] = {

@@ -10,23 +10,89 @@ because the speed at the end follows the mean. The last is m_a B for an end that
 is an impedance; in the middle either converges by 1/3 per exchange at worst. The parabola is of high order, but its
 force is continuous from step to step and damps nothing: with a drive lighter than the rope's added mass the solution
 itself alternates. The held mean is of first order and stable with any mass.
+
+An accelerator gives the next x to try from those tried and the answers g(x) of the rope, r = g(x) - x.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
-from hoist_demo.cosimulation.schemes.accelerators import Accelerator, Aitken, InterfaceJacobian, Secant
-from hoist_demo.cosimulation.schemes.extrapolation import extrapolation_coefficients
+from hoist_demo.cosimulation.schemes.explicit import extrapolation_coefficients
 from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pair, Vector
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
 
 MOST_EXCHANGES = 30  #: Tries of one step, after which it fails.
+
+
+class Accelerator(Protocol):
+    """Proposes the next x; one object serves one step."""
+
+    def next(self, x: Vector, answer: Vector) -> Vector:
+        """Return the forces to try after x, whose answer is known."""
+
+
+class InterfaceJacobian:
+    """Newton's method with a Jacobian dg/dx that is known beforehand, x + (1 - dg/dx)^-1 r."""
+
+    def __init__(self, jacobian: Vector) -> None:
+        self._matrix = np.eye(jacobian.shape[0]) - jacobian
+
+    def next(self, x: Vector, answer: Vector) -> Vector:
+        new: Vector = x + np.linalg.solve(self._matrix, answer - x)
+        return new
+
+
+class Aitken:
+    """Relaxation with a factor from the last two residuals.
+
+    Source: U. Kuettler and W. A. Wall, Fixed-point fluid-structure interaction solvers with dynamic relaxation,
+    Computational Mechanics 43 (2008).
+    """
+
+    def __init__(self) -> None:
+        self._factor, self._before = 1.0, np.zeros(0)
+
+    def next(self, x: Vector, answer: Vector) -> Vector:
+        r = answer - x
+        if self._before.size:
+            change = r - self._before
+            size = float(change @ change)
+            if size > 0.0:
+                self._factor *= -float(self._before @ change) / size
+        self._before = r
+        new: Vector = x + self._factor * r
+        return new
+
+
+class Secant:
+    """IQN-ILS: the inverse Jacobian by least squares from the differences of all tries of this step.
+
+    Source: J. Degroote, K.-J. Bathe and J. Vierendeels, Performance of a new partitioned procedure versus a
+    monolithic procedure in fluid-structure interaction, Computers and Structures 87 (2009).
+    """
+
+    def __init__(self) -> None:
+        self._answers: list[Vector] = []
+        self._residuals: list[Vector] = []
+
+    def next(self, x: Vector, answer: Vector) -> Vector:
+        r = answer - x
+        self._answers.append(answer)
+        self._residuals.append(r)
+        if len(self._residuals) == 1:
+            return answer
+        # newest differences first; least squares of least norm forgets those that tell nothing new
+        V = np.array([old - r for old in self._residuals[-2::-1]][: x.size]).T
+        W = np.array([old - answer for old in self._answers[-2::-1]][: x.size]).T
+        weights = np.linalg.lstsq(V, -r, rcond=1e-10)[0]
+        new: Vector = answer + W @ weights
+        return new
 
 
 @dataclass(frozen=True)
@@ -75,10 +141,8 @@ class Iterative:
         return mean if self.held else np.concatenate([mean, end])
 
     def _accelerator(self, pair: Pair) -> Accelerator:
-        if self.accelerator == "aitken":
-            return Aitken()
-        if self.accelerator == "secant":
-            return Secant()
+        if self.accelerator != "jacobian":
+            return Aitken() if self.accelerator == "aitken" else Secant()
         response: Vector = -pair.added_mass()[:, None] * pair.drive.mobility()
         if self.held:
             return InterfaceJacobian(0.75 * response)

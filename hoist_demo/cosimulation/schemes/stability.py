@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hoist_demo.cosimulation.schemes.explicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Pair, Scheme, Vector
-from hoist_demo.cosimulation.schemes.semi_implicit import SemiImplicit
 
 _log = logging.getLogger(__name__)
 

@@ -20,8 +20,7 @@ What a host does not give is estimated by fading-memory filters: E. Brookner, Tr
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from itertools import chain
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
@@ -332,18 +331,11 @@ class Followed(NamedTuple):
     limits: Limits
 
 
-_PATH = 2 + 6 * len(PATH)
-_END = len(EndMotion.__dataclass_fields__)
-
-
-def following_of(values: Iterable[Any]) -> Following:
-    """A Following from its numbers in a row."""
-    rest = iter(values)
-    return Following(*(_taken(rest, zero) for zero in Following()))
-
-
-def _taken(rest: Any, zero: Any) -> Any:
-    return tuple(_taken(rest, part) for part in zero) if isinstance(zero, tuple) else next(rest)
+_NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type]
+_NOTHING = (0.0,) * len(PATH)
+#: values that ``follow`` takes and returns
+_TAKEN = Following(), _NO_PATH, Manner(*(0.0,) * len(Manner._fields)), 0.0, 0.0, (0.0,) * len(vars(EndMotion()))
+_RETURNED = Followed(Following(), _NO_PATH, Limits(_NOTHING, _NOTHING, _NOTHING))  # type: ignore[arg-type]
 
 
 def numbers_of(x: Any) -> list[Any]:
@@ -351,39 +343,30 @@ def numbers_of(x: Any) -> list[Any]:
     return [n for part in x for n in numbers_of(part)] if isinstance(x, tuple) else [x]
 
 
-def path_of(x: Sequence[Any]) -> EndPath:
-    """The path of these numbers."""
-    return EndPath(x[0], x[1], (tuple(x[2:8]), tuple(x[8:14]), tuple(x[14:20]), tuple(x[20:26])))
-
-
-_FOLLOWING, _MANNER = len(numbers_of(Following())), len(Manner._fields)
+def _with_numbers(example: Any, rest: Iterator[Any]) -> Any:
+    """Nested tuples like ``example`` with the next numbers of ``rest``."""
+    if not isinstance(example, tuple):
+        return next(rest)
+    parts = (_with_numbers(part, rest) for part in example)
+    return type(example)(*parts) if hasattr(example, "_fields") else tuple(parts)
 
 
 def follow_program() -> Program:
     """follow_sample, follow_path and follow_limits in CasADi's virtual machine, for ``follow``."""
-    return Program(_follow, _FOLLOWING + _PATH + _MANNER + 2 + _END)
+    return Program(_follow, len(numbers_of(_TAKEN)))
 
 
 def follow(
     program: Program, now: Following, path: EndPath, manner: Manner, given_at: float, stop: float, end: EndMotion
 ) -> Followed:
     """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
-    numbers = (*numbers_of(now), *path[:2], *chain(*path.coefficients))
-    found = program(*numbers, *manner, given_at, stop, *vars(end).values())
-    split = _FOLLOWING + _PATH
-    peaks, place, speed = found[split : split + 4], found[split + 4 : split + 8], found[split + 8 :]
-    return Followed(
-        following_of(found[:_FOLLOWING]),
-        path_of(found[_FOLLOWING:split]),
-        Limits(peaks, place, speed),  # type: ignore[arg-type]
-    )
+    found = program(*numbers_of((now, path, manner, given_at, stop, tuple(vars(end).values()))))
+    followed: Followed = _with_numbers(_RETURNED, iter(found))
+    return followed
 
 
-def _follow(x: Sequence[Any]) -> tuple[Any, ...]:
-    split = _FOLLOWING + _PATH
-    path, (*manner, given_at, stop) = path_of(x[_FOLLOWING:split]), x[split:-_END]
-    how = Manner(*manner)
-    now = follow_sample(following_of(x[:_FOLLOWING]), how, given_at, stop - path.stop, EndMotion(*x[-_END:]))
-    path = follow_path(path, now, stop, how.observer)
-    limits = follow_limits(path, now)
-    return (*numbers_of(now), *path[:2], *chain(*path.coefficients), *numbers_of(limits))
+def _follow(x: Sequence[Any]) -> list[Any]:
+    now, path, manner, given_at, stop, end = _with_numbers(_TAKEN, iter(x))
+    now = follow_sample(now, manner, given_at, stop - path.stop, EndMotion(*end))
+    path = follow_path(path, now, stop, manner.observer)
+    return numbers_of(Followed(now, path, follow_limits(path, now)))

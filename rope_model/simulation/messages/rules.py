@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-Rules = Mapping[Callable[..., str], Callable[..., tuple[Any, ...]]]
+from rope_model.simulation.messages.text import Text
+
+Rules = Mapping[Text, Callable[..., tuple[Any, ...]]]
 
 
 def first_text(rules: Rules, *facts: Any) -> str:

@@ -12,7 +12,7 @@ from rope_model.shaft_parameters import FAR
 from rope_model.simulation.ends.following import FEWEST_BREAKS
 from rope_model.simulation.mesh.mesh_fit import LONGEST, NATURAL_RADIUS
 from rope_model.simulation.mesh.mesh_pattern import fine_share
-from rope_model.simulation.messages import warning_messages
+from rope_model.simulation.messages import warning_messages as texts
 from rope_model.simulation.messages.fidelity_rules import carries_torque
 from rope_model.simulation.messages.rules import Rules
 from rope_model.simulation.outputs.audit import (
@@ -57,29 +57,18 @@ def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
     return both(state.fidelity == "torsional", free, rests(scene, state), abs(yaw) > YAWED_FAR)
 
 
-def _sides_passed(scene: Any, state: Any) -> tuple[Any, ...]:
-    crossing, open_to = state.crossing, scene.shaft.contact.rope_stiffness == 0
-    return both(crossing.number > 0, open_to), crossing.number, crossing.since, crossing.y
+def _passages(state: Any) -> tuple[Any, ...]:
+    return state.crossing.number, state.crossing.since, state.crossing.y
 
 
-def _sides_passed_in_spite(scene: Any, state: Any) -> tuple[Any, ...]:
-    crossing = state.crossing
-    return crossing.number > 0, crossing.number, crossing.since, crossing.y, scene.shaft.contact.rope_stiffness
-
-
-def _turned_around(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
-    # a rope without passages is turned as far over its height as its loop; passages have their own warning
-    return both(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN), yaw / (2 * math.pi)
+def _legs_press(state: Any) -> tuple[Any, ...]:
+    x = state.crossing
+    return both(x.number == 0, x.overlap > 0), x.touched_at, x.overlap, x.touched_y
 
 
 def _legs_touch(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
-    applies, *numbers = _legs_press(scene, state, yaw)
+    applies, *numbers = _legs_press(state)
     return both(applies, scene.shaft.contact.rope_stiffness == 0), *numbers
-
-
-def _legs_press(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
-    x = state.crossing
-    return both(x.number == 0, x.overlap > 0), x.overlap, x.touched_at, x.touched_y
 
 
 def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
@@ -99,10 +88,6 @@ def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
     return installed >= ends, scene.rope.installed_twist
 
 
-def _torque_of_ends(scene: Any, turned: Any) -> tuple[Any, ...]:
-    return True, turned
-
-
 def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
     """Torques by coupling, permanent curvature, installed twist, and ends that twist the rope by ``turned`` (rad)."""
     rope = scene.rope
@@ -112,18 +97,8 @@ def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
     return coupling, curvature_torque(rope), twist_torque(rope, rope.installed_twist), ends
 
 
-def _other_rests(scene: Any, state: Any) -> tuple[Any, ...]:
-    return both(state.snapped_at != 0, rests(scene, state)), state.snapped_at
-
-
-def _forces_missing(scene: Any, state: Any) -> tuple[Any, ...]:
-    missing, bound = state.audit.missing_force, MISSING_FORCE * state.audit.force
-    return missing > bound, missing, bound
-
-
-def _moments_missing(scene: Any, state: Any) -> tuple[Any, ...]:
-    missing, bound = state.audit.missing_moment, MISSING_MOMENT * state.audit.force * scene.layout.spacing
-    return missing > bound, missing, bound
+def _missing(load: Any, bound: Any) -> tuple[Any, ...]:
+    return load > bound, load, bound
 
 
 def _shown_below(number: Any) -> Any:
@@ -148,14 +123,6 @@ def _positions_rounded(scene: Any, following: Any, step: Any) -> tuple[Any, ...]
     return both(scene.inputs.given != "speed", on_grid, x.position > 0.25 * x.grid), x.grid
 
 
-def _samples_repeated(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
-    return following.repeats > 0, following.repeats, following.sent_every, step
-
-
-def _table_too_coarse(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
-    return both(following.breaks >= FEWEST_BREAKS, following.grid < COARSEST_ROUNDING), following.table_every, step
-
-
 def _motion_misfits(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
     x = following
     disturbs = x.acceleration > scene.accuracy.end_force * scene.layout.gravity
@@ -173,88 +140,102 @@ def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     return applies, fine, error, asked, yaw, would_do
 
 
-def _extrapolated_too_far(scene: Any, state: Any) -> tuple[Any, ...]:
-    h = state.last_interval  # between two instants, which are rounded the more the later they are
-    applies = both(state.counts.steps > 0, h > 1.001 * LONGEST_EXTRAPOLATION)
-    return applies, h, LONGEST_EXTRAPOLATION
-
-
 def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:
     air = scene.shaft.air
     moved = either(air.vx != 0, air.vy != 0, air.vz != 0)
     return both(air.density == 0, moved), air.vx, air.vy, air.vz
 
 
-def _no_air_to_push(scene: Any, state: Any) -> tuple[Any, ...]:
-    air = scene.shaft.air
-    return both(air.density == 0, air.buffet > 0), air.buffet
-
-
-def _no_torque_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
-    torque = scene.shaft.guard.torque
-    return both(state.fidelity != "torsional", torque > 0), torque, state.fidelity
-
-
-def _no_turns_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
-    turns, flat = scene.shaft.guard.turns, either(state.fidelity == "planar", state.fidelity == "rigid")
-    return both(flat, turns > 0), turns, state.fidelity
-
-
-def _no_swing_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
-    window = scene.shaft.guard.window
-    return both(state.fidelity == "rigid", window > 0), window, state.fidelity
-
-
-def _no_rise_to_guard(scene: Any, state: Any) -> tuple[Any, ...]:
-    guard = scene.shaft.guard
-    return both(state.fidelity == "rigid", guard.rise > 0, guard.rise_y <= -FAR), guard.rise, state.fidelity
-
-
-def _accuracy_given_up(scene: Any, state: Any) -> tuple[Any, ...]:
-    given_up = state.counts.given_up
-    return given_up > 0, given_up, state.given_up_since, scene.solver.work_max
+def _blind(state: Any, blind: Any, threshold: Any) -> tuple[Any, ...]:
+    return both(blind, threshold > 0), threshold, state.fidelity
 
 
 PASSED_SIDES: Rules = {
-    warning_messages.sides_passed: _sides_passed,
-    warning_messages.sides_passed_in_spite: _sides_passed_in_spite,
+    texts.sides_passed: lambda scene, state: (
+        both(state.crossing.number > 0, scene.shaft.contact.rope_stiffness == 0),
+        *_passages(state),
+    ),
+    texts.sides_passed_in_spite: lambda scene, state: (
+        state.crossing.number > 0,
+        *_passages(state),
+        scene.shaft.contact.rope_stiffness,
+    ),
 }
 LEG_CONTACT: Rules = {
-    warning_messages.turned_around: _turned_around,
-    warning_messages.legs_touch: _legs_touch,
-    warning_messages.legs_press: _legs_press,
+    # a rope without passages is turned as far over its height as its loop; passages have their own warning
+    texts.turned_around: lambda scene, state, yaw: (
+        both(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN),
+        yaw / (2 * math.pi),
+    ),
+    texts.legs_touch: _legs_touch,
+    texts.legs_press: lambda scene, state, yaw: _legs_press(state),
 }
 TORQUE_SOURCE: Rules = {
-    warning_messages.torque_of_coupling: _torque_of_coupling,
-    warning_messages.torque_of_curvature: _torque_of_curvature,
-    warning_messages.torque_of_twist: _torque_of_twist,
-    warning_messages.torque_of_ends: _torque_of_ends,
+    texts.torque_of_coupling: _torque_of_coupling,
+    texts.torque_of_curvature: _torque_of_curvature,
+    texts.torque_of_twist: _torque_of_twist,
+    texts.torque_of_ends: lambda scene, turned: (True, turned),
 }
-OTHER_RESTS: Rules = {warning_messages.other_rests: _other_rests}
+OTHER_RESTS: Rules = {
+    texts.other_rests: lambda scene, state: (both(state.snapped_at != 0, rests(scene, state)), state.snapped_at)
+}
 MISSING_LOADS: Rules = {
-    warning_messages.forces_missing: _forces_missing,
-    warning_messages.moments_missing: _moments_missing,
+    texts.forces_missing: lambda scene, state: _missing(state.audit.missing_force, MISSING_FORCE * state.audit.force),
+    texts.moments_missing: lambda scene, state: _missing(
+        state.audit.missing_moment, MISSING_MOMENT * state.audit.force * scene.layout.spacing
+    ),
 }
-UNRESOLVED_WAVES: Rules = {warning_messages.waves_unresolved: _waves_unresolved}
-UNRESOLVED_BEND: Rules = {
-    warning_messages.bend_unresolved: _bend_unresolved,
-    warning_messages.loop_unresolved: _loop_unresolved,
+UNRESOLVED_WAVES: Rules = {texts.waves_unresolved: _waves_unresolved}
+UNRESOLVED_BEND: Rules = {texts.bend_unresolved: _bend_unresolved, texts.loop_unresolved: _loop_unresolved}
+LONG_EXTRAPOLATION: Rules = {
+    # the interval is between two instants, which are rounded the more the later they are
+    texts.extrapolated_too_far: lambda scene, state: (
+        both(state.counts.steps > 0, state.last_interval > 1.001 * LONGEST_EXTRAPOLATION),
+        state.last_interval,
+        LONGEST_EXTRAPOLATION,
+    )
 }
-LONG_EXTRAPOLATION: Rules = {warning_messages.extrapolated_too_far: _extrapolated_too_far}
-NO_AIR: Rules = {warning_messages.no_air: _no_air, warning_messages.no_air_to_push: _no_air_to_push}
+NO_AIR: Rules = {
+    texts.no_air: _no_air,
+    texts.no_air_to_push: lambda scene, state: (
+        both(scene.shaft.air.density == 0, scene.shaft.air.buffet > 0),
+        scene.shaft.air.buffet,
+    ),
+}
 #: the guard that needs most of the model comes first: a model that serves it serves the others
 BLIND_GUARDS: Rules = {
-    warning_messages.no_torque_to_guard: _no_torque_to_guard,
-    warning_messages.no_turns_to_guard: _no_turns_to_guard,
-    warning_messages.no_swing_to_guard: _no_swing_to_guard,
-    warning_messages.no_rise_to_guard: _no_rise_to_guard,
+    texts.no_torque_to_guard: lambda scene, state: _blind(
+        state, state.fidelity != "torsional", scene.shaft.guard.torque
+    ),
+    texts.no_turns_to_guard: lambda scene, state: _blind(
+        state, either(state.fidelity == "planar", state.fidelity == "rigid"), scene.shaft.guard.turns
+    ),
+    texts.no_swing_to_guard: lambda scene, state: _blind(state, state.fidelity == "rigid", scene.shaft.guard.window),
+    texts.no_rise_to_guard: lambda scene, state: _blind(
+        state, both(state.fidelity == "rigid", scene.shaft.guard.rise_y <= -FAR), scene.shaft.guard.rise
+    ),
 }
-ACCURACY_GIVEN_UP: Rules = {warning_messages.accuracy_given_up: _accuracy_given_up}
-
+ACCURACY_GIVEN_UP: Rules = {
+    texts.accuracy_given_up: lambda scene, state: (
+        state.counts.given_up > 0,
+        state.counts.given_up,
+        state.given_up_since,
+        scene.solver.work_max,
+    )
+}
 #: rules of the inputs of an end
 INPUTS: Rules = {
-    warning_messages.positions_rounded: _positions_rounded,
-    warning_messages.samples_repeated: _samples_repeated,
-    warning_messages.table_too_coarse: _table_too_coarse,
-    warning_messages.motion_misfits: _motion_misfits,
+    texts.positions_rounded: _positions_rounded,
+    texts.samples_repeated: lambda scene, following, step: (
+        following.repeats > 0,
+        following.repeats,
+        step,
+        following.sent_every,
+    ),
+    texts.table_too_coarse: lambda scene, following, step: (
+        both(following.breaks >= FEWEST_BREAKS, following.grid < COARSEST_ROUNDING),
+        following.table_every,
+        step,
+    ),
+    texts.motion_misfits: _motion_misfits,
 }

@@ -17,7 +17,6 @@ how far the tangent turns in an element.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from rope_model.numerics.generalized_alpha import auxiliary_weights
@@ -128,8 +127,3 @@ def after_interval(audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about
         energy=larger(audit.energy, abs(residual)),
         bend=larger(audit.bend, bend),
     )
-
-
-def audit_of(values: Iterable[float | Sequence[float]]) -> Audit:
-    """The audit with these values, in which sequences stand for tuples."""
-    return Audit(*(x if isinstance(x, float) else tuple(x) for x in values))  # type: ignore[arg-type]

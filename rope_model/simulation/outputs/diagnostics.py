@@ -9,17 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
+from rope_model.physics import outline
 from rope_model.physics.hermite import integral, integral_to
-from rope_model.physics.outline import (
-    heading,
-    least_advance,
-    line_yaw,
-    place,
-    plane_between,
-    side_gap,
-    squared_distance,
-    turn,
-)
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.rope_system import POSITION, SLOPE, Array, arc_lengths
 
@@ -31,7 +22,7 @@ FINE, OUTLINE = 41, 161
 
 def direction(q: Array) -> float:
     """Yaw (rad) of the line from the left to the right end."""
-    return float(line_yaw(q[0], q[-1]))
+    return float(outline.line_yaw(q[0], q[-1]))
 
 
 @dataclass(frozen=True)
@@ -83,14 +74,14 @@ def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
     over that node, and the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so
     that it separates the legs of a swinging loop too.
     """
-    k, rows, across = int(q[:, 1].argmin()), q.T, heading(direction(q))
+    k, rows, across = int(q[:, 1].argmin()), q.T, outline.heading(direction(q))
     if not 0 < k < lengths.size:
         return False
     low, left = rows[:, k], np.arange(lengths.size) < k
-    normal, a, b = plane_between(q[0], q[-1], low, across), rows[:, :-1], rows[:, 1:]
+    normal, a, b = outline.plane_between(q[0], q[-1], low, across), rows[:, :-1], rows[:, 1:]
     ends = np.where(left, a, b), np.where(left, b, a), np.where(left, q[0, 1], q[-1, 1])
-    gaps = side_gap(np.where(left, -1.0, 1.0), lengths, *ends, low, normal, diameter, above)
-    advances = (least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k))
+    gaps = outline.side_gap(np.where(left, -1.0, 1.0), lengths, *ends, low, normal, diameter, above)
+    advances = (outline.least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k))
     return bool(gaps.min() >= 0 and min(advances) > 0)
 
 
@@ -119,8 +110,8 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
     every = np.union1d(legs[0][:, 1], legs[1][:, 1])
     heights = every[1:]
     left, right = (np.array([np.interp(heights, leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
-    across = np.hstack((np.array(heading(bottom.yaw))[:, None], right - left))
-    turned = turn(across[:, :-1], across[:, 1:])
+    across = np.hstack((np.array(outline.heading(bottom.yaw))[:, None], right - left))
+    turned = outline.turn(across[:, :-1], across[:, 1:])
     sharpest = int(np.argmax(np.abs(turned)))
     return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (every[sharpest] + every[sharpest + 1])))
 
@@ -134,7 +125,9 @@ def _rising(leg: Array) -> Array:
 
 def _distance(points: Array, line: Array) -> float:
     """Smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
-    return math.sqrt(squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min())
+    return math.sqrt(
+        outline.squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min()
+    )
 
 
 def _part_above(leg: Array, height: float) -> Array:
@@ -153,7 +146,9 @@ def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> A
     """(points,): arc lengths, m, from end to end, denser around the loop, of this width (m), above ``bottom_s``."""
     total = float(np.sum(lengths))
     u = np.linspace(-1.0, 1.0, points)
-    s: Array = np.clip(place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop), 0.0, total)
+    s: Array = np.clip(
+        outline.place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop), 0.0, total
+    )
     return s
 
 

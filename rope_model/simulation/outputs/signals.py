@@ -34,7 +34,7 @@ from rope_model.simulation.outputs.diagnostics import (
 from rope_model.simulation.outputs.guards import rise
 from rope_model.simulation.outputs.sensitivity import Linearised, added_mass_signals
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
-from rope_model.simulation.outputs.state_signals import STATE_SIGNALS
+from rope_model.simulation.outputs.state_signals import STATE_SIGNALS, remembered
 from rope_model.simulation.rigid import rigid_tension
 from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem, arc_lengths
 
@@ -66,7 +66,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
 
 def state_signals(rope: Evaluated) -> dict[str, float]:
     """Signals that the state remembers."""
-    return {name: float(value(rope.state)) for name, value in STATE_SIGNALS.items()}
+    return {name: float(value) for name, value in remembered(rope.state).items()}
 
 
 _OF_AN_END = ("fx", "fy", "fz", "mx", "my", "mz", "swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping")

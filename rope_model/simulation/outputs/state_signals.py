@@ -1,85 +1,67 @@
-"""Outputs that the state remembers, each as a formula of the state: codegen.rules makes the C of them."""
+"""Outputs that the state remembers, as formulas of the state: codegen.rules makes the C of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from operator import attrgetter
+from types import SimpleNamespace
 from typing import Any
 
 from rope_model.physics.accuracy import TINY
+from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.elementary import larger, less, sqrt
 from rope_model.physics.energy_balance import residual, total
+from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
+from rope_model.simulation.ends.following import Following
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.outputs.signal_table import SIGNALS
-from rope_model.simulation.state import EnergyBalance, Nearest
+from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest
 
 
-def _force_mean(side: int, state: Any) -> Any:
-    return state.force_mean[side]
+def remembered(state: Any) -> dict[str, Any]:
+    """Return the values of these signals by name; numbers of ``state`` may be symbols."""
+    crossing, guard, (left, right) = state.crossing, state.guard, state.following
+    values = {
+        "loop.crossings": crossing.number,
+        "loop.crossed_at": crossing.since,
+        "loop.crossed_y": crossing.y,
+        "loop.overlap": crossing.overlap,
+        "loop.touched_at": crossing.touched_at,
+        "loop.touched_y": crossing.touched_y,
+        "status.given_up": state.counts.given_up,
+        "status.given_up_since": state.given_up_since,
+        "guard.tripped": less(0.0, guard.cause),
+        "inputs.repeated": larger(left.repeats, right.repeats),
+        "energy.total": total(state.energy_balance),
+        "energy.residual": residual(state.energy_balance),
+    }
+    values |= {f"energy.{name}": getattr(state.energy_balance, name) for name in EnergyBalance._fields}
+    values |= {"guard.cause": guard.cause, "guard.time": guard.time}
+    values |= {f"count.{name}": getattr(state.counts, name) for name in Counts._fields}
+    for k, name in enumerate(("position", "speed", "acceleration")):
+        values[f"inputs.misfit.{name}"] = larger(getattr(left, name), getattr(right, name))
+        mean = larger(left.squares[k], right.squares[k]) / larger(left.time, TINY)
+        values[f"inputs.misfit.{name}_rms"] = sqrt(mean)
+    values |= {f"{side}.fy_mean": force for side, force in zip(SIDES, state.force_mean, strict=True)}
+    impulses = zip((*KINDS, "rope"), state.contact.impulses, strict=True)
+    values |= {f"contact.{kind}.impulse": impulse for kind, impulse in impulses}
+    for kind, nearest in zip(KINDS, state.nearest, strict=True):
+        values |= {f"nearest.{kind}.{name}": getattr(nearest, name) for name in Nearest._fields}
+    return {name: value for name, value in values.items() if name in SIGNALS}
 
 
-def _nearest(kind: int, key: str, state: Any) -> Any:
-    return getattr(state.nearest[kind], key)
-
-
-def _largest_misfit(name: str, state: Any) -> Any:
-    left, right = state.following
-    return larger(getattr(left, name), getattr(right, name))
-
-
-def _misfit_rms(k: int, state: Any) -> Any:
-    left, right = state.following
-    return sqrt(larger(left.squares[k], right.squares[k]) / larger(left.time, TINY))
-
-
-def _repeated(state: Any) -> Any:
-    left, right = state.following
-    return larger(left.repeats, right.repeats)
-
-
-def _impulse(kind: int, state: Any) -> Any:
-    return state.contact.impulses[kind]
-
-
-def _guard_tripped(state: Any) -> Any:
-    return less(0.0, state.guard.cause)
-
-
-def _energy(sum_of: Callable[[Any], Any], state: Any) -> Any:
-    return sum_of(state.energy_balance)
-
-
-#: signals with the same name in a part of the state
-_ALIKE = {"energy": ("energy_balance", EnergyBalance._fields), "guard": ("guard", ("cause", "time"))}
-_ALIKE["count"] = "counts", tuple(name.removeprefix("count.") for name in SIGNALS if name.startswith("count."))
-
-STATE_SIGNALS: dict[str, Callable[[Any], Any]] = {
-    "loop.crossings": attrgetter("crossing.number"),
-    "loop.crossed_at": attrgetter("crossing.since"),
-    "loop.crossed_y": attrgetter("crossing.y"),
-    "loop.overlap": attrgetter("crossing.overlap"),
-    "loop.touched_at": attrgetter("crossing.touched_at"),
-    "loop.touched_y": attrgetter("crossing.touched_y"),
-    "status.given_up": attrgetter("counts.given_up"),
-    "status.given_up_since": attrgetter("given_up_since"),
-    "guard.tripped": _guard_tripped,
-    "inputs.repeated": _repeated,
-    "energy.total": partial(_energy, total),
-    "energy.residual": partial(_energy, residual),
-}
-STATE_SIGNALS |= {
-    f"{of}.{name}": attrgetter(f"{part}.{name}")
-    for of, (part, names) in _ALIKE.items()
-    for name in names
-    if f"{of}.{name}" in SIGNALS
-}
-for _k, _name in enumerate(("position", "speed", "acceleration")):
-    STATE_SIGNALS[f"inputs.misfit.{_name}"] = partial(_largest_misfit, _name)
-    STATE_SIGNALS[f"inputs.misfit.{_name}_rms"] = partial(_misfit_rms, _k)
-STATE_SIGNALS |= {f"{side}.fy_mean": partial(_force_mean, k) for k, side in enumerate(SIDES)}
-STATE_SIGNALS |= {f"contact.{kind}.impulse": partial(_impulse, k) for k, kind in enumerate((*KINDS, "rope"))}
-STATE_SIGNALS |= {
-    f"nearest.{kind}.{key}": partial(_nearest, k, key) for k, kind in enumerate(KINDS) for key in Nearest._fields
-}
+#: names of these signals
+STATE_SIGNALS = tuple(
+    remembered(
+        SimpleNamespace(
+            crossing=Crossing(),
+            guard=GuardState(),
+            following=(Following(), Following()),
+            counts=Counts(),
+            given_up_since=0.0,
+            energy_balance=EnergyBalance(),
+            force_mean=(0.0, 0.0),
+            contact=ContactSums(),
+            nearest=(Nearest(),) * len(KINDS),
+        )
+    )
+)

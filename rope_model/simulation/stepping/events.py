@@ -1,10 +1,16 @@
-"""Instant at which a function of time first leaves the negative side."""
+"""Search for the instant at which a function of time first leaves the negative side; C has the formulas from here.
+
+Regula falsi with the Illinois modification.  It bisects when that fails to halve the interval twice in a row, or a
+value is infinite (the function may be kinked).
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
-from rope_model.simulation.stepping.bracket import Bracket, narrowed, trial_place
+from rope_model.physics.elementary import both, larger, smaller, where
 
 
 def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
@@ -20,3 +26,48 @@ def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f
             break
         at = narrowed(at, x, f(x))
     return at.high
+
+
+class Bracket(NamedTuple):
+    """An interval, and the values at its ends, f_low < 0 <= f_high.
+
+    ``side`` is the end that moved last, -1 or 1, or 0; then comes the number of rounds in a row that did not halve it.
+    """
+
+    low: float
+    high: float
+    f_low: float
+    f_high: float
+    side: float
+    stalled: float
+
+
+def trial_place(bracket: Any, width: Any) -> Any:
+    """The place to look at next; not between the ends where there is no number between them."""
+    low, high, f_low = bracket.low, bracket.high, bracket.f_low
+    falls, middle = _converges(bracket), 0.5 * (low + high)
+    x = low + (high - low) * f_low / where(falls, f_low - bracket.f_high, 1.0)
+    x = where(falls, smaller(larger(x, low + 0.4 * width), high - 0.4 * width), middle)
+    return where(both(low < x, x < high), x, middle)
+
+
+def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
+    """The interval that is left when the function has this ``value`` at ``x``."""
+    low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
+    below = value < 0
+    now_low, now_high = where(below, x, low), where(below, high, x)
+    kept = 0.5 * (high - low) < now_high - now_low
+    return Bracket(
+        now_low,
+        now_high,
+        where(below, value, where(side > 0, 0.5 * f_low, f_low)),
+        where(below, where(side < 0, 0.5 * f_high, f_high), value),
+        where(below, -1.0, 1.0),
+        where(kept, where(_converges(bracket), stalled, 0.0) + 1.0, 0.0),
+    )
+
+
+def _converges(bracket: Any) -> Any:
+    """Whether a secant of its values may be looked along."""
+    finite = abs(bracket.f_low - bracket.f_high) < math.inf
+    return both(bracket.stalled < 2, finite, bracket.f_low < bracket.f_high)

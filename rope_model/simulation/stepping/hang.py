@@ -30,7 +30,7 @@ CURVATURE_STEPS = 8
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
 MOST_TURN = 2.0
-#: corrections after which turning in is given up: a fifth above the most that a rope needed in tests/work.py
+#: corrections after which turning in is given up: a fifth above the most that one of 60 drawn ropes needed
 MOST_CORRECTIONS = 100_000
 
 

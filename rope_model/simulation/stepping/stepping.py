@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
-#: Newton iterations of a communication step of up to so many s: over 6 times the most that one took in tests/work.py
+#: Newton iterations of a communication step of up to so many s: over 6 times the most of 120 drawn trips
 MOST_WORK, WORK_INTERVAL = 5_000.0, 0.05
 
 

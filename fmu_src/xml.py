@@ -1,0 +1,30 @@
+"""XML documents as trees of nodes."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from rope_model.texts import xml_text
+
+
+def node(tag: str, /, *children: Element, **attributes: object) -> Element:
+    """Return an element; attributes that are None are left out, truth values spelled as in XML."""
+    given = {name: plain(value) for name, value in attributes.items() if value is not None}
+    element = Element(tag, given)
+    element.extend(children)
+    return element
+
+
+def plain(value: object) -> str:
+    """Return a value as an attribute has it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def xml_bytes(root: Element) -> bytes:
+    """The document, indented, of texts from anywhere."""
+    for element in root.iter():
+        element.attrib.update({name: xml_text(value) for name, value in element.attrib.items()})
+    ElementTree.indent(root)
+    text: str = ElementTree.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()

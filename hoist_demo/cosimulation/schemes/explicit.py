@@ -1,0 +1,126 @@
+"""Schemes that do each step once, with what each partner expects of the other.
+
+The expectation is a polynomial through the last samples, continued over the next step: order 0 holds the last value, 1
+continues the line and 2 the parabola through the last two and three. The samples need not be evenly spaced; as long as
+there are too few the order is lower. Source: M. Busch, Zur effizienten Kopplung von Simulationsprogrammen, 2012,
+chapter 3. Schemes of order n are of the order n + 1 in H.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hoist_demo.cosimulation.schemes.interface import Advance, InterfaceMotion, Load, Memory, Pair, Sample, Vector
+
+#: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
+MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
+
+
+def extrapolation_coefficients(
+    samples: Sequence[Sample], name: str, order: int, h: float
+) -> tuple[Vector, Vector, Vector]:
+    """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
+    latest = samples[-1]
+    last: Vector = getattr(latest, name)
+    order = min(order, len(samples) - 1)
+    zero = np.zeros(last.shape)
+    if order == 0:
+        return last, zero, zero
+    # Newton's divided differences, from the last sample backwards
+    second: Vector = getattr(samples[-2], name)
+    t = (samples[-2].t - latest.t) / h
+    slope = (last - second) / -t
+    if order == 1:
+        return last, slope, zero
+    t_before = (samples[-3].t - latest.t) / h
+    before = (second - getattr(samples[-3], name)) / (t - t_before)
+    bend = (slope - before) / -t_before
+    return last, slope - bend * t, bend
+
+
+@dataclass(frozen=True)
+class Extrapolated:
+    """Base of the schemes that extrapolate to `order` 0, 1 or 2."""
+
+    order: int
+    needs_rollback: bool = False
+    needs_added_mass: bool = False
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        return MEAN_WEIGHTS[self.order]
+
+
+class GaussSeidel(Extrapolated):
+    """The drive first with extrapolated forces, then the rope along the motion that the drive made."""
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
+        return pair.exchange(memory, t, h, Load(start, rise, bend, np.zeros(start.shape)))
+
+
+class Jacobi(Extrapolated):
+    """Both partners at once, each with what it expects of the other; they may run at the same time.
+
+    The drive gets extrapolated forces. The rope gets the motion of extrapolated accelerations from the drive's place
+    and speed at the step's start,
+
+        y(1) = y + h v + h^2 (c0/2 + c1/6 + c2/12) ,   v(1) = v + h (c0 + c1/2 + c2/3) ,   a(1) = c0 + c1 + c2 ;
+
+    holding the place itself would move the rope's end by jumps.
+    """
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
+        c0, c1, c2 = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
+        load = Load(start, rise, bend, np.zeros_like(start))
+        now = pair.drive.motion(load, 0.0)
+        expected = InterfaceMotion(
+            now.place + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
+            now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
+            c0 + c1 + c2,
+        )
+        if cause := pair.step_drive(t, h, load) or pair.step_rope(t, h, expected):
+            return Advance(memory, cause)
+        return Advance(pair.exchanged(memory, t + h, Load.constant(pair.forces()[0])))
+
+
+@dataclass(frozen=True)
+class SemiImplicit(Extrapolated):
+    """The rope's force is expected to change with the acceleration of the step that is being done.
+
+        F(s) = F_e(s) - m_a (a - a_e(s))
+
+    with extrapolated F_e and a_e and the rope's added mass m_a. The drive solves for its own acceleration under this
+    load, so that no step is taken twice. Source: the idea of B. Schweizer and D. Lu, Predictor/corrector co-simulation
+    approaches for solver coupling with algebraic constraints, ZAMM 95 (2015), with the added mass in place of the
+    coupling Jacobian.
+    """
+
+    needs_added_mass: bool = True
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        added = pair.added_mass()
+        force = extrapolation_coefficients(memory.samples, "force", self.order, h)
+        acceleration = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
+        start, rise, bend = (f + added * a for f, a in zip(force, acceleration, strict=True))
+        return pair.exchange(memory, t, h, Load(start, rise, bend, added))
+
+
+@dataclass(frozen=True)
+class ImpulsePreserving:
+    """Gauss-Seidel with the rope's mean force of the last step held; of first order.
+
+    The mean carries the impulse of the step, which the force at its end does not: what one partner gives arrives at
+    the other one step late, and complete.
+    """
+
+    weights: tuple[float, ...] = (0.5, 0.5)  # of the forces at both ends of the last step
+    needs_rollback: bool = False
+    needs_added_mass: bool = False
+
+    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+        return pair.exchange(memory, t, h, Load.constant(memory.last.mean))

@@ -1,0 +1,176 @@
+"""One side of a hoist: energies and forces of its head ropes and its conveyance, with y, x, z, yaw and modes eta_j.
+
+    K_i = 1/2 m v_y^2 + 1/2 mu l int_0^1 v(zeta)^2 dzeta + 1/2 (m + mu l/3) (v_x^2 + v_z^2) + 1/2 m r^2 yaw'^2
+    V_i = 1/2 EA [(s - l)^2 + sum_j (j pi)^2 eta_j^2 / 2] / l - mu g l [H/2 - sum_j (1 - cos j pi)/(j pi) eta_j] + m g y
+          + contact ,     s = H + (x^2 + z^2 + b^2 yaw^2) / (2 H) ,     H = y_s - y
+
+A point of the head ropes at the part zeta of their free length l, from the conveyance up, is at the height
+y + H zeta + sum_j eta_j sin(j pi zeta): linear, with fixed-interface modes (R. R. Craig and M. C. C. Bampton, AIAA
+Journal 6, 1968). The rope flows through that field, zeta' = zeta w / l, as the sheave takes it in with the speed w =
++-R phi', so that
+
+    v(zeta) = (1 - zeta) v_y + zeta (H/l) w + sum_j [eta_j' sin(j pi zeta) + eta_j j pi cos(j pi zeta) zeta w / l] .
+
+Material damping is proportional to strain rates, with the damping ratio zeta_h for a conveyance on massless ropes.
+
+Head ropes that are too long for their leg hang slack from the sheave, at their own weight's stretch and without a pull
+on the conveyance: s, and H in the weight's term, are not below l + mu g l^2 / (2 EA). What the damping pulls or gives
+way is never more than the elastic pull on the conveyance, so that the two together never push. The ropes' inertia, and
+their modes, stay those of a straight rope.
+
+A conveyance that jams in its guides sticks and slips, as the brake does. With the elastic deflection z of what sticks,
+after P. R. Dahl (Aerospace Corp. TOR-0158, 1968),
+
+    F = F_max z / z_max ,   z' = v - |v| z / z_max .
+
+It holds without creeping. A jam's F_max is that of a narrow place, F_j (1 - ((y - y_j) / d)^2)^2 within d of its middle
+and 0 beyond, and there z + tau z' stands for z in F: what is stuck swings with damping (C. Canudas de Wit et al., IEEE
+Transactions on Automatic Control 40, 1995), what slides has none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.parameters.components import Jam
+
+At = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where the hoist has not got it.
+
+
+class Friction(NamedTuple):
+    """Dry friction with states of its own; nothing where the hoist has no such part."""
+
+    force: Any = 0.0  # N, or a torque [N m]
+    states: tuple[Any, ...] = ()
+    rates: tuple[Any, ...] = ()
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One side's share of the equations; forces are generalised, one per coordinate."""
+
+    kinetic: Any
+    potential: Any
+    rope_damping: Any  # dissipation function of the head ropes
+    rope_power: Any  # W, that it takes
+    play_damping: Any  # of the conveyance's motion between its guides
+    friction: Any  # N, of the guides along y, the jam's included
+    jam: Friction
+    pull: Any  # N, of the head ropes on the conveyance, without their inertia
+    slack: Any  # m, of the head ropes
+    side_force: Any  # generalised forces of the balance ropes on (y, x, z, yaw)
+    static_tension: Any  # N at the sheave, were everything at rest here
+
+
+def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) -> Leg:
+    """Energies and forces of the head ropes and the conveyance of one side, under what is given by name."""
+    sign, mass = (1.0, hoist.mass_left) if side == "left" else (-1.0, hoist.mass_right)
+    other = "right" if side == "left" else "left"
+    EA, mu, g, R, n = hoist.rope_stiffness, hoist.rope_mass, GRAVITY, hoist.sheave_radius, hoist.head_rope_modes
+    (phi, rate), (slip, slip_rate), (y, vy) = at("phi"), at("slip"), at(f"y_{side}")
+    modes = [(j * np.pi, *at(f"eta{j}_{side}")) for j in range(1, n + 1)]
+    length, height, w = l0 - sign * (R * phi + slip), hoist.sheave_height - y, sign * (R * rate + slip_rate)
+
+    # head ropes: the square of their velocity, integrated over zeta for each pair of its shapes
+    flow = w / length
+    speeds = [vy, height * flow, *(rate for _, _, rate in modes), *(eta * flow for _, eta, _ in modes)]
+    kinetic, potential = mass * vy**2 / 2, mass * g * y
+    speed_vector = ca.vertcat(*speeds)
+    kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
+    lateral = _lateral(hoist, at, side, mass, mu * length)
+    stretched, kinetic = height + lateral.pull / (2 * height), kinetic + lateral.kinetic
+    # slack ones hang as far down as their weight stretches them
+    hanging_free = length + mu * g * length**2 / (2 * EA)
+    slack, elastic = ca.fmax(hanging_free - stretched, 0.0), EA * ca.fmax(stretched - hanging_free, 0.0) / length
+    potential -= mu * g * length * (height + slack) / 2
+    potential += lateral.potential + EA * (stretched + slack - length) ** 2 / (2 * length)
+
+    # with the rate cut where damping reaches the elastic pull; fmax for a damping of 0
+    c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
+    stretching, most = w - vy, elastic / ca.fmax(c, 1.0)
+    damped = ca.fmin(ca.fmax(stretching, -most), most)
+    damping, damping_power = c * (damped * stretching - damped**2 / 2), c * (damped * stretching)
+    for k, eta, eta_rate in modes:
+        potential += EA * (k * eta) ** 2 / (4 * length) + mu * g * length * (1 - np.cos(k)) / k * eta
+        damping += c * (k * eta_rate) ** 2 / 4
+        damping_power += c * (k * eta_rate) ** 2 / 2
+
+    jam = _jam_friction(getattr(hoist, f"jam_{side}"), side, y, vy)
+    friction = jam.force
+    if hoist.guides is not None:
+        friction += hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
+    if hoist.play is not None:
+        friction += hoist.play.friction * lateral.normal * ca.tanh(vy / hoist.loss_speed)
+    pulls = [given[f"force_{side}"], *(given[f"{name}_{side}"] for name in ("fx", "fz", "my"))]
+    hanging = (hoist.tail_rope_length + y - at(f"y_{other}")[0]) / 2
+    return Leg(
+        kinetic=kinetic,
+        potential=potential,
+        rope_damping=damping,
+        rope_power=damping_power,
+        play_damping=lateral.damping,
+        friction=friction,
+        jam=jam,
+        pull=ca.fmax(elastic + c * damped, 0.0),  # of rounding
+        slack=slack,
+        side_force=hoist.tail_rope_number * ca.vertcat(*pulls),
+        static_tension=g * (mass + mu * length + hoist.tail_mass * hanging),
+    )
+
+
+def _shape_products(modes: int) -> NDArray[np.float64]:
+    """int_0^1 f_i f_j dzeta of 1 - zeta, zeta, sin k_j zeta ..., k_j zeta cos k_j zeta ..., with k_j = j pi."""
+    points, weights = np.polynomial.legendre.leggauss(4 * modes + 12)  # exact to rounding
+    zeta, k = (points + 1) / 2, np.pi * np.arange(1, modes + 1)[:, None]
+    shapes = np.vstack([1 - zeta, zeta, np.sin(k * zeta), k * zeta * np.cos(k * zeta)])
+    products: NDArray[np.float64] = (shapes * weights / 2) @ shapes.T
+    return products
+
+
+class _Lateral(NamedTuple):
+    """Motion of a conveyance between its guides."""
+
+    kinetic: Any = 0.0
+    potential: Any = 0.0
+    damping: Any = 0.0
+    pull: Any = 0.0  # m^2, x^2 + z^2 + b^2 yaw^2
+    normal: Any = 0.0  # N, sum of the contact forces' sizes
+
+
+def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _Lateral:
+    """Energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
+    if (play := hoist.play) is None:
+        return _Lateral()
+    k, c, arm = play.stiffness, play.clearance, play.arm
+    freedoms = (
+        ("x", mass + rope_mass / 3, 1.0, 1.0),
+        ("z", mass + rope_mass / 3, 1.0, 1.0),
+        ("yaw", mass * play.gyration**2, arm, play.rope_spread),
+    )
+    kinetic, potential, damping, pull, normal = 0.0, 0.0, 0.0, 0.0, 0.0
+    for name, inertia, lever, spread in freedoms:
+        place, speed = at(f"{name}_{side}")
+        force = k * ca.fmax(lever * ca.fabs(place) - c, 0.0)
+        kinetic += inertia * speed**2 / 2
+        potential += force**2 / (2 * k)
+        damping += (play.damping + play.contact_damping * force) * (lever * speed) ** 2 / 2
+        pull += (spread * place) ** 2
+        normal += force
+    return _Lateral(kinetic, potential, damping, pull, normal)
+
+
+def _jam_friction(jam: Jam | None, side: str, y: Any, vy: Any) -> Friction:
+    """Force along the guides [N] in the narrow place of one side."""
+    if jam is None:
+        return Friction()
+    z = ca.SX.sym(f"jam_deflection_{side}")
+    grip = ca.fmax(1.0 - ((y - jam.height) / jam.distance) ** 2, 0.0) ** 2
+    rate = vy - ca.fabs(vy) * z / jam.travel
+    return Friction(jam.force * grip * (z + jam.damping * rate) / jam.travel, (z,), (rate,))

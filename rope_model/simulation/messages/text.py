@@ -1,0 +1,30 @@
+"""A text with places for values, said by Python and by C."""
+
+from __future__ import annotations
+
+from string import Formatter
+
+
+class Text:
+    """A text with a named place for each value, as in ``{x:.3g}``; it is called with the values in their order.
+
+    A place is that of a number, with ``d`` that of an integer, and with ``s`` or a length alone that of a text.
+    """
+
+    def __init__(self, template: str) -> None:
+        parts = Formatter().parse(template)
+        #: text before each place, and its name and format, '' behind the last
+        self.parts = [(before, name or "", spec or "") for before, name, spec, _ in parts]
+        #: type of each value by name
+        self.kinds = {name: _kind(spec) for _, name, spec in self.parts if name}
+        self._template = template
+
+    def __call__(self, *values: float | str) -> str:
+        """Return the text with these values."""
+        return self._template.format(**dict(zip(self.kinds, values, strict=True)))
+
+
+def _kind(spec: str) -> type[float | int | str]:
+    if spec == "d":
+        return int
+    return str if spec == "s" or spec.strip(".").isdigit() else float
