@@ -16,9 +16,7 @@ from evidence.machine import facts
 from evidence.promise.judging import ESTIMATES, completed, near, over_asked
 from evidence.promise.scenes import JUDGE
 from evidence.rendering import number, quantity, render
-from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, rows
-from rope_model.physics.estimates import ASSUMED
 
 COUPLINGS = ("coupled", "uncoupled")
 #: asked for in the tables: fraction of the largest force, m
@@ -39,13 +37,11 @@ def page(tables: Tables) -> str:
         "own": [{"coupling": c, "force": limit(t, c, FORCE), "loop": limit(t, c, LOOP)} for c in COUPLINGS],
         "finest": finest(t, "coupled"),
         "fastest": [(words, *(_fastest(t, c, error, bound) for c in COUPLINGS)) for error, bound, words in ASKED],
-        "stated": [_statement(t, c) for c in COUPLINGS],
         "spacing": depth.FINEST,
         "depth": depth.reading(tables["depth"]),
         "exact": _against_complete(t, "uncoupled", ("spatial", "planar")),
         "approximate": _against_complete(t, "coupled", ("planar", "rigid")),
         "equal": equal_errors(tables["peer/winding"]),
-        "expected": ASSUMED,
         "latency": latencies(tables),
     }
     return render("chart/accuracy.md.j2", data)
@@ -67,14 +63,6 @@ def _fastest(t: Table, coupling: str, error: str, bound: float) -> str:
     kind = str(r["mesh"][i]).split(",")[0]
     step = min(r["largest step [s]"][i], r["communication step [s]"][i])
     return f"{kind} {r['elements'][i]:.0f}, {quantity(step, 'ms', 'g')}: {1 / r[COST][i]:.0f} x real time"
-
-
-def _statement(t: Table, coupling: str) -> dict[str, Any]:
-    """Return the source's comparison: EEM 600 against the standard level, at the same largest step."""
-    r = rows(t, family="levels", name="standard", coupling=coupling)
-    eem = the(t, f"600, {1e3 * float(r['largest step [s]'][0]):g} ms", COST, family="eem", coupling=coupling)
-    part = 100 * (1 - float(r[COST][0]) / eem)
-    return {"coupling": coupling, "saved": part, "elements": r["elements"][0], "source": SOURCE_SAVED[coupling]}
 
 
 def _against_complete(t: Table, coupling: str, names: tuple[str, ...]) -> list[dict[str, Any]]:
