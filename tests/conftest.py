@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import fmpy
@@ -84,6 +85,12 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
 @pytest.fixture(scope="session")
 def folders(fmus: dict[int, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[int, str]:
     return {fmi: fmpy.extract(str(path), str(tmp_path_factory.mktemp("unzipped"))) for fmi, path in fmus.items()}
+
+
+@pytest.fixture
+def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures whose layout is not optimised, which takes half of their time."""
+    monkeypatch.setitem(import_module("hoist_demo.report.figures").STYLE, "figure.constrained_layout.use", False)
 
 
 @pytest.fixture(params=VERSIONS)

@@ -15,6 +15,7 @@ from hoist_demo.duty.wind import Trip, read_state, wind, write_state
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
 Place = tuple[float, float]
 DUTY = """
 [duty]
