@@ -53,7 +53,7 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
 
 
 #: what the Python flavour runs: its warnings are those of the rope in process, word by word
-BRIEF = ("plain", "passed", "rigid", "long steps")
+BRIEF = ("plain", "rigid", "long steps")
 
 
 def each(*runs: str) -> pytest.MarkDecorator:
