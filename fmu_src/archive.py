@@ -12,7 +12,7 @@ def write_archive(destination: Path, files: Mapping[str, bytes]) -> None:
     """``files`` by their paths in the archive, with forward slashes; replaces ``destination`` atomically."""
     destination.parent.mkdir(parents=True, exist_ok=True)
     scratch = destination.with_suffix(".tmp")
-    with zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+    with zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
