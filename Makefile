@@ -34,7 +34,7 @@ test-slow: $(READY)  ## run the tests that are marked slow
 lint: $(READY)  ## run ruff, clang-format and mypy
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	git ls-files '*.c' '*.h' '*.inc' ':!fmu_src/native/include' | xargs $(BIN)/clang-format --dry-run -Werror
+	git ls-files '*.c' '*.h' '*.inc' | xargs $(BIN)/clang-format --dry-run -Werror
 	$(BIN)/mypy
 	git ls-files '*.md' '*.j2' '*.py' '*.c' '*.h' ':!tests' | xargs $(BIN)/codespell
 	git ls-files '*.md' ':!docs/data' | xargs $(BIN)/proselint check

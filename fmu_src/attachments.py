@@ -35,19 +35,27 @@ def attachments(described: Collection[Variable], case: RopeCase, fmi: int, nativ
     """Path in the FMU -> contents."""
     files = {
         "documentation/index.html": index_html(described, native).encode(),
-        "documentation/licenses/license.txt": license_text().encode(),
+        **licenses(),
         "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(described)),
     }
     for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
         files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
     if fmi == 2:
         files["model.png"] = files["terminalsAndIcons/icon.png"]
-    files["documentation/licenses/fmi-headers.txt"] = (_HERE / "native" / "include" / "LICENSE.txt").read_bytes()
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
     results = reference_files(case, MODEL, [v.name for v in described])
     return files | {f"{_EXTRA}/{name}": data for name, data in results.items()}
+
+
+def licenses() -> dict[str, bytes]:
+    """Path in the FMU -> licences of this project and of the FMI headers."""
+    headers = (_HERE / "pages" / "fmi-headers.txt").read_bytes()
+    return {
+        "documentation/licenses/license.txt": license_text().encode(),
+        "documentation/licenses/fmi-headers.txt": headers,
+    }
 
 
 def license_text(package: str = "balance-rope") -> str:

@@ -46,7 +46,7 @@ _hints = cache(get_type_hints)
 
 
 def _event(event: EventStructure) -> Event:
-    """The event in RopeSimulator's words."""
+    """Return the event with the words of RopeSimulator."""
     side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
     words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
     return Event(event.t, words[event.what], event.kinetic, event.potential)
@@ -238,7 +238,7 @@ class NativeRope(BalanceRope):
         return list(out)
 
     def native_state(self) -> bytes:
-        """The state as the native rope keeps it."""
+        """Return the state in the memory layout of the native rope."""
         self._require_state()
         data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
         self._lib.rope_save(self._rope, data)
@@ -338,7 +338,7 @@ def _pack(state: RopeState) -> bytes:
 
 
 def _read(hint: Any, x: Any) -> Any:
-    """The value of its type that C has as ``x``."""
+    """Return the Python value, of the type ``hint``, of the ctypes value ``x``."""
     if get_origin(hint) is tuple:
         return tuple(map(_read, cycle(of for of in get_args(hint) if of is not ...), x))
     if hint in PARTS:
@@ -347,7 +347,7 @@ def _read(hint: Any, x: Any) -> Any:
 
 
 def _written(x: Any) -> Any:
-    """``x`` as C has it."""
+    """Return ``x`` as a ctypes value; the inverse of ``_read``."""
     if type(x) in PARTS:
         return PARTS[type(x)](**{name: _written(getattr(x, name)) for name in x._fields})
     if isinstance(x, tuple):

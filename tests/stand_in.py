@@ -14,6 +14,8 @@ from rope_model.codegen.tables import parameter_structures, signal_numbers
 
 ROOT = Path(__file__).resolve().parent.parent
 VERSIONS = (2, 3)
+#: what is freed is filled, and what is written beside a block aborts when that is freed
+CHECKED_HEAP = {"MALLOC_PERTURB_": "165", "MALLOC_CHECK_": "3", "LD_PRELOAD": "libc_malloc_debug.so.0"}
 #: platform -> what runs its programs here
 RUNNERS = {
     host_platform(): (),
@@ -30,7 +32,10 @@ def stand_in() -> dict[str, str]:
 
 
 def live(fmu: Path, folder: Path, way: str) -> list[int]:
-    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS."""
+    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS.
+
+    Two instances, states, refused calls, a failed initialisation, reset, all again.
+    """
     runner = RUNNERS[way]
     if runner and shutil.which(runner[0]) is None:
         pytest.skip(f"needs {runner[0]}")
@@ -48,6 +53,7 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
     command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
+    environment |= CHECKED_HEAP if way == host_platform() else {}
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-3000:]
     return [int(line) for line in done.stdout.split()]

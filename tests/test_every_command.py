@@ -13,6 +13,8 @@ from hoist_demo.files.fixed import statuses as file_statuses
 from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses
 from hoist_demo.study.run import build
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
+
 SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2\n"
 
 

@@ -18,6 +18,7 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.run import contradictions
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
 ROOT = Path(__file__).parents[1]
 CATALOGUE = Catalogue()
 DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"]

@@ -26,6 +26,8 @@ from hoist_demo.uncertainty.page import too_few
 from hoist_demo.uncertainty.spread import Spread, draw
 from rope_model import KnownRope, Rope, Scene, rope
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
+
 ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
 TRACK = '[[measured]]\nwhat = "track"\nsignal = "loop.x"\nt = 9.0\nspeed = 8.0\nvalue = 0.1\nsigma = 0.01\n'

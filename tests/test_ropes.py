@@ -22,6 +22,7 @@ from hoist_demo.parameters.place import Place
 from hoist_demo.ropes.table import polygon_distance
 from rope_model import EndMotion, Neighbours
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
 HEIGHT = 90.0
 
 

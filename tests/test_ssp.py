@@ -75,12 +75,17 @@ def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: st
     assert_allclose(found, expected, rtol=1e-13, atol=0.0)
 
 
-def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
-    found = wind("fmpy_adding", ssp)
-    assert found[-1, 0] == pytest.approx(90.0, abs=0.01)
+@functools.cache
+def wound_in_process() -> NDArray[np.float64]:
+    """(STEPS, NAMES)."""
     # the connections carry mean forces
     recording = Host(rope_in_process("rope-120"), coupling=Coupling(scheme="impulse-preserving")).run().recording
-    expected = np.array([recording[name] for name in NAMES]).T[1 : STEPS + 1]
+    return np.array([recording[name] for name in NAMES]).T[1 : STEPS + 1]
+
+
+def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
+    found, expected = wind("fmpy_adding", ssp), wound_in_process()
+    assert found[-1, 0] == pytest.approx(90.0, abs=0.01)
     # the host steps drive and rope one after the other, the tools at once with the motion extrapolated over 10 ms:
     # the rest is the jerk, 0.5 m/s3 x H x a rope of 960 kg, and the waves that it raises
     scale = np.abs(expected).max(axis=0)

@@ -1,4 +1,4 @@
-"""What a study varies: lists, and ranges to draw from.
+"""Values that a study varies: lists, and ranges to draw from.
 
 Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979; scipy.stats.qmc draws it.
 """

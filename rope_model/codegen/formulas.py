@@ -434,7 +434,7 @@ def _array(name: str, shape: tuple[int, ...]) -> Any:
 
 
 def structure_at(kind: type[Any], prefix: str) -> Any:
-    """An object of ``kind``, its numbers replaced by symbols, without its other members."""
+    """Return an object of ``kind`` with symbols for its numbers, and without its other members."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
         if hint is float:
@@ -517,7 +517,7 @@ def is_number(text: str) -> bool:
 
 
 def _uses(f: ca.Function) -> Counter[int]:
-    """Number of uses of the result of each instruction."""
+    """Count the uses of the result of each instruction."""
     made_by: dict[int, int] = {}
     uses: Counter[int] = Counter()
     for k in range(f.n_instructions()):

@@ -34,7 +34,7 @@ _FIRST = ("judged", "within", "excess", "slip_safety", "clearance", "loop_turns"
 
 @dataclass(frozen=True)
 class Judgement:
-    """What a study finds best, and what it remarks on."""
+    """Best choice of a study, and its remarks."""
 
     metrics: Sequence[str] = ()  # that it judges by
     choices: Sequence[int] = ()  # number of each run's choice; none: each is its own
