@@ -58,7 +58,7 @@ promise: $(READY)  ## hold asked against reached accuracy on seeded scenes (half
 stability: $(READY)  ## run the scenes in which methods fail (10 minutes)
 	$(MEASURE) stability coupling -- stability
 
-validate: $(READY)  ## hold the model against measurement, theory and other codes (15 minutes)
+validate: $(READY)  ## hold the model against measurement, theory and other codes (20 minutes)
 	$(BIN)/python -m pip install --quiet -e '.[peer,validation]'
 	$(MEASURE) validation discrete_rod peer -- validation accuracy
 

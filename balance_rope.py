@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import copyfile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
+    from fmu_src.ssp import Datum, Version
     from hoist_demo.cases.case import Case
     from hoist_demo.cases.table import NAMED, find_case
     from hoist_demo.command_line.duty import add_duty
@@ -167,6 +168,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export.add_argument(
         "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
     )
+    export.add_argument("--ssp-version", choices=get_args(Version), default="1.0", help="version of SSP (%(default)s)")
     export.add_argument(
         "--without",
         nargs="+",
@@ -202,6 +204,7 @@ def _export(options: argparse.Namespace) -> int:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
                 more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
+                more |= {"version": options.ssp_version, "data": _data(case, options.hoist)}
                 copyfile(export_hoist(Path(folder), case, ropes, *made, **more).system, ssp)
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
@@ -214,6 +217,14 @@ def _export(options: argparse.Namespace) -> int:
     if (options.native or options.ssp) and not options.platform and (missing := missing_platforms()):
         print(f"left out: {missing}")
     return 0
+
+
+def _data(case: Case, name: str) -> list[Datum]:
+    """Return the hoist's data with their statuses."""
+    from hoist_demo.report.hoist import known
+    from hoist_demo.study.provenance import SETTING
+
+    return [Datum(*one) for one in known(case, name) if one.status != SETTING]
 
 
 def _size(path: Path) -> str:

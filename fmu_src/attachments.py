@@ -36,12 +36,13 @@ def attachments(described: Collection[Variable], case: RopeCase, fmi: int, nativ
     files = {
         "documentation/index.html": index_html(described, native).encode(),
         **licenses(),
-        "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(described)),
     }
-    for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
-        files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
-    if fmi == 2:
-        files["model.png"] = files["terminalsAndIcons/icon.png"]
+    if fmi == 3:
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = xml_bytes(terminals_and_icons(described))
+        for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
+            files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
+    else:  # FMI 2.0.4 takes the terminals of FMI 3.0 as they are, and FMI Library refuses their other fmiVersion
+        files["model.png"] = (_HERE / "pictures" / "icon.png").read_bytes()
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
@@ -68,7 +69,7 @@ def license_text(package: str = "balance-rope") -> str:
 
 
 def terminals_and_icons(described: Collection[Variable]) -> Element:
-    """terminalsAndIcons.xml of FMI 3.0 (and 2.0.4): a terminal at each end of the rope, with its motion and its force.
+    """terminalsAndIcons.xml of FMI 3.0: a terminal at each end of the rope, with its motion and its force.
 
     The members of a terminal are named as the variables without the side.
     """

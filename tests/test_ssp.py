@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from test_tools import IMPORTS, INPUTS, environment, require
 
 from balance_rope import main
 from fmu_src.native.build import host_platform
-from fmu_src.ssp import Component, export_ssp
+from fmu_src.ssp import Component, Datum, export_ssp
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
@@ -151,6 +152,27 @@ def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> 
         assert archive.namelist() == ["SystemStructure.ssd", "resources/drive.fmu", "resources/rope.fmu"]
         text = archive.read("SystemStructure.ssd").decode()
     assert '<ssd:DefaultExperiment startTime="0.0" stopTime="35.0">' in text
+
+
+def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_data(
+    tmp_path: Path, fmu_of: Callable[[str], Path]
+) -> None:
+    """Against the schemas of SSP 2.0 and SSP Traceability 1.1, which pyssp-standard carries."""
+    xmlschema = pytest.importorskip("xmlschema")
+    schemas = Path(pytest.importorskip("pyssp_standard").__file__).parent / "resources"
+    components = [Component("drive", fmu_of("drive-3"), {}), Component("rope", fmu_of("native-3"), COUPLING)]
+    data = [Datum("rope.Qb", 2.3e5, "N.m", "published"), Datum("hoist.sheave_radius", 1.25, "m", "assumed")]
+    made = export_ssp(tmp_path / "hoist.ssp", "Hoist", components, STOP, ssp_driver.H, version="2.0", data=data)
+    with zipfile.ZipFile(made) as archive:
+        archive.extractall(tmp_path)
+    structure, statuses = tmp_path / "SystemStructure.ssd", tmp_path / "resources" / "data.srmd"
+    xmlschema.XMLSchema(schemas / "ssp2" / "SystemStructureDescription.xsd").validate(structure)
+    xmlschema.XMLSchema11(schemas / "SRMD11.xsd").validate(statuses)
+    root = ElementTree.parse(structure).getroot()
+    assert {one[0].tag.partition("}")[2] for one in root.iterfind(".//{*}Connector")} == {"Float64"}
+    assert [one.get("source") for one in root.iterfind("{*}MetaData")] == ["resources/data.srmd"]
+    told = {one.get("keyword"): one.text for one in ElementTree.parse(statuses).iterfind(".//{*}ClassificationEntry")}
+    assert told == {one.name: one.status for one in data}
 
 
 def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:

@@ -159,6 +159,7 @@ def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Seq
         "LEFT_Y": shown.index("left.y"),
         "RATE": shown.index("drive.rate"),
         "TRIP_START": names.index("trip.start"),
+        "FY_START": names.index("left.fy_start"),
         "STEP_MAX": names.index("solver.step_max"),
         "GAINS": names.index("controller.speed"),
         "MOST_STEPS": MOST_STEPS,

@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.drive.outputs import SHOWN
@@ -139,7 +141,7 @@ def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Vari
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
     assert {*shown_as(case.hoist).values()} <= SHOWN.keys()
     return (
-        *_parameters(case, step),
+        *_parameters(case, step, tails),
         *_inputs(case, tails),
         *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
         Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
@@ -147,9 +149,13 @@ def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Vari
     )
 
 
-def _parameters(case: Case, step: float) -> Iterator[Variable]:
+def _parameters(case: Case, step: float, tails: Sequence[Tail]) -> Iterator[Variable]:
     start, wait = case.winding.start_delay, "wait before the trip begins"
     yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
+    pulls = np.sum([rest_forces(case, tail) for tail in tails or (None,)], axis=0)
+    for side, pull in zip(_SIDES, pulls, strict=True):
+        text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
+        yield Variable(f"{side}.fy_start", "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
     for gain, stated in units_of(Gains).items():

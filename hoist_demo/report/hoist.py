@@ -9,7 +9,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
 from hoist_demo.design.statics import at_rest, holds, pulls
 from hoist_demo.report.rows import SummaryRow, render, table
-from hoist_demo.study.provenance import of_host, of_rope
+from hoist_demo.study.provenance import Known, of_host, of_rope
 from hoist_demo.study.run import build_trip
 from rope_model import EndMotion, RopeSimulator, Scene, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
@@ -31,14 +31,18 @@ def scenes(case: Case) -> dict[str, Scene]:
     return found
 
 
-def values(case: Case, name: str) -> str:
-    """Return the table of all values by status; `name` is how the hoist is found."""
-    run = build_trip(name, {})
-    known = of_host(run, {})
+def known(case: Case, name: str) -> list[Known]:
+    """Return the sources of all values; `name` is how the hoist is found."""
+    found = of_host(build_trip(name, {}), {})
     for rope, scene in scenes(case).items():
         prefix = f"{rope}." if case.ropes else ""
-        known += [one._replace(name=prefix + one.name) for one in of_rope(case, scene_parameters(scene), {})]
-    _, rows = table(known)
+        found += [one._replace(name=prefix + one.name) for one in of_rope(case, scene_parameters(scene), {})]
+    return found
+
+
+def values(case: Case, name: str) -> str:
+    """Return the table of all values by status; `name` is how the hoist is found."""
+    _, rows = table(known(case, name))
     names = max(len(str(row[0])) for row in rows)
     return "\n".join(
         f"{row[0]:<{names}}  {row[1]:>12} {row[2]:<10} {row[3]}  {case.sources.get(str(row[0]), '')}".rstrip()
