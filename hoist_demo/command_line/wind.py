@@ -280,8 +280,8 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
         return None
     if not options.fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out {options.fmu}` makes it; or give "
-            "another file with --fmu, or run with --in-process"
+            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out {options.fmu}` makes it; or "
+            "give another file with --fmu, or run with --in-process"
         )
     return read_parameters(options.fmu)
 
