@@ -84,7 +84,7 @@ class WoundRun:
         before = {**{one.name: one.value for one in of_host(own, {})}, **own.fmu}
         values = dict[str, Value]()
         for rope in self.ropes:
-            values |= {f"{rope.name}.{key}" if rope.name else key: value for key, value in rope.parameters.items()}
+            values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
         for tail in case.ropes:
             before |= {f"{tail.name}.{key}": value for key, value in {**case.shared, **tail.parameters}.items()}
         rows: list[Row] = [
@@ -115,6 +115,7 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
     """
     # matplotlib loads slowly and is needed here only
     from hoist_demo.report.figures import write_figures
+    from hoist_demo.report.hoist import complete
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import render_markdown
     from hoist_demo.report.panels import marks
@@ -126,7 +127,7 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
     pictures: list[Path] = []
 
     def add(name: str, rope: RopeData) -> Path:
-        written.append(directory / (f"{rope.name}.{name}" if rope.name else name))
+        written.append(directory / f"{rope.prefix}{name}")
         return written[-1]
 
     if recording.signals:
@@ -141,7 +142,9 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
             write_csv(wound.exposed[rope.name], add("exposure.csv", rope))
             if (spectra := spectra_table(own))["frequency"].size:
                 write_csv(spectra, add("spectra.csv", rope))
+    hoist_file = directory / "hoist.toml"
+    hoist_file.write_text(complete(find_case(wound.run.case), wound.run, wound.ropes, wound.known), encoding="utf-8")
     report = directory / "report.md"
     report.write_text(render_markdown(wound.report, pictures), encoding="utf-8")
     page = run_report(result, hoist, wound.report, directory / REPORT, wound.ropes)
-    return [*written, data, *pictures, report, page]
+    return [*written, data, hoist_file, *pictures, report, page]

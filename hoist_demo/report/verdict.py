@@ -149,11 +149,11 @@ def warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope]) -> list[str]:
     """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
     texts = [result.warning, *slip_warnings(result.recording, hoist, result.winding)]
     for rope in ropes:
-        name, breaks = rope.data.name, rope.data.breaks_at
+        name, breaks = rope.data.name, rope.data.breaks
         texts.append(remark(rope.recording).replace("the rope", f"rope {name}" if name else "the rope", 1))
         if breaks is not None and result.completed and len(rope.recording.time) == len(result.recording.time):
             texts.append(
-                f"rope {name} was to break at breaks_at = {breaks:g} s, and did not: the run ended at "
+                f"rope {name} was to break at breaks_at = {breaks[0]:g} s, and did not: the run ended at "
                 f"{rope.recording.time[-1]:.4g} s; break it earlier"
             )
     return [text for text in texts if text]

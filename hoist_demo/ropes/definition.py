@@ -15,6 +15,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
+from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import PLACE
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
@@ -52,8 +53,8 @@ class OneRope:
 
     def data(self) -> RopeData:
         """Identity of the rope for the reports."""
-        breaks_at = None if self.breaks is None else self.breaks.t
-        return replace(self.plant.data(), name=self.name, place=self.place, breaks_at=breaks_at)
+        breaks = None if self.breaks is None else (self.breaks.t, self.breaks.s)
+        return replace(self.plant.data(), name=self.name, place=self.place, breaks=breaks)
 
 
 @dataclass(frozen=True)
@@ -114,8 +115,9 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
     """
     problems: list[str] = []
     shared = case.shared
-    keys = {*run.fmu, *(key for tail in case.ropes for key in tail.parameters)}
-    if guards := sorted(key for key in keys if key.startswith("guard.")):
+    values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]
+    known = rope_parameters()
+    if guards := sorted(key for key, value in values if key.startswith("guard.") and value != known[key].start):
         problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
     ropes = []
     for tail in case.ropes:

@@ -53,7 +53,12 @@ class RopeData:
     fidelity_reason: str = ""  # why the fidelity runs that runs
     name: str = ""  # of one of several; its signals begin with it
     place: Place = field(default_factory=Place)
-    breaks_at: float | None = None  # s
+    breaks: tuple[float, float] | None = None  # when, s, and where, m along the rope from its left end
+
+    @property
+    def prefix(self) -> str:
+        """Beginning of the names of its signals and of its parameters, where there are several ropes."""
+        return f"{self.name}." if self.name else ""
 
     def whose(self, words: str) -> str:
         """Return words on the rope, with its name where there are several."""
