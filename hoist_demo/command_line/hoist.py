@@ -30,9 +30,9 @@ then:
   balance-rope wind mine.toml      one trip
 """
 _SHOW = """\
-Print the complete file of a hoist, every value with its status, and what follows from them before anything is wound: pulls and slip safety
-at rest and in motion against usual bounds, the rope's shape, yaw and clearances at rest, its lowest frequencies, the
-fidelity and the mesh that a run takes."""
+Print the complete file of a hoist, every value with its status, and behind it what follows before anything is wound:
+pulls and slip safety at rest and in motion against usual bounds, the rope's shape, yaw and clearances at rest, its
+lowest frequencies, the fidelity and the mesh that a run takes."""
 
 #: options of `new`: name, parameter, and its help
 _NUMBERS = {
