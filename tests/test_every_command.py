@@ -75,7 +75,8 @@ def test_commands_say_whence_numbers_are(command: str, tmp_path: Path, capsys: p
     file.write_text(_FILES[command])
     options = ["--workers", "1"] if command == "uncertain" else []
     assert main([command, str(file), "--out", str(out), *options]) == 0
-    assert "Data that this rests on, by status" in capsys.readouterr().out
+    said = (out / "report.md").read_text(encoding="utf-8") if command == "wind" else capsys.readouterr().out
+    assert "Data that this rests on, by status" in said
     with (out / "data.csv").open(encoding="utf-8", newline="") as table:
         rows = {row["name"]: row["status"] for row in csv.DictReader(table)}
     assert rows[_SAID[command]] == {"uncertain": "varied", "identify": "calibrated"}.get(command, "given")

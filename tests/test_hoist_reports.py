@@ -75,7 +75,7 @@ VERDICTS = [
 def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, parameters, row, value, kept) -> None:
     record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
     ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
-    verdict = judge(ended, Hoist(tail_rope_number=3), RopeData({}, parameters, {}))
+    verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
     (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
     assert (found.value, found.holds) == (value, kept)
     assert (found.quantity in verdict.words) == (kept is False)

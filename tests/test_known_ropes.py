@@ -23,7 +23,7 @@ from hoist_demo.files.reading import FileError
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.page import too_few
-from hoist_demo.uncertainty.spread import Spread, draw
+from hoist_demo.uncertainty.spread import Spread, draw, remarks_of, wound
 from rope_model import KnownRope, Rope, Scene, rope
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
@@ -251,6 +251,20 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     held = table["torque_factor"] * 0.044 * 7.7 * 9.81 * (15**2 + 105**2) / 240
     assert_allclose(table["left_swivel_torque"], held, rtol=0.05)
     assert "bending stiffness" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None:
+    coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
+    asked = read_uncertain(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"))
+    values = {name: datum.middle for name, datum in asked.data.items()}
+    found, (told,) = wound(asked, values)
+    assert np.isnan([*found.values()]).all()
+    assert told.startswith("left out: the rope passed through its other leg")
+
+
+def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
+    texts = [[f"yawed by {yaw} rad (bound 0.5 rad)"] for yaw in ("9.5e-01", "0.61", "10")]
+    assert remarks_of([*texts, [], ["struck"]]) == {"yawed by 0.61 to 10 rad (bound 0.5 rad)": 3, "struck": 1}
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,7 @@ hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosi
     rope_model.scene_names
 hoist_demo.cosimulation: .parameters .drive .control .recording .cosimulation.schemes .cosimulation.participants
     rope_model
-hoist_demo.report: .parameters .cases .design .files .recording .cosimulation .cosimulation.participants .study
+hoist_demo.report: .parameters .cases .design .files .recording .cosimulation .cosimulation.participants .study .ropes
     rope_model rope_model.simulation rope_model.texts
 hoist_demo.study: .files .parameters .control .design .cases .recording .cosimulation .cosimulation.participants
     .cosimulation.schemes rope_model rope_model.scene_names rope_model.texts

@@ -30,9 +30,9 @@ then:
   balance-rope wind mine.toml      one trip
 """
 _SHOW = """\
-Print every value of a hoist with its status, and what follows from them before anything is wound: pulls and slip safety
-at rest and in motion against usual bounds, the rope's shape, yaw and clearances at rest, its lowest frequencies, the
-fidelity and the mesh that a run takes."""
+Print the complete file of a hoist, every value with its status, and behind it what follows before anything is wound:
+pulls and slip safety at rest and in motion against usual bounds, the rope's shape, yaw and clearances at rest, its
+lowest frequencies, the fidelity and the mesh that a run takes."""
 
 #: options of `new`: name, parameter, and its help
 _NUMBERS = {
@@ -133,18 +133,17 @@ def _rope(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    from hoist_demo.report.hoist import follows, problems, values
+    from hoist_demo.report.hoist import as_file, follows, problems
 
     case: Case = find_case(options.hoist)
     if everything:
-        print(f"{case.name or options.hoist}\n")
-        print(values(case, options.hoist))
+        print(as_file(case, options.hoist))
     text, found = follows(case, options.hoist)
     if everything:
-        print(f"\n{text}\n")
+        print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
     told = [*case.remarks, *problems(case), *found]
     for line in told:
         print(f"balance-rope: {line}", file=sys.stderr)
     if not told:
-        print(f"{options.hoist}: nothing is remarkable")
+        print(f"# {options.hoist}: nothing is remarkable")
     return 1 if told and not everything else 0

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TIME = "time"
-ALONG_ROPE = ("shape.", "station.")  #: Beginnings of the names of what is known at many places of the rope.
 _ALONG = ("s", "tension", "bending", "torsion")
 
 
@@ -85,6 +84,11 @@ class Recorder:
         )
 
 
+def is_along(name: str) -> bool:
+    """Return True for what is known at many places of a rope."""
+    return any(f".{part}." in f".{name}" for part in ("shape", "station"))
+
+
 def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
     """The known signals that are asked for, in the order asked for; a `*` stands for any letters."""
     found: dict[str, None] = {}
@@ -102,10 +106,10 @@ def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, .
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
     """The named signals with their time, one row per communication point, header `name [unit]`.
 
-    Without names all but those of ALONG_ROPE.
+    Without names all but those of `is_along`.
     """
     chosen = [name for name in names if name in recording and name != TIME]
-    names = [TIME, *chosen] if names else [name for name in recording.signals if not name.startswith(ALONG_ROPE)]
+    names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])

@@ -42,11 +42,15 @@ _TAG = b"rope in process\n"
 class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
-    def __init__(self, scene: Scene, read: Collection[str] | None = None) -> None:
-        """`read` are the outputs that a run records; None: all but the added masses, which are dear."""
+    def __init__(self, scene: Scene, read: Collection[str] | None = None, name: str = "") -> None:
+        """`read` are the outputs that a run records; None: all but the added masses, which are dear.
+
+        `name` is that of one of several ropes, whose warnings begin with it.
+        """
         self._rope = balance_rope(scene)
         self._recorded = SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
         self._warned: set[str] = set()  # subjects of what was logged
+        self._whose = f"{name}: " if name else ""
 
     @property
     def whole(self) -> BalanceRope:
@@ -65,7 +69,7 @@ class InProcessRope:
         for subject, text in self._rope.warnings().items() if status.valid else ():
             if subject not in self._warned:
                 self._warned.add(subject)
-                _log.warning("%s", text)
+                _log.warning("%s%s", self._whose, text)
         return status
 
     def data(self) -> RopeData:
