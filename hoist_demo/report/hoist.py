@@ -85,14 +85,24 @@ def hung(case: Case, run: RunData) -> list[OneRope]:
 
 def as_file(case: Case, name: str) -> str:
     """Return the complete file of a hoist; `name` is how it is found."""
+    run, ropes, sources = _wound(case, name)
+    return complete(case, run, ropes, sources)
+
+
+def known(case: Case, name: str) -> list[Known]:
+    """Return the sources of all values; `name` is how the hoist is found."""
+    return _wound(case, name)[2]
+
+
+def _wound(case: Case, name: str) -> tuple[RunData, list[RopeData], list[Known]]:
+    """Return the run that winds the hoist, its ropes and the sources of both."""
     run = build_trip(name, {})
     ropes = [one.data() for one in hung(case, run)]
-    if case.ropes:
-        several = ropes_of(case, run, {}, case.level)
-        run, known = replace(run, hoist=several.hoist), several.provenance({})
-    else:
-        known = of_rope(case, ropes[0], {})
-    return complete(case, run, ropes, [*of_host(run, {}), *known])
+    if not case.ropes:
+        return run, ropes, [*of_host(run, {}), *of_rope(case, ropes[0], {})]
+    several = ropes_of(case, run, {}, case.level)
+    run = replace(run, hoist=several.hoist)
+    return run, ropes, [*of_host(run, {}), *several.provenance({})]
 
 
 def problems(case: Case) -> list[str]:
