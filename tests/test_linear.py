@@ -153,6 +153,7 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
         models[0].selected(TORQUE, ["speed"])
 
 
+@pytest.mark.usefixtures("plain_figures")
 @pytest.mark.parametrize(
     ("command", "files"), [("modes", "modes.csv modes.png"), ("linearise", "plant.json plant.npz")]
 )

@@ -42,7 +42,7 @@ def hang(spacing: float, height: float, z: float, coarse: float, length: float) 
 
 
 @given(hanging=hangings)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_hanging_guess_is_the_same(parts: SimpleNamespace, hanging: tuple[float, ...]) -> None:
     spacing, height, z, coarse, length = hanging
     assume(length > 15 * coarse)
@@ -66,7 +66,7 @@ def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
 
 
 @given(hanging=hangings, seed=st.integers(0, 1000))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: tuple[float, ...], seed: int) -> None:
     assume(hanging[-1] > 15 * hanging[3])
     q, lengths, s = sway(hanging, seed)
@@ -128,7 +128,7 @@ def test_the_clearance_of_legs_that_tangle_is_the_same(parts: SimpleNamespace, k
 
 
 @given(hanging=hangings, seed=st.integers(0, 1000), size=st.sampled_from((0.0, 0.3, 1.0)))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_legs_apart_are_not_turned(parts: SimpleNamespace, hanging: tuple[float, ...], seed: int, size: float) -> None:
     assume(hanging[-1] > 15 * hanging[3])
     still, (q, lengths, s) = hanging_guess(*hang(*hanging)), sway(hanging, seed)
@@ -251,7 +251,7 @@ shafts = st.builds(
 @given(mesh=meshes, rope=ropes, layout=layouts, shaft=shafts)
 @example(Mesh("auto", loop_error=1.0), Rope(length=9000.0, EI=0.01), Layout(8.0), Shaft())  # most end levels
 @example(Mesh("auto"), Rope(), Layout(), Shaft(divider_3=Divider(size=0.05, offset=0.9)))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft) -> None:
     scene = Scene(rope, layout, mesh=mesh, shaft=shaft)
     ours, expected = parts.fit_mesh(scene_structure(scene)), fit_mesh(scene)
@@ -262,7 +262,7 @@ def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope,
 
 
 @given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), part=st.floats(-0.1, 1.1))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_partition_is_the_same_to_the_bit(parts: SimpleNamespace, mesh: Mesh, length: float, part: float) -> None:
     ours = outcome(lambda: c_partition(parts, mesh, length, part * length))
     assert ours == outcome(lambda: as_in_c(partition(mesh, length, part * length)))
@@ -309,7 +309,7 @@ def rough(s: Array, seed: int) -> Array:
     new=st.lists(st.floats(-0.1, 1.1), min_size=1, max_size=40),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_interpolated_values_are_equal(parts: SimpleNamespace, old: list[float], new: list[float], seed: int) -> None:
     lengths = np.array(old)
     expected_s = arc_lengths(lengths)

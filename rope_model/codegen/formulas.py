@@ -229,7 +229,7 @@ _SHARED: tuple[tuple[ModuleType, str], ...] = (
     (rope_on_rope, "MOST_PLACES APART MOST_STRANDS CORRECTIONS"),
     (shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
     (simulator, "FARTHEST_START MOST_STEPS"),
-    (statics, "SETTLED BALANCED"),
+    (statics, "SETTLED BALANCED REST_TOLERANCE"),
     (stepping, "STEP_WORK"),
     (switching, "EVENT_WIDTH"),
     (warning_rules, "YAWED_FAR"),
