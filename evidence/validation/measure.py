@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from evidence.tables import Table, Tables, rows
-from evidence.validation import buckle, cabledyn, chains, coupled, onset, wires
+from evidence.validation import buckle, cabledyn, chains, coupled, onset, poses, wires
 from evidence.validation.row import Row, as_table, from_table
 
 ALONE = "make validate"
@@ -22,6 +22,15 @@ def _wires(t: Table) -> Iterator[Row]:
             span = " to ".join(f"{1e3 * gap:.0f}" for gap in dict.fromkeys((gaps[0], gaps[-1])))
             what = f"turn that throws a loop, outside ours of all stiffnesses, ends {span} mm apart, by"
             yield Row(f"W-{k}{part}", "measured", source, what, wires.outside(t, wire.name, gaps), "deg", bound, ALONE)
+
+
+def _poses(t: Table) -> Iterator[Row]:
+    for k, pose in enumerate(poses.POSES, 1):
+        source = f"wires of 0.4 m, one end moved and tilted by a robot (pose {k}), then turned by {pose.turn:g} deg"
+        what = "shape, farthest of three wires and all stiffnesses, off by (RMS)"
+        yield Row(
+            f"W-{k + 3}", "measured", source, what, float(np.max(rows(t, pose=k)["apart"])), "mm", math.nan, ALONE
+        )
 
 
 def _pulls(t: Table) -> Iterator[Row]:
@@ -107,6 +116,7 @@ def _buckles(t: Table) -> Iterator[Row]:
 #: by table: what measures it, and what its rows are
 PARTS: dict[str, tuple[Callable[[], Table], Callable[[Table], Iterator[Row]]]] = {
     "wires": (wires.measure, _wires),
+    "poses": (poses.measure, _poses),
     "pulls": (chains.pulls, _pulls),
     "swings": (chains.swings, swing_rows),
     "onsets": (onset.measure, onset_rows),
@@ -118,7 +128,7 @@ PARTS: dict[str, tuple[Callable[[], Table], Callable[[Table], Iterator[Row]]]] =
 
 
 #: tables that the page shows besides the rows
-SHOWN = ("wires", "pulls", "coupled_rest", "coupled_winding")
+SHOWN = ("wires", "poses", "pulls", "coupled_rest", "coupled_winding")
 
 
 def tables() -> Tables:

@@ -24,6 +24,8 @@ def page(tables: Tables) -> str:
         "step": STEP,
         "fold": FOLD,
         "runs": RUNS,
+        "near": tables["poses"]["apart"].min(),
+        "far": rows(tables["poses"], pose=(1, 2, 3))["apart"].max(),
         "rows": [_cells(row, above) for row, above in zip(found, [None, *found], strict=False)],
         "held": sum(not row.shown and not row.misses for row in found),
         "stated": sum(not row.shown for row in found),
