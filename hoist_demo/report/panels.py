@@ -127,7 +127,7 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
 
 def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
     """Return the panels by group: title, unit, lines, and the further fields of Panel."""
-    limit, kilo, mega = hoist.tension_ratio_limit, 1e-3, 1e-6
+    limit, kilo, mega, count = hoist.tension_ratio_limit, 1e-3, 1e-6, hoist.tail_rope_number
     slip: list[tuple[Any, ...]] = [
         ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),
         ("Speeds at the sheave's rim", "m/s", _lines(_SPEEDS)),
@@ -151,9 +151,9 @@ def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
             *(slip if hoist.lining is not None else []),
         ],
         "Balance rope": [
-            ("Pull on the conveyances", "kN", _ends("{}.fy", -kilo)),
-            ("Side force on the conveyances, in plane", "N", _ends("{}.fx"), 1.0),
-            ("Moment on the conveyances about the vertical", "N m", _ends("{}.my"), 1.0),
+            ("Pull on the conveyances", "kN", _ends("{}.fy", -kilo * count)),
+            ("Side force on the conveyances, in plane", "N", _ends("{}.fx", count), 1.0),
+            ("Moment on the conveyances about the vertical", "N m", _ends("{}.my", count), 1.0),
             ("Lowest point of the loop", "m", _lines({"loop.y": "height"})),
             ("Lowest point of the loop, sideways", "m", _lines(_SIDEWAYS), 0.02),
             ("Yaw of the loop", "deg", (Line("loop.yaw", "yaw", "b", _DEGREES),), 0.02),

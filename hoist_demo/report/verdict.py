@@ -208,12 +208,15 @@ def _of_each(ropes: Sequence[_Rope], told: Callable[[_Rope], Iterator[Judged]]) 
     return [*dict.fromkeys(named)]
 
 
+_ALONE = ": each went on as if alone; contact.rope_stiffness = 1e6 lets them press each other"
+
+
 def _between(pair: Pair, error: float) -> Iterator[Judged]:
     """Clearance of two ropes, and how they pressed each other if they may."""
     if (near := pair.nearest) is not None:
         where = _where(near.t, near.place)
         struck = near.clearance <= 0.0
-        where += ": they touch, and each went on as if alone" if struck and pair.account is None else ""
+        where += _ALONE if struck and pair.account is None else ""
         quantity = f"clearance between {pair.one} and {pair.other}"
         yield Judged(quantity, f"{rounded(near.clearance, error)} m", "above 0", not struck, where)
     if (account := pair.account) is not None and account.peak > 0.0:
