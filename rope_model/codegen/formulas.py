@@ -151,6 +151,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Hanging hanging_shape(length, middle, width, cell)": hanging.hanging_shape,
     "void hanging_row(hanging, left[3], across[3], s, row[7])": hanging.node_row,
     "FittedMesh fit_elements(scene, loop_error, decades)": mesh_fit.fit_elements,
+    f"void faced_places(scene, left, right, places[{len(mesh.NOWHERE)}])": mesh_fit.faced_places,
     "void newton_coefficients(Coefficients method, h, c[3])": generalized_alpha.newton_coefficients,
     "void prediction_weights(Coefficients method, h, recentring, ahead, weights[6])": (
         generalized_alpha.prediction_weights
@@ -223,7 +224,7 @@ _SHARED: tuple[tuple[ModuleType, str], ...] = (
     (hang, "CURVATURE_STEPS TWIST_STEP LEAST_TWIST_STEP MOST_TURN MOST_CORRECTIONS"),
     (mesh, "LEG_LENGTHS GRADING"),
     (mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
-    (mesh_pattern, "DUE_EARLY"),
+    (mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
     (paths, "RESTS_BELOW"),
     (rigid, "SETTLING_TIME DIFFERENCE"),
     (rope_on_rope, "MOST_PLACES APART MOST_STRANDS CORRECTIONS"),
@@ -241,6 +242,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "FAR": FAR,
     "CHATTER_TIME": switching.CHATTER[1],
     "MESH_LATEST": mesh.LATEST,
+    "PLACES_FACED": len(mesh.NOWHERE),
     "SETTLING_TOLERANCE": rigid.NEWTON_TOLERANCE,
     "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "PROBES": len(rope_on_rope.PROBES),
