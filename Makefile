@@ -61,6 +61,7 @@ stability: $(READY)  ## run the scenes in which methods fail (10 minutes)
 validate: $(READY)  ## hold the model against measurement, theory and other codes (20 minutes)
 	$(BIN)/python -m pip install --quiet -e '.[peer,validation]'
 	$(MEASURE) validation discrete_rod peer -- validation accuracy
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.linear
 
 contact: $(READY)  ## check contact against exact cases (3 minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.contact

@@ -20,8 +20,8 @@ _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 _LINEARISE = """\
-Linear models of hoist and balance ropes at rest, for controller design: A, B, C, D of few states for each height, in
-plant.npz, plant.mat and plant.json, with the error measured against the complete linear model."""
+Linear models of hoist and balance ropes, at rest or at constant speed, for controller design: A, B, C, D of few states
+for each height, in plant.npz, plant.mat and plant.json, with the error measured against the complete linear model."""
 
 _MODES = """\
 Frequencies, damping and shapes of hoist and balance ropes along the trip: modes.csv has all of them, modes.png draws
@@ -38,13 +38,14 @@ Coulomb friction, play and slip on the lining are left out; see docs/howto/contr
 
 def write_linear_models(
     case: Case, out: Path, at: Sequence[float] = _HEIGHTS, swivels: Swivels = "as given", held_by: HeldBy = "motor",
-    states: int = 20, inputs: Sequence[str] = _CHANNELS[0], outputs: Sequence[str] = _CHANNELS[1], band: float = 2.0,
+    states: int = 17, inputs: Sequence[str] = _CHANNELS[0], outputs: Sequence[str] = _CHANNELS[1], band: float = 2.0,
+    speed: float = 0.0,
 ) -> tuple[ReducedModel, tuple[Path, ...]]:  # fmt: skip
     """Write small models of a case into a folder."""
     from hoist_demo.design.linearise import linearise
     from hoist_demo.design.reduction import reduced
 
-    models = [model.selected(inputs, outputs) for model in linearise(case, at, swivels, held_by)]
+    models = [model.selected(inputs, outputs) for model in linearise(case, at, swivels, held_by, speed=speed)]
     found = reduced(models, states, band)
     return found, found.write(results_folder(out))
 
@@ -110,8 +111,11 @@ def add_linear(commands: Commands) -> None:
         command.add_argument(
             "--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)"
         )
+    linearise.add_argument(
+        "--speed", type=float, default=0.0, metavar="M/S", help="of the left conveyance, upwards (%(default)s)"
+    )
     linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
-    linearise.add_argument("--states", type=int, default=20, metavar="N", help="of each model (%(default)s)")
+    linearise.add_argument("--states", type=int, default=17, metavar="N", help="of each model (%(default)s)")
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
         linearise.add_argument(name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})")
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
@@ -130,7 +134,7 @@ def _one_rope(name: str) -> Case:
 def _linearise(options: argparse.Namespace) -> int:
     found, written = write_linear_models(
         _one_rope(options.hoist), options.out, options.at, options.swivels, options.held_by, options.states,
-        options.inputs, options.outputs, options.band,
+        options.inputs, options.outputs, options.band, options.speed,
     )  # fmt: skip
     print(f"{found.A.shape[1]} states; largest errors to {found.band:g} Hz:")
     print(f"{'at':>6}{'output':>16}{'input':>18}{'dB':>10}{'degrees':>10}{'of peak':>10}")
