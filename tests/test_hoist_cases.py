@@ -11,12 +11,12 @@ from numpy.testing import assert_allclose
 
 from fmu_src.interface import case_with, variables
 from hoist_demo.cases.case import Case
+from hoist_demo.cases.rules import TAIL_SPARE
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.files.hoist_file import TAIL_SPARE
 from hoist_demo.files.new import round_rope
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
 from rope_model import EndMotion, Layout, Rope, Scene, parameters, rope_120

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.control.trajectory import s_curve
+from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, Datum, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
 from rope_model.catalogue import properties_of
@@ -30,8 +31,6 @@ from rope_model.simulation.outputs.modal import natural_modes
 Array = NDArray[np.float64]
 Numbers = Mapping[str, tuple[float, ...]]
 
-#: parameters that follow from the properties
-FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
 PLANES = ("in plane", "out of plane")
 #: s: communication step of a track, and between two values of which a largest and a smallest are taken
 COMMUNICATION, SAMPLE = 0.02, 0.1

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
 from hoist_demo.calibration.identify import Identified
-from hoist_demo.calibration.measurements import FOLLOWING
+from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.report.html.page import Bar, bars, engineering, grid, number, paragraphs, unit_text, write_sheet
 from hoist_demo.report.rows import SummaryRow, told
 from hoist_demo.report.rows import table as data_table

@@ -3,49 +3,31 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
 
-from hoist_demo.files.catalogue import CONTROLLER, SECTIONS, host_parameters
-from hoist_demo.files.hoist_file import RULES, TAIL_SPARE
+from hoist_demo.cases.rules import LENGTH, RULES
+from hoist_demo.files.catalogue import host_parameters
+from hoist_demo.parameters.quantity import Parameter
 
 
 def tables() -> dict[str, str]:
     """Return the Markdown of each table by its mark in the page."""
-    rules = [("rope.length", f"hoist.shaft_travel + {TAIL_SPARE:g} m"), *((one.key, one.words) for one in RULES)]
-    lines = [
-        "| key | what it is where nobody gives it |",
-        "|---|---|",
-        *(f"| `{key}` | {words} |" for key, words in rules),
+    ruled = {rule.key: rule.words for rule in (LENGTH, *RULES)}
+    rules = [f"| `{key}` | {words} |" for key, words in ruled.items()]
+    host = [
+        f"| `{p.name}` | {'' if p.unit == '1' else p.unit} | {'by rule' if p.name in ruled else _default(p)} "
+        f"| {', '.join(filter(None, (p.meaning, ' or '.join(p.choices))))} |"
+        for p in host_parameters().values()
     ]
-    ruled = {key for key, _ in rules}
-    host = ["| key | unit | default | meaning |", "|---|---|---|---|"]
-    for name, p in {CONTROLLER.name: CONTROLLER, **host_parameters()}.items():
-        start = CONTROLLER.start if p is CONTROLLER else "by rule" if name in ruled else _default(name)
-        meaning = ", ".join(filter(None, (p.meaning, " or ".join(p.choices))))
-        host.append(f"| `{name}` | {'' if p.unit == '1' else p.unit} | {start} | {meaning} |")
-    return {"rules": "\n".join(lines), "host": "\n".join(host)}
+    heads = {"rules": "| key | what it is where nobody gives it |\n|---|---|"}
+    heads["host"] = "| key | unit | default | meaning |\n|---|---|---|---|"
+    return {"rules": "\n".join([heads["rules"], *rules]), "host": "\n".join([heads["host"], *host])}
 
 
-def _default(name: str) -> str:
-    """Return the default of a key; "none" of a part that a hoist has not got."""
-    section, *path = name.split(".")
-    value: Any = SECTIONS[section]()
-    for part in path:
-        kind, value = type(value), getattr(value, part)
-        if value is None and part != path[-1]:
-            hint = next(str(f.type) for f in fields(kind) if f.name == part).partition(" ")[0]
-            return f"none; {_default_of(hint, path[-1])}"
-    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _default_of(kind: str, name: str) -> str:
-    from hoist_demo.parameters import components
-
-    value = getattr(getattr(components, kind)(), name)
-    assert not is_dataclass(value)
-    return f"{value:.6g}"
+def _default(p: Parameter) -> str:
+    """Return the default; "none" of a part that a hoist has not got, with that of the part."""
+    value = "none" if p.start is None else f"{p.start:.6g}" if isinstance(p.start, float) else str(p.start)
+    return f"none; {value}" if p.name.count(".") > 1 else value
 
 
 def filled(text: str) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from hoist_demo.files.catalogue import CONTROLLER, PLACE_PARAMETERS, host_parameters, rope_parameters
+from hoist_demo.files.catalogue import host_parameters, rope_parameters
+from hoist_demo.files.hoist_file import PLACE_PARAMETERS
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters.quantity import Parameter, Value
 from rope_model.texts import printable, toml_string
@@ -40,7 +41,7 @@ _ORDER = list(dict.fromkeys(name.partition(".")[0] for name in (*host_parameters
 
 def _facts(line: Line) -> Parameter:
     name = line.name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
-    known = {CONTROLLER.name: CONTROLLER, **PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
+    known = {**PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
     return known.get(line.name) or known.get(name) or Parameter(line.name, "1", "String")
 
 

@@ -25,7 +25,7 @@ def scenes(case: Case) -> dict[str, Scene]:
         return {"rope": rope_data(case.rope, case.level)}
     found = {}
     for tail in case.ropes:
-        scene = rope_data({**case.shared, **tail.parameters}, case.level)
+        scene = rope_data(tail.parameters, case.level)
         apart = scene.layout.spacing + tail.place.get("x_right", 0.0) - tail.place.get("x_left", 0.0)
         found[tail.name] = scene.with_(layout=replace(scene.layout, spacing=apart))
     return found
@@ -35,9 +35,9 @@ def values(case: Case, name: str) -> str:
     """Return the table of all values by status; `name` is how the hoist is found."""
     run = build_trip(name, {})
     known = of_host(run, {})
-    for rope, scene in scenes(case).items():
-        prefix = f"{rope}." if case.ropes else ""
-        known += [one._replace(name=prefix + one.name) for one in of_rope(case, scene_parameters(scene), {})]
+    for tail, scene in zip(case.tails, scenes(case).values(), strict=True):
+        prefix, alone = f"{tail.name}." if case.ropes else "", case.alone(tail)
+        known += [one._replace(name=prefix + one.name) for one in of_rope(alone, scene_parameters(scene), {})]
     _, rows = table(known)
     names = max(len(str(row[0])) for row in rows)
     return "\n".join(

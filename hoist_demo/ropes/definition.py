@@ -14,6 +14,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.files.hoist_file import PLACE
+from hoist_demo.files.values import DERIVED, Given
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
@@ -36,7 +37,7 @@ class OneRope:
     scene: Scene
     place: Place
     breaks: Break | None
-    given: Mapping[str, str]  # where each value that is set comes from, by name
+    case: Case  # the hoist with this rope alone
 
     @property
     def torque_free(self) -> bool:
@@ -85,7 +86,7 @@ class Ropes:
         ropes = [
             one._replace(name=f"{rope.name}.{one.name}")
             for rope in self.ropes
-            for one in of_rope(self.case, scene_parameters(rope.scene), {**rope.given, **given})
+            for one in of_rope(rope.case, scene_parameters(rope.scene), given)
         ]
         return [*of_host(replace(self.run, hoist=self.hoist), given), *ropes]
 
@@ -96,7 +97,6 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
     ValueError with all problems.
     """
     problems: list[str] = []
-    shared = case.shared
     keys = {*run.fmu, *(key for tail in case.ropes for key in tail.parameters)}
     if guards := sorted(key for key in keys if key.startswith("guard.")):
         problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
@@ -108,7 +108,7 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
                 f"{', '.join(_TAKEN)} are taken"
             )
         try:
-            ropes.append(_rope(tail, {**shared, **tail.parameters, **fmu_part(chosen)}, level, case))
+            ropes.append(_rope(tail, {**tail.parameters, **fmu_part(chosen)}, level, case))
         except ValueError as error:
             problems.append(f"rope {tail.name}: {error}")
     if not problems and ropes[0].scene.shaft.contact.rope_stiffness > 0.0:
@@ -143,5 +143,6 @@ def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case)
     spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
     own = {**parameters, "layout.spacing": spacing}
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
-    given = {**case.given, **tail.given, "layout.spacing": "derived"}
-    return OneRope(tail.name, own, rope_data(own, level), place, breaks, given)
+    apart = Given(spacing, DERIVED, "the rope's place")
+    alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
+    return OneRope(tail.name, own, rope_data(own, level), place, breaks, alone)
