@@ -49,7 +49,6 @@ def test_a_value_has_its_parameters_type_and_a_choice_its_word(given: str, name:
         ("right.swivel.mode=sticky", r"mode = 'sticky' must be one of 0 \(locked\), 1 \(free\), 2 \(coulomb\)"),
         ("winding.emergency_law=brake", r"must be one of drive, deceleration, torque, two-stage: choose one"),
         ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
-        ("shaper.kind=ZV", r"shaper\.kind is for studies"),
         ("inputs_at_step_end=true", "inputs_at_step_end cannot be chosen"),
     ],
 )

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import Stopwatch
-from hoist_demo.files.catalogue import leaves, with_values
+from hoist_demo.files.catalogue import data_of, leaves
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.parameters.components import DriveShaft
@@ -364,8 +364,10 @@ def test_parts_are_reached_by_dotted_names() -> None:
     assert found["power_limit"] == ("W", "Real")
     assert found["tail_rope_number"] == ("1", "Integer")
     # a part that is none starts from its defaults; the default sheave is lighter than that motor
-    made = with_values(Hoist(), {"drive_shaft.motor_mass": 8e3, "drive_shaft.damping": 0.1, "sheave_mass": 2e4})
-    assert made == Hoist(sheave_mass=2e4, drive_shaft=DriveShaft(motor_mass=8e3, damping=0.1))
+    values = {"drive_shaft.motor_mass": 8e3, "drive_shaft.damping": 0.1, "sheave_mass": 2e4}
+    assert data_of({f"hoist.{name}": value for name, value in values.items()})["hoist"] == Hoist(
+        sheave_mass=2e4, drive_shaft=DriveShaft(motor_mass=8e3, damping=0.1)
+    )
 
 
 def test_latin_hypercube_has_one_sample_in_each_strip() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -26,7 +25,7 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.design.controllers import drive
-from hoist_demo.files.catalogue import Catalogue, with_values
+from hoist_demo.files.catalogue import Catalogue
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA, Winding
@@ -37,7 +36,7 @@ from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import SummaryRow, render, render_verdict
 from hoist_demo.ropes.definition import ropes_of
 from hoist_demo.study.provenance import of_host, of_rope
-from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part, tail_rope
+from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -137,9 +136,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     own = settings(options.set, catalogue)
     identified = read_rope_file(options.rope, catalogue) if options.rope else {}
     of_rope_file = {key: one.value for key, one in identified.items()}
-    chosen = {f"hoist.{field}": value for field, value in tail_rope(of_rope_file).items()} | of_rope_file | own
-    hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
-    options.hoist = _hoist_of(resume, options.hoist, hoist_values) if resume else options.hoist or _HOIST
+    chosen = of_rope_file | own
+    options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST
     case = find_case(options.hoist)
     asked = _winding(options, case) | chosen
     run = build_trip(options.hoist, asked)
@@ -159,6 +157,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         with warnings_of("hoist_demo") as said:
             made = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
             host = Host(rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
+            host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
             result = _run(host, options.out / LAST_GOOD, resume)
         data = rope.data()
     finally:
@@ -166,6 +165,11 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
     run = replace(run, winding=result.winding)
     contradiction = contradictions(run.hoist, data.parameters)
+    if not options.in_process and data.level not in ("", case.level):
+        told = (
+            f"level = {case.level!r} of {options.hoist} is not that of {options.fmu}, {data.level!r}, which was wound"
+        )
+        contradiction = "; ".join(filter(None, (contradiction, f"{told}: export one of that level, or --in-process")))
     known = [*of_host(run, statuses), *of_rope(case, data, statuses)]
     warned = [*filter(None, (missing, contradiction)), *said]
     wound = WoundRun(title, run, result, data, data.level, known, warned, asked)
@@ -193,22 +197,6 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
 def _tell(warning: str) -> None:
     if warning:
         print(f"balance-rope: {warning}", file=sys.stderr)
-
-
-def _hoist_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
-    """Return the name of an interrupted run's hoist, found by its data; `hoist` is what is set of it."""
-    names = [*NAMED, *([] if asked is None or asked in NAMED else [asked])]
-    hoists = {name: with_values(find_case(name).hoist, hoist) for name in names}
-    fitting = [name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")]
-    found = asked if asked in fitting else next(iter(fitting), None)
-    if found is None:
-        raise ValueError(
-            "the run to go on with is of another hoist: give its file, repeat its --set hoist..., or go on with it "
-            "where it was begun"
-        )
-    if asked not in (None, found):
-        raise ValueError(f"the hoist {asked} must be {found}, that of the run to go on with: leave it out")
-    return found
 
 
 def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:

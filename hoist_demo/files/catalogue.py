@@ -7,17 +7,17 @@ the FMU is asked to initialize with the value.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from pydantic import Field
+from pydantic import Field, ValidationError, create_model
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.files.reading import cure_of, table_of
+from hoist_demo.files.reading import cure_of, nested, table_of
 from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit, meaning_of, unit_of
 from rope_model import Scene
@@ -54,32 +54,16 @@ def leaves(data: type[Any], prefix: str = "") -> Iterator[Parameter]:
             yield Parameter(name, fmi_unit(unit), kinds[0], start, meaning=meaning_of(field))
 
 
-def with_values(data: Any, values: Mapping[str, object]) -> Any:
-    """A copy with the given values by dotted name, checked as a whole; a part that was None starts from defaults."""
-    direct = {name: value for name, value in values.items() if "." not in name}
-    for head in dict.fromkeys(name.partition(".")[0] for name in values if "." in name):
-        part = getattr(data, head)
-        if part is None:
-            kind = _inner(get_type_hints(type(data))[head])
-            assert kind is not None  # the catalogue has let the name pass
-            part = kind()
-        direct[head] = with_values(part, _within(values, head))
-    return replace(data, **direct)
+_Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.items()})  # type: ignore[call-overload]
 
 
 def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
-    """Return the data of all sections with values by their names in files; ValueError names the section."""
-    found = {}
-    for section, kind in SECTIONS.items():
-        try:
-            found[section] = with_values(kind(), _within(values, section))
-        except ValueError as error:
-            raise ValueError(f"{section}: {error}") from error
-    return found
-
-
-def _within(values: Mapping[str, Any], head: str) -> dict[str, Any]:
-    return {name.removeprefix(f"{head}."): v for name, v in values.items() if name.startswith(f"{head}.")}
+    """Return the data of all sections with values by their names in files; a part of which none is given is None."""
+    try:
+        return dict(_Data.model_validate(nested({key: v for key, v in values.items() if key in host_parameters()})))
+    except ValidationError as error:
+        lines = [f"{one['loc'][0]}: {one.get('ctx', {}).get('error', one['msg'])}" for one in error.errors()]
+        raise ValueError("\n".join(lines)) from error
 
 
 def _inner(hint: Any) -> type[Any] | None:

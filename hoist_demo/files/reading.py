@@ -234,13 +234,8 @@ def _said(place: str, text: str) -> str:
 
 def _place_of(loc: Sequence[int | str]) -> str:
     """Return the dotted name of a place; members of lists are counted from 1: `rope 2 left.swivel.mode`."""
-    text = ""
-    for part in loc:
-        if isinstance(part, int):
-            text += f" {part + 1} "
-        else:
-            text += part if not text or text.endswith(" ") else f".{part}"
-    return text.strip()
+    parts = (f" {part + 1} " if isinstance(part, int) else f".{part or repr(part)}" for part in loc)
+    return "".join(parts).replace(" .", " ").strip(" .")
 
 
 #: keys of earlier versions, and what to write today

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cache, partial
 from tokenize import TokenError
 from typing import Annotated, Any, Literal, get_args
@@ -25,7 +26,7 @@ Status = Literal[STATUSES]  # type: ignore[valid-type]
 #: letters with a small power, joined; pint alone would read past commas and figures
 _UNIT = re.compile(r"(?:1/)?[A-Za-z%µ°]+\^?-?\d?(?:\s*[ ./*·]\s*[A-Za-z%µ°]+\^?-?\d?)*")
 #: pure numbers may be percentages; a US ton is no tonne
-_SHARES, _UNCLEAR = {"%": (1.0, 100.0)}, ("ton", "tons")
+_SHARES, _UNCLEAR = {"%": Fraction(1, 100)}, ("ton", "tons")
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 #: raised by pint and by the tokenizer that it takes
 _NO_UNIT = (ArithmeticError, AssertionError, AttributeError, LookupError, SyntaxError, TypeError, ValueError)
@@ -118,43 +119,41 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
                 f"{parameter.name} = {content[:LONGEST_TEXT]!r} must be a finite number, with a unit behind it or in "
                 f"{parameter.unit_words}: correct it"
             )
-        content, unit = float(found[1]), found[2] or unit
+        return parameter.read(_converted(parameter, found[1], found[2] or unit))
     if unit and isinstance(content, int | float) and not isinstance(content, bool):
         content = _converted(parameter, content, unit)
     return parameter.read(content)
 
 
-def _converted(parameter: Parameter, content: float, unit: str) -> float:
-    if fmi_unit(unit) == parameter.unit:
-        return content
-    factor = _factor(fmi_unit(unit), parameter.unit) if _UNIT.fullmatch(unit.strip()) else None
+def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
+    """Return a number with this unit in the parameter's, rounded once: 52 mm are 0.052 m, to the last bit."""
+    factor = _factor(fmi_unit(unit), parameter.unit) if unit else Fraction(1)
     if factor is None:
         raise ValueError(
             f"{parameter.name} has unit = {unit[:LONGEST_TEXT]!r}, which must measure the same as "
             f"{parameter.unit_words}: convert the value to it"
         )
-    return content * factor[0] / factor[1]
+    try:
+        return float(Fraction(str(number)) * factor)
+    except (ValueError, OverflowError):
+        return math.nan  # which the parameter refuses
 
 
 @cache
-def _factor(unit: str, to: str) -> tuple[float, float] | None:
-    """Return what one `unit` is in `to`, as a product and a divisor: 52 mm are 52 / 1000 m, to the last bit.
-
-    None where they measure different things, or one is unknown.
-    """
-    if to == "1" or unit in _UNCLEAR or ("Hz" in unit) != ("Hz" in to):  # turns, radians and hertz are one to pint
-        return _SHARES.get(unit) if to == "1" else None
+def _factor(unit: str, to: str) -> Fraction | None:
+    """Return what one `unit` is in `to`; None where they measure different things, or one is unknown."""
+    # turns, radians and hertz are one to pint, and a pure number may be anything
+    if unit == to or to == "1" or unit in _UNCLEAR or ("Hz" in unit) != ("Hz" in to) or not _UNIT.fullmatch(unit):
+        return Fraction(1) if unit == to else _SHARES.get(unit) if to == "1" else None
     import pint  # loads slowly, and most files need it not
 
     powers = partial(re.sub, r"(?<=[A-Za-z])(-?\d)", r"**\1")
-    registry: Any = pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry(non_int_type=Fraction)
     try:
         one, other = (registry.parse_units(powers(text.replace(".", "*"))) for text in (unit, to))
-        factor = float(registry.Quantity(1.0, one).to(other).magnitude)
+        return Fraction(registry.Quantity(Fraction(1), one).to(other).magnitude)
     except (pint.PintError, TokenError, *_NO_UNIT):
         return None
-    whole = round(1.0 / factor) if 0.0 < factor < 1.0 else 0
-    return (1.0, float(whole)) if whole and math.isclose(1.0 / factor, whole, rel_tol=1e-12) else (factor, 1.0)
 
 
 def value_schema(parameter: Parameter) -> dict[str, Any]:

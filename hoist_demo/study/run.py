@@ -202,11 +202,6 @@ def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tup
 SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
 
 
-def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:
-    """Fields of the hoist by which its drive takes the balance rope for the one with these parameters."""
-    return {field: values[name] for name, field, _ in SHARED if name in values}
-
-
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
     """Return where the drive's copy of the balance rope's data differs from the rope's; "" if they agree."""
     told = []
