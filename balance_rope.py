@@ -27,7 +27,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.files.catalogue import CONTROLLER, Catalogue, rope_parameters
+    from hoist_demo.files.catalogue import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.rope_file import read_rope_file
     from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope
@@ -227,13 +227,12 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 
-    catalogue = Catalogue()
-    identified = {} if path is None else read_rope_file(path, catalogue)
-    own: dict[str, Any] = {**identified, **settings(texts, catalogue)}
+    identified = {} if path is None else read_rope_file(path)
+    own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
     # what is wrong with the rope is told in its own names, not in the hoist's
-    rope_data({**case.rope, **plain(identified), **settings(texts, catalogue)})
+    rope_data({**case.rope, **plain(identified), **settings(texts, parameters())})
     return with_values(case, own)
 
 

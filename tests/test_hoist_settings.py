@@ -13,13 +13,13 @@ from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.catalogue import parameters
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.run import contradictions
 
 ROOT = Path(__file__).parents[1]
-CATALOGUE = Catalogue()
+KNOWN = parameters()
 DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"]
 
 
@@ -36,7 +36,7 @@ DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"
     ],
 )
 def test_a_value_has_its_parameters_type_and_a_choice_its_word(given: str, name: str, value: object) -> None:
-    assert settings([given], CATALOGUE) == {name: value}
+    assert settings([given], KNOWN) == {name: value}
 
 
 @pytest.mark.parametrize(
@@ -49,12 +49,12 @@ def test_a_value_has_its_parameters_type_and_a_choice_its_word(given: str, name:
         ("right.swivel.mode=sticky", r"mode = 'sticky' must be one of 0 \(locked\), 1 \(free\), 2 \(coulomb\)"),
         ("winding.emergency_law=brake", r"must be one of drive, deceleration, torque, two-stage: choose one"),
         ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
-        ("inputs_at_step_end=true", "inputs_at_step_end cannot be chosen"),
+        ("inputs_at_step_end=true", "inputs_at_step_end is not a parameter: the host sets it"),
     ],
 )
 def test_what_cannot_be_set_is_named(given: str, words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        settings([given], CATALOGUE)
+        settings([given], KNOWN)
 
 
 def test_a_hoist_and_a_rope_that_contradict_each_other_are_told_with_both_values() -> None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.files.catalogue import Catalogue, host_parameters
+from hoist_demo.files.catalogue import find, host_parameters
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
-from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.quantity import Parameter, Value
 from rope_model import Level
 from rope_model.scene_names import choices_of
 
@@ -45,14 +45,14 @@ def add_data(wind: argparse.ArgumentParser) -> None:
     wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=about)
 
 
-def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
+def settings(texts: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, Value]:
     """The values by name, each of its parameter's type and within its bounds; ValueError names what is not."""
     found: dict[str, Value] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
-        parameter, content = catalogue[name], {"true": True, "false": False}.get(value.lower(), value)
+        parameter, content = find(name, known), {"true": True, "false": False}.get(value.lower(), value)
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
         code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()

@@ -25,7 +25,7 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.design.controllers import drive
-from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.catalogue import parameters
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA, Winding
@@ -132,9 +132,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
                 f"{default} is not there: the rope runs in this process; `balance-rope export --outputs all` makes it"
             )
     resume = Checkpoint.read(options.resume) if options.resume else None
-    catalogue = Catalogue(_parameters(options))
-    own = settings(options.set, catalogue)
-    identified = read_rope_file(options.rope, catalogue) if options.rope else {}
+    own = settings(options.set, parameters(_parameters(options)))
+    identified = read_rope_file(options.rope) if options.rope else {}
     of_rope_file = {key: one.value for key, one in identified.items()}
     chosen = of_rope_file | own
     options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST

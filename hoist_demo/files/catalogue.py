@@ -6,7 +6,7 @@ the FMU is asked to initialize with the value.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any, Literal, get_args, get_origin, get_type_hints
@@ -33,7 +33,6 @@ SECTIONS: dict[str, type[Any]] = {
     "arrival": Arrival,
 }
 CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
-RESERVED = {"inputs_at_step_end": "the host sets it"}
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
 
@@ -104,22 +103,14 @@ def of_run(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
     return {CONTROLLER.name: (leaf(CONTROLLER), Field(default=None)), **tables}
 
 
-class Catalogue:
-    """All parameters of runs, for keys that are no table's: --set NAME=VALUE."""
+def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Parameter]:
+    """Return all parameters of runs by name; `rope` are those of an FMU, in the place of a scene's."""
+    own = rope_parameters() if rope is None else rope
+    return {**host_parameters(), **{name: p for name, p in own.items() if name != "inputs_at_step_end"}}
 
-    def __init__(self, rope: Mapping[str, Parameter] | None = None) -> None:
-        """`rope` are the parameters of an FMU; those of a scene without it."""
-        own = rope_parameters() if rope is None else rope
-        self._parameters = {**host_parameters(), **{name: p for name, p in own.items() if name not in RESERVED}}
 
-    def __getitem__(self, key: str) -> Parameter:
-        """The parameter; a `ValueError` for an unknown key names the nearest ones."""
-        if key in RESERVED:
-            raise ValueError(f"{key} cannot be chosen, {RESERVED[key]}: leave it out")
-        if key not in self._parameters:
-            raise ValueError(f"{key} is not a parameter: {cure_of(key, [*self._parameters])}")
-        return self._parameters[key]
-
-    def units(self, keys: Iterable[str]) -> dict[str, str]:
-        """Unit of each key."""
-        return {key: self[key].unit for key in keys}
+def find(name: str, known: Mapping[str, Parameter]) -> Parameter:
+    """Return the parameter; a `ValueError` for an unknown name tells the nearest ones."""
+    if name not in known:
+        raise ValueError(f"{name} is not a parameter: {cure_of(name, [*known])}")
+    return known[name]

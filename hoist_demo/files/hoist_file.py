@@ -14,10 +14,11 @@ documented default.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, WithJsonSchema, create_model, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
 
 from hoist_demo.cases.case import FOLDER, HOISTS, SCENARIOS, Case, Tail
 from hoist_demo.cases.rules import completed
@@ -100,7 +101,6 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     level: Level = Field("standard", description="accuracy against speed of the rope")
     signals: list[Text] = Field([], description="time series to record, * for any letters")
     rope: list[Annotated[dict[str, Any], Flat(RopeTable, _said)]] = Field([])
-    _case: Case | None = PrivateAttr(None)
 
     def says(self) -> dict[str, Any]:
         """Return all that the file sets, over what the hoist has that it is like; each value with its status."""
@@ -114,8 +114,9 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
             ropes = [_kept(base, rope) | rope for base, rope in zip(bases, ropes, strict=True)]
         return {**below, **own, **({"rope": ropes} if ropes else {})}
 
-    @model_validator(mode="after")
-    def _is_a_hoist(self) -> HoistFile:
+    @cached_property
+    def case(self) -> Case:
+        """The hoist; ValueError with all that is wrong."""
         said = self.says()
         values = {key: one for key, one in said.items() if isinstance(one, Given)}
         host = {key: one for key, one in values.items() if key in host_parameters()}
@@ -127,7 +128,11 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         if problems:
             raise ValueError("\n".join(problems))
         head = {name: said[name] for name in ("source", "level") if name in said}
-        self._case = completed(host, tails, name=self.name, signals=tuple(said.get("signals", ())), **head)
+        return completed(host, tails, name=self.name, signals=tuple(said.get("signals", ())), **head)
+
+    @model_validator(mode="after")
+    def _is_a_hoist(self) -> Self:
+        _ = self.case
         return self
 
 
@@ -166,9 +171,7 @@ def _tail(k: int, said: dict[str, Any], shared: dict[str, Given], problems: list
 
 def read_hoist(path: Path) -> Case:
     """Return the hoist of a file; raise FileError with all problems."""
-    found = read(path, HoistFile)._case
-    assert found is not None  # the file was checked
-    return found
+    return read(path, HoistFile).case
 
 
 def schema() -> dict[str, Any]:

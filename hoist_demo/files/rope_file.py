@@ -15,8 +15,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from hoist_demo.files.catalogue import Catalogue, rope_parameters, table
-from hoist_demo.files.reading import EMPTY, File, FileError, Table, beside, contents, flat, opened_by, read
+from hoist_demo.files.catalogue import rope_parameters, table
+from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum, KnownRope, rope
@@ -123,19 +123,13 @@ class RopeFile(_OtherFile):
         }
 
 
-def read_rope_file(path: Path, catalogue: Catalogue | None = None) -> dict[str, Given]:
-    """Return the values of a rope and of its air, which the catalogue must have; raise FileError with all problems."""
-    found = read(path, RopeFile).values()
-    for name in found:
-        try:
-            _ = catalogue and catalogue[name]
-        except ValueError as error:
-            raise FileError(path, [str(error)]) from error
-    return found
+def read_rope_file(path: Path, opened: tuple[Path, ...] = ()) -> dict[str, Given]:
+    """Return the values of a rope and of its air; raise FileError with all problems."""
+    return read(path, RopeFile, opened).values()
 
 
 def _values_there(content: Any, info: ValidationInfo) -> dict[str, Given]:
-    return read(beside(info, read_text(content)), RopeFile, opened_by(info)).values()
+    return read_rope_file(beside(info, read_text(content)), opened_by(info))
 
 
 #: the type of `from = "FILE"`: values of a rope's parameter file

@@ -58,17 +58,14 @@ class RunFile(File):
 
     @property
     def title(self) -> str:
-        """Title."""
         return self.head.title
 
     @property
     def hoist(self) -> str:
-        """Name or file."""
         return self.head.hoist
 
     @property
     def level(self) -> Level:
-        """Accuracy against speed of the rope."""
         return self.head.level or find_case(self.hoist).level
 
 

@@ -26,7 +26,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
-from hoist_demo.files.catalogue import Catalogue, of_run
+from hoist_demo.files.catalogue import of_run, parameters
 from hoist_demo.files.reading import EMPTY, File, FileError, Flat, Table, contents, flat, read, table_of
 from hoist_demo.files.run_values import Head, Values
 from hoist_demo.files.values import VARIED, Given, Text, plain, statuses
@@ -234,7 +234,7 @@ class Study:
     @property
     def units(self) -> dict[str, str]:
         """Unit of every key that is set."""
-        return Catalogue().units(self.given)
+        return {name: parameters()[name].unit for name in self.given}
 
     def run(self, variant: str, values: Mapping[str, Value]) -> Sample:
         """Return the run of a variant at a point of [vary]."""

@@ -24,7 +24,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene
 from hoist_demo.files.reading import read
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
-from hoist_demo.files.values import GIVEN, VARIED, statuses
+from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import Known, of_host, of_rope
@@ -58,17 +58,10 @@ class Uncertain(RopeQuestion, RunFile):
 
     @property
     def samples(self) -> int:
-        """Number of windings."""
         return self.head.samples
 
     @property
-    def seed(self) -> int:
-        """Seed of the draw."""
-        return self.head.seed
-
-    @property
     def measures(self) -> tuple[str, ...]:
-        """Metrics."""
         return self.head.measures
 
     @cached_property
@@ -87,17 +80,13 @@ class Uncertain(RopeQuestion, RunFile):
     def _varies(self) -> Uncertain:
         if not self.data:
             raise ValueError("nothing varies: give a property of [known] a range, { low, high }")
-        self.run(self.middle)
+        self.provenance()
         return self
-
-    @property
-    def middle(self) -> dict[str, float]:
-        """Middle of what varies."""
-        return {name: datum.middle for name, datum in self.data.items()}
 
     def provenance(self) -> list[Known]:
         """Sources of the numbers; of a property that varies, its range has the status."""
-        run, data = self.run(self.middle), self.data
+        data = self.data
+        run = self.run({name: datum.middle for name, datum in data.items()})
         known = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
         given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(known)}
         if "length" in self.asked:
@@ -111,10 +100,10 @@ class Uncertain(RopeQuestion, RunFile):
         """The winding with these values of what varies; the drive takes the rope for what it is."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
-        drawn: dict[str, Value] = {
+        drawn: dict[str, Value | Given] = {
             **{f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING},
             "hoist.tail_rope_mass": rope.mass_per_length,
-            "hoist.tail_rope_length": rope.length,
+            "hoist.tail_rope_length": Given(rope.length, DERIVED),
         }
         if self.head.bearing:
             for side in SWIVELS:
