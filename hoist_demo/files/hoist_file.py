@@ -22,27 +22,22 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, cre
 
 from hoist_demo.cases.case import FOLDER, HOISTS, SCENARIOS, Case, Tail
 from hoist_demo.cases.rules import completed
-from hoist_demo.files.catalogue import host_parameters, of_run, rope_parameters
+from hoist_demo.files.catalogue import host_parameters, leaves, of_run, rope_parameters
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, schema_of, table_of
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import DERIVED, GIVEN, Given, Status, Text, given, read_text, stated
+from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Level
 from rope_model import rope as catalogue_rope
 
 PLACE, BREAK, ENDS = ("x_left", "x_right", "z"), ("breaks_at", "breaks_s"), ("left", "right")
-_OF_PLACE = {
-    "x_left": "from the left conveyance's centre to where the rope hangs, to the right",
-    "x_right": "the same at the right conveyance",
-    "z": "from the conveyances' centres to where the rope hangs, out of their plane",
-    "breaks_at": "time of the rope's break; none without it",
-    "breaks_s": "place of the break, from the left end along the rope",
-}
+_BREAKS = (
+    Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
+    Parameter("rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"),
+)
 #: where a rope of several hangs and breaks
-PLACE_PARAMETERS = {
-    f"rope.{name}": Parameter(f"rope.{name}", "s" if name == "breaks_at" else "m", "Real", meaning=meaning)
-    for name, meaning in _OF_PLACE.items()
-}
+PLACE_PARAMETERS = {p.name: p for p in (*leaves(Place, "rope."), *_BREAKS)}
 #: what decides another rope, and what of it the catalogue has not
 _DECIDES, _ASKED = ("construction", "from"), ("rope.length", "rope.diameter")
 _OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")

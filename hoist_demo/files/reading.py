@@ -26,7 +26,7 @@ from pydantic import (
 )
 from pydantic.json_schema import GenerateJsonSchema
 
-from hoist_demo.files.values import Facts, given
+from hoist_demo.files.values import given
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable
 
@@ -159,21 +159,22 @@ def _tables(path: Path) -> dict[str, Any]:
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
     """Return the words on a comma with which the text can be read further; "" where that is not the trouble."""
-    if (place := _place(error)) is None:
+    if not (place := _place(error)):
         return ""
-    lines = text.splitlines(keepends=True)
-    at = sum(map(len, lines[: place[0] - 1])) + place[1] - 1
+    (line, column), lines = place, text.splitlines(keepends=True)
+    at = sum(map(len, lines[: line - 1])) + column - 1
     try:
         tomllib.loads(text[:at] + "," + text[at:])
     except tomllib.TOMLDecodeError as further:
-        if (then := _place(further)) is None or then <= (place[0], place[1] + 1):
+        if _place(further) <= (line, column + 1):
             return ""
-    return f"a comma is missing at line {place[0]}, column {place[1]}: put it before what stands there"
+    return f"a comma is missing at line {line}, column {column}: put it before what stands there"
 
 
-def _place(error: tomllib.TOMLDecodeError) -> tuple[int, int] | None:
+def _place(error: tomllib.TOMLDecodeError) -> tuple[int, ...]:
+    """Return line and column; nothing where the text ends too soon."""
     found = re.search(r"line (\d+), column (\d+)", str(error))
-    return (int(found[1]), int(found[2])) if found else None
+    return (int(found[1]), int(found[2])) if found else ()
 
 
 def nested(table: Mapping[str, Any], place: str = "") -> dict[str, Any]:
@@ -206,7 +207,8 @@ def _problems(model: type[BaseModel], error: Any) -> list[str]:
         return [_said(place, line) for line in str(error["ctx"]["error"]).splitlines()]
     match kind:
         case "extra_forbidden":
-            words = f"= {short} is not a key: {_cure(model, loc)}"
+            key = ".".join(part for part in loc if isinstance(part, str))
+            words = f"= {short} is not a key: {cure_of(key, [*_names(model)])}"
         case "missing":
             words = "is missing: give it"
         case "union_tag_invalid":
@@ -249,26 +251,16 @@ _OLD = {
 }
 
 
-def _cure(model: type[BaseModel], loc: Sequence[int | str]) -> str:
-    """Return what may have been meant by an unknown key."""
-    tables = [model]
-    for part in loc[:-1]:
-        fields = [f for one in tables for name, f in one.model_fields.items() if part == (f.alias or name)]
-        # members of lists and kinds of a union have no fields of their own
-        tables = [one for f in fields for one in _models((f.annotation, *f.metadata))] or tables
-    place = ".".join(part for part in loc if isinstance(part, str))
-    table = place.removesuffix(str(loc[-1]))
-    return cure_of(place, [f"{table}{name}" for one in tables for name in _names(one)])
-
-
 def cure_of(key: str, known: Sequence[str]) -> str:
     """Return what may have been meant by a key that is none of those known."""
     if old := [words for name, words in _OLD.items() if f".{key}".endswith(f".{name}")]:
         return old[0]
-    last = key.rpartition(".")[2].lower()
-    near = [name for name in known if name.rpartition(".")[2].lower() == last] or difflib.get_close_matches(key, known)
-    own = dict.fromkeys(name.removeprefix(key.rpartition(".")[0]).strip(".").partition(".")[0] for name in known)
-    return f"did you mean {' or '.join(near[:3])}?" if near else f"the keys are {', '.join(own)}"
+    table, dot, last = key.rpartition(".")
+    alike = [name for name in known if name.rpartition(".")[2].lower() == last.lower()]
+    if near := difflib.get_close_matches(key, alike, cutoff=0.0) or difflib.get_close_matches(key, known):
+        return f"did you mean {' or '.join(near)}?"
+    within = [name.removeprefix(table + dot) for name in known if name.startswith(table + dot)]
+    return f"the keys are {', '.join(dict.fromkeys(name.partition('.')[0] for name in within))}"
 
 
 def _models(hints: Iterable[Any]) -> Iterator[type[BaseModel]]:
@@ -285,9 +277,8 @@ def _models(hints: Iterable[Any]) -> Iterator[type[BaseModel]]:
 def _names(model: type[BaseModel]) -> Iterator[str]:
     """Yield the names of all keys of a table and of those in it."""
     for name, field in model.model_fields.items():
-        key, inner = field.alias or name, [*_models((field.annotation, *field.metadata))]
-        yield key
-        yield from (f"{key}.{below}" for one in inner if one is not Facts for below in _names(one))
+        yield (key := field.alias or name)
+        yield from (f"{key}.{inner}" for one in _models((field.annotation, *field.metadata)) for inner in _names(one))
 
 
 class _WithoutDefaults(GenerateJsonSchema):
