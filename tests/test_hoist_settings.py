@@ -1,5 +1,6 @@
 """`demo --set` and `--signals`: values and columns by name, errors that name them, and every message once."""
 
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -89,6 +90,28 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(
     assert main([*DEMO, "--out", str(tmp_path)]) == 1
     assert (tmp_path / "report.md").read_text(encoding="utf-8") == text
     assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")
+
+
+def test_a_run_is_gone_on_with_whose_hoist_is_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, asked, out = tmp_path / "own.toml", iter(range(99)), ["--out", str(tmp_path / "out")]
+    file.write_text("name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8")
+    with monkeypatch.context() as patch:
+        patch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: next(asked) > 60))
+        assert main([*DEMO, str(file), *out]) == 1
+    assert main([*DEMO, "--resume", str(tmp_path / "out" / "last_good.npz"), *out]) == 0
+    assert "| hoist.payload_left | 4321 |" in (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
+
+
+def test_a_level_that_the_fmu_has_not_is_told(
+    tmp_path: Path, fmu_of: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")
+    short = ["--quick", "--travel", "0.5", "--out", str(tmp_path / "out")]
+    assert main(["wind", str(file), "--fmu", str(fmu_of("draft")), *short]) == 0
+    assert "level = 'reference' of" in capsys.readouterr().err
 
 
 def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:

@@ -1,14 +1,4 @@
-"""A file of measurements (TOML), read and checked before anything is computed.
-
-    [rope]        construction, diameter, length, lay: what the catalogue is asked for
-    [known]       properties that are known better than the catalogue does: a number, or { low, high, status, source }
-    [sought]      parameters of rope and air that are looked for beside the properties: { low, high }
-    [fixed]       values of rope and shaft, as in a study
-    [[measured]]  what, value, sigma (its standard error), and the numbers of its kind; a list of values is a series
-    [wanted]      signal, left_y, right_y: the output at rest that is to be known better
-
-All errors of a file are told at once. [rope] and [known] are those of the parameter file that the fit writes, too.
-"""
+"""A file of measurements, from which a rope is identified; a list of values is a series."""
 
 from __future__ import annotations
 

@@ -1,12 +1,7 @@
-"""A duty's file (TOML), read and checked before anything runs.
+"""A duty's file: trips that follow one another, read and checked before anything runs.
 
-    [duty]     title, hoist, level, and repeat = how often the trips are wound one after the other
-    [fixed]    values of all trips
-    [[trip]]   values of one trip: winding.* and the payloads, hoist.payload_left and hoist.payload_right
-
-Keys and values are those of a study's [fixed]. A trip begins where the one before has ended: it waits for
-winding.start_delay, travels, and dwells for winding.settle, while its payloads change evenly to those of the next.
-All errors of a file are told at once.
+A trip begins where the one before has ended: it waits for winding.start_delay, travels, and dwells for winding.settle,
+while its payloads change evenly to those of the next.
 """
 
 from __future__ import annotations
@@ -29,7 +24,7 @@ _ROUNDING = 1e-9  #: Of heights [m].
 class Duty(LevelHead):
     """Head of the file."""
 
-    repeat: int = Field(1, ge=1)
+    repeat: int = Field(1, ge=1, description="how often the trips are wound one after the other")
 
 
 class Schedule(RunFile):

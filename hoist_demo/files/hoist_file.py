@@ -1,14 +1,8 @@
-"""A hoist's file (TOML): the hoist, its trip, controller, balance ropes and shaft.
+"""A hoist's file: the hoist, its trip, controller, balance ropes and shaft.
 
-    name, source, status, like, level, controller, signals
-    [hoist] [winding] [gains] [shaper] [trajectory] [coupling] [arrival]     of the host
-    [layout] [air] [lining] [divider_1] [contact] [guard] [mesh] ...         of all ropes
-    [[rope]]   name; number of equal ones; construction and lay (catalogue), or from = "FILE" (identified), or numbers;
-               swivels = both, left.swivel, right.swivel; z, x_left, x_right; breaks_at, breaks_s
-
-A value is a number in SI, a text with its unit ("22 t"), or { value, unit, status, source, low, high }; without a
-status it has the file's. What is left out is that of the hoist that `like` names, or follows by a rule, or is a
-documented default.
+Tables are [hoist] [winding] [gains] [shaper] [trajectory] [coupling] [arrival] of the host; [layout] [air] [contact]
+[mesh] and others of all ropes; and a [[rope]] for each, with `swivels` for both of its own. What is left out is that of
+the hoist that `like` names, or follows by a rule, or is a default.
 """
 
 from __future__ import annotations

@@ -1,9 +1,4 @@
-"""Ropes in files: what is known of one, and the parameter files that balance-rope identify writes.
-
-[rope]   construction, diameter, length, lay: what the catalogue is asked for; from = "FILE" has this and [known]
-[known]  properties that are known better than the catalogue does: a number, or { low, high, status, source }
-[fixed]  of a parameter file: the rope's values
-"""
+"""Ropes in files: what is known of one, and the parameter files that balance-rope identify writes."""
 
 from __future__ import annotations
 

@@ -1,15 +1,6 @@
-"""A study file (TOML), read and checked as a whole before anything runs.
+"""A study's file: what varies between runs, and what is best; read and checked as a whole before anything runs.
 
-    [study]     title, fmu, hoist, signals; minimise or maximise = a metric, or { metric = weight };
-                subject_to = { metric = { below, above } }; judge and over say how choices are compared
-    [fixed]     values of all runs
-    [[variant]] name and values of one variant; the runs of [vary] are made for every variant
-    [sample]    method = "grid" (the default); "latin-hypercube" with runs and seed; "tune" with points, searches, steps
-                and seed
-    [vary]      lists, or ranges { low, high } to draw from; a search keeps every bound for all values of a list
-
-A value is that of a hoist's file. A list is [...] or { values, unit }; a range may have scale = "log". Later ones
-count: the hoist, fixed, variant, vary; in fixed and variant from = "FILE" takes a rope's parameter file first.
+Values count in this order: the hoist's, [fixed], [[variant]], [vary]. The runs of [vary] are made for every variant.
 """
 
 from __future__ import annotations
@@ -43,21 +34,12 @@ Count = Annotated[int, Field(ge=1, strict=True)]
 Seed = Annotated[int, Field(ge=0, strict=True)]
 Varied = tuple[Value, ...] | Range
 Weights = Annotated[Any, PlainValidator(read_weights), WithJsonSchema({"type": ["string", "object"]})]
-Lists = Mapping[str, tuple[Value, ...]]
-Ranges = Mapping[str, Range]
-Drawn = tuple[Plan | None, list[dict[str, Value]]]  # of a search, and the points that are checked
 
 
 class Grid(Table):
     """All combinations of lists."""
 
     method: Literal["grid"] = "grid"
-
-    def draw(self, lists: Lists, ranges: Ranges, goal: Goal | None) -> Drawn:
-        """Return no plan, and all points."""
-        if ranges:
-            raise ValueError(f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}")
-        return None, grid(lists)
 
 
 class LatinHypercube(Table):
@@ -66,13 +48,6 @@ class LatinHypercube(Table):
     method: Literal["latin-hypercube"]
     runs: Count
     seed: Seed = 0
-
-    def draw(self, lists: Lists, ranges: Ranges, goal: Goal | None) -> Drawn:
-        """Return no plan, and all points."""
-        if not ranges or lists:
-            wrong = f"{next(iter(lists))} is a list, {self.method}" if lists else f"method = {self.method!r}"
-            raise ValueError(f"{wrong} needs ranges: give {{ low, high }} in [vary]")
-        return None, latin_hypercube(ranges, self.runs, self.seed)
 
 
 class Tune(Table):
@@ -84,19 +59,14 @@ class Tune(Table):
     steps: Count | None = None
     seed: Seed = 0
 
-    def draw(self, lists: Lists, ranges: Ranges, goal: Goal | None) -> Drawn:
-        """Return the plan of the search, and the corners of its ranges, which are checked."""
-        if not ranges:
-            raise ValueError("method = 'tune' needs ranges: give at least one { low, high } in [vary]")
-        if goal is None or goal.judge == "share":
-            raise ValueError("method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'")
-        number, least = len(ranges), 2 * len(ranges) + 2
-        plan = Plan(self.points or 4 * number, self.searches, self.steps or 8 * number, self.seed)
+    def plan(self, dimensions: int) -> Plan:
+        """Return the extent of the search; ValueError where it is too small."""
+        plan = Plan(self.points or 4 * dimensions, self.searches, self.steps or 8 * dimensions, self.seed)
         if plan.searches > plan.sample:
             raise ValueError(f"searches = {plan.searches} must be at most points = {plan.sample}: each begins at one")
-        if plan.steps < least:
+        if plan.steps < (least := 2 * dimensions + 2):
             raise ValueError(f"steps = {plan.steps} must be at least {least}, two per range and two more: give more")
-        return plan, grid({**lists, **{key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()}})
+        return plan
 
 
 _BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for m, unit in UNITS.items()], bounds_on)
@@ -175,11 +145,24 @@ class StudyFile(File):
             raise ValueError(f"names {', '.join(found)} must be given once each: name others")
         return found or {"": self.fixed}
 
-    def drawn(self) -> Drawn:
+    def drawn(self) -> tuple[Plan | None, list[dict[str, Value]]]:
         """Return the plan of a search, and the points of [vary]: of a search the corners of its ranges."""
         lists = {key: v for key, v in self.vary.items() if isinstance(v, tuple)}
         ranges = {key: v for key, v in self.vary.items() if isinstance(v, Range)}
-        return self.sample.draw(lists, ranges, self.study.goal)
+        sample, goal = self.sample, self.study.goal
+        if isinstance(sample, Grid):
+            if ranges:
+                raise ValueError(f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}")
+            return None, grid(lists)
+        if not ranges:
+            raise ValueError(f"method = {sample.method!r} needs ranges: give at least one {{ low, high }} in [vary]")
+        if isinstance(sample, LatinHypercube):
+            if lists:
+                raise ValueError(f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a range")
+            return None, latin_hypercube(ranges, sample.runs, sample.seed)
+        if goal is None or goal.judge == "share":
+            raise ValueError("method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'")
+        return sample.plan(len(ranges)), grid({**lists, **{key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()}})
 
     def chosen(self) -> tuple[str, ...]:
         """Return the varied keys that tell one choice from another; the rest is what they are compared over."""
@@ -257,8 +240,8 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
-    file = read(path, StudyFile, over={} if fmu is None else {"study": {"fmu": str(fmu)}})
-    head, rope, problems = file.study, Path(file.study.fmu), list[str]()
+    file = read(path, StudyFile)
+    head, rope, problems = file.study, fmu or Path(file.study.fmu), list[str]()
 
     def tried(place: str, ask: Callable[[], Any]) -> Any:
         try:

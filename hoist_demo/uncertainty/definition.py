@@ -1,13 +1,4 @@
-"""A file that asks how uncertain a winding is (TOML), read and checked before anything runs.
-
-    [uncertain]  title, hoist, level, samples, seed, measures, and bearing = that of the swivels, in the catalogue
-    [rope]       construction, diameter, length (else the hoist's), lay: what the catalogue is asked for
-    [known]      properties that are known better than the catalogue does: a number, or { low, high }
-    [fixed]      values of all windings, as in a study
-
-[rope] and [known] are those of a file of measurements, and of the parameter file that its fit writes: in [rope],
-from = "FILE" takes both of it. All errors of a file are told at once.
-"""
+"""A file that asks how uncertain a winding is: what is known of the rope varies within its ranges."""
 
 from __future__ import annotations
 
@@ -41,7 +32,7 @@ class UncertainHead(LevelHead):
     samples: int = Field(64, ge=8, description="a power of two")
     seed: int = Field(1, ge=0)
     measures: tuple[Literal[tuple(UNITS)], ...] = Field(MEASURES, min_length=1)  # type: ignore[valid-type]
-    bearing: Literal["", *BEARINGS] = ""  # type: ignore[valid-type]
+    bearing: Literal["", *BEARINGS] = ""  # type: ignore[valid-type]  # of both swivels, whose friction then varies
 
     @field_validator("samples")
     @classmethod
