@@ -36,11 +36,6 @@ class Tail:
         """Values alone."""
         return plain(self.values)
 
-    @property
-    def given(self) -> dict[str, str]:
-        """Status of each value."""
-        return statuses(self.values)
-
 
 @dataclass(frozen=True)
 class Case:
