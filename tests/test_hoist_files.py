@@ -155,7 +155,7 @@ WRONG: list[tuple[str, str, str, str]] = [
     ('name = "Own"', 'name = "Own"\nname = "b"', "is not TOML: Cannot overwrite a value", ""),
     ('name = "Own"', 'name = "Own"\n"hoist.payload_left" = 3', "hoist.payload_left is given twice, with its dots", ""),
     ('name = "Own"', 'name = "Own"\n"hoist.brake" = 3', "hoist.brake is given twice, with its dots", ""),
-    ('name = "Own"', 'name = "Own"\nlike = "a\\u0000b"', "like: 'a\x00b' must be a line of printable", ""),
+    ('name = "Own"', 'name = "Own"\nlike = "a\\u0000b"', "like: 'a\\x00b' must be a line of printable", ""),
     ('name = "Own"', 'name = "Own"\nx = ' + "[" * 2000 + "]" * 2000, "is nested too deeply: write [table]s", ""),
 ]  # fmt: skip
 

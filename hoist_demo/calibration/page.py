@@ -143,7 +143,7 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
     predicted, rows = iter(found.predicted), []
     for m in found.measured.measurements:
         for k, value in enumerate(m.values, 1):
-            name = f"{m.name} {k}" if len(m.values) > 1 else m.name
+            name = f"{m.title} {k}" if len(m.values) > 1 else m.title
             rows.append((name, value, float(next(predicted)), m.sigma, m.unit))
     return rows
 
