@@ -309,7 +309,7 @@ BAD = {
     "one value where a list belongs": ("[vary]\nrope.EI = 3", "vary: rope.EI = 3", "fix it in [fixed]"),
     "range in a grid": (RANGE, "sample: rope.EI", "values"),
     "logarithm of zero": ("[vary]\nrope.beta_K = { low = 0, high = 1, scale = 'log' }", "low = 0.0", "linear"),
-    "no number of runs": ("sample.method = 'latin-hypercube'\n" + RANGE, "sample.latin-hypercube.runs", "give it"),
+    "no number of runs": ("sample.method = 'latin-hypercube'\n" + RANGE, "sample.runs is missing", "give it"),
     "unknown method": ("sample.method = 'random'", "sample: method = 'random'", "'grid', 'latin-hypercube', 'tune'"),
     "unknown metric": ("study.minimise = { speed = 1 }", "study.minimise: speed", "cycle_time"),
     "bound on no metric": (LOW + "study.subject_to = { swai = { below = 1 } }", "study.subject_to.swai", "sway"),

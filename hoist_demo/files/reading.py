@@ -26,7 +26,7 @@ from pydantic import (
 )
 from pydantic.json_schema import GenerateJsonSchema
 
-from hoist_demo.files.values import given
+from hoist_demo.files.values import Facts, given
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable
 
@@ -128,7 +128,8 @@ def read(
     try:
         return model.model_validate(tables, context=(*opened, path))
     except ValidationError as error:
-        problems = [line for one in error.errors() for line in _problems(model, one)]
+        names = list(dict.fromkeys(_names(model)))
+        problems = [line for one in error.errors() for line in _problems(names, one)]
         raise FileError(path, problems) from error
 
 
@@ -198,17 +199,19 @@ def _joined(one: Any, other: Any, place: str) -> Any:
     return one | {k: _joined(one[k], below, f"{place}.{k}") if k in one else below for k, below in other.items()}
 
 
-def _problems(model: type[BaseModel], error: Any) -> list[str]:
-    """Return the lines on one error of pydantic's."""
-    loc, kind, content = error["loc"], error["type"], error["input"]
-    place, short = _place_of(loc), repr(content)
-    short = short if len(short) <= 60 else f"{short[:57]}..."
+def _problems(names: Sequence[str], error: Any) -> list[str]:
+    """Return the lines on one error of pydantic's, in a file that has these keys."""
+    # where a table may be of several kinds, its kind stands in the place, too, and is no key
+    keys = {part for name in names for part in name.split(".")} | {*error["loc"][-1:]}
+    loc = [part for part in error["loc"] if isinstance(part, int) or part in keys]
+    kind, content, place = error["type"], error["input"], _place_of(loc)
+    short = text if len(text := repr(content)) <= 60 else f"{text[:57]}..."
     if kind == "value_error":
         return [_said(place, line) for line in str(error["ctx"]["error"]).splitlines()]
     match kind:
         case "extra_forbidden":
             key = ".".join(part for part in loc if isinstance(part, str))
-            words = f"= {short} is not a key: {cure_of(key, [*_names(model)])}"
+            words = f"= {short} is not a key: {cure_of(key, names)}"
         case "missing":
             words = "is missing: give it"
         case "union_tag_invalid":
@@ -223,7 +226,7 @@ def _problems(model: type[BaseModel], error: Any) -> list[str]:
         case "string_type":
             words = f"= {short} must be a text: put it in quotation marks"
         case _:
-            words = f"= {short} must be {error['msg'].removeprefix('Input should be ')}: correct it"
+            words = f"= {short} must {error['msg'].partition(' should ')[2] or error['msg']}: correct it"
     return [f"{place} {words}"]
 
 
@@ -255,12 +258,18 @@ def cure_of(key: str, known: Sequence[str]) -> str:
     """Return what may have been meant by a key that is none of those known."""
     if old := [words for name, words in _OLD.items() if f".{key}".endswith(f".{name}")]:
         return old[0]
+    if key in known:
+        return "it is of another kind of that table: leave it out"
     table, dot, last = key.rpartition(".")
-    alike = [name for name in known if name.rpartition(".")[2].lower() == last.lower()]
-    if near := difflib.get_close_matches(key, alike, cutoff=0.0) or difflib.get_close_matches(key, known):
+    within = [name.removeprefix(table + dot) for name in known if name.rpartition(".")[0] == table]
+    within = within or [*Facts.model_fields]  # of a value
+    if near := [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]:
         return f"did you mean {' or '.join(near)}?"
-    within = [name.removeprefix(table + dot) for name in known if name.startswith(table + dot)]
-    return f"the keys are {', '.join(dict.fromkeys(name.partition('.')[0] for name in within))}"
+    lasts = {name: name.rpartition(".")[2] for name in known}
+    alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
+    if near := [name for name, word in lasts.items() if {word, word.upper()} & alike][:3]:
+        return f"did you mean {' or '.join(near)}?"
+    return f"the keys are {', '.join(within)}"
 
 
 def _models(hints: Iterable[Any]) -> Iterator[type[BaseModel]]:
@@ -278,7 +287,8 @@ def _names(model: type[BaseModel]) -> Iterator[str]:
     """Yield the names of all keys of a table and of those in it."""
     for name, field in model.model_fields.items():
         yield (key := field.alias or name)
-        yield from (f"{key}.{inner}" for one in _models((field.annotation, *field.metadata)) for inner in _names(one))
+        tables = (one for one in _models((field.annotation, *field.metadata)) if one is not Facts)
+        yield from (f"{key}.{inner}" for one in tables for inner in _names(one))
 
 
 class _WithoutDefaults(GenerateJsonSchema):
