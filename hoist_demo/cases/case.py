@@ -30,6 +30,8 @@ class Tail:
     number: int = 1
     place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
     breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
+    construction: str = ""  # of the catalogue, where it has the rope
+    lay: str = "right-hand"
 
     @property
     def parameters(self) -> dict[str, Value]:

@@ -12,11 +12,13 @@ from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
 from hoist_demo.files.values import DERIVED, Given, plain
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.quantity import Value
+from rope_model import rope as catalogue_rope
 
 #: m [assumed]: length of a balance rope beyond the travel: loop, and sump below the lower landing
 TAIL_SPARE = 40.0
 #: m^2/s^2 [assumed]: EA of a head rope over its mass per length, a modulus of 110 GPa of the steel
 HEAD_ROPE_STIFFNESS = 1.3e7
+_OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 
 
 @dataclass(frozen=True)
@@ -79,22 +81,40 @@ def completed(host: Mapping[str, Given], tails: Iterable[Tail], **head: Any) -> 
         host["hoist.shaft_travel"] = Given(deep, DERIVED, "winding.travel")
     found = data_of(plain(host))
     length = Given(LENGTH.value(Known(found["hoist"], found["winding"], Hoist())), DERIVED, LENGTH.words, follows=True)
-    tails = tuple(replace(tail, values={"rope.length": length, **tail.values}) for tail in tails)
-    tail = _drive_s_view(tails)
-    if host.get("hoist.tail_rope_number", Given(tail.tail_rope_number)).value != tail.tail_rope_number:
+    problems, filled = list[str](), list[Tail]()
+    for k, tail in enumerate(tails, 1):
+        try:
+            filled.append(replace(tail, values={"rope.length": length, **_of_catalogue(tail), **tail.values}))
+        except ValueError as error:
+            problems.append(f"rope {k}: {error}")
+    if problems:
+        raise ValueError("\n".join(problems))
+    tails = tuple(filled)
+    drive = _drive_s_view(tails)
+    if host.get("hoist.tail_rope_number", Given(drive.tail_rope_number)).value != drive.tail_rope_number:
         raise ValueError(
-            f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {tail.tail_rope_number}, as "
+            f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
             "number of the [[rope]] says: leave it out"
         )
     for rule in RULES:
         if rule.key not in host:
-            value = rule.value(Known(found["hoist"], found["winding"], tail))
+            value = rule.value(Known(found["hoist"], found["winding"], drive))
             host[rule.key] = Given(value, DERIVED, rule.words, follows=True)
             found = data_of(plain(host))
     require_trip_fits(found["hoist"], found["winding"])
     far = dict.fromkeys(line for one in tails for line in remarks(plain({**host, **one.values})))
     data = {name: found[name] for name in ("hoist", "winding", "gains")}
     return Case(**head, **data, host=host, tails=tails, rope=tails[0].parameters, remarks=tuple(far))
+
+
+def _of_catalogue(tail: Tail) -> dict[str, Given]:
+    """Return what the catalogue knows of a rope; ValueError where it has none such."""
+    if not tail.construction:
+        return {}
+    diameter, lay = float(tail.parameters.get("rope.diameter", 0.0)), tail.lay
+    middle = catalogue_rope(tail.construction, diameter, lay=lay).middle  # type: ignore[arg-type]  # it checks the lay
+    source = f"catalogue, {tail.construction}, middle of its range"
+    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in _OF_CATALOGUE}
 
 
 def _drive_s_view(tails: tuple[Tail, ...]) -> Hoist:

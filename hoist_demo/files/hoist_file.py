@@ -19,11 +19,10 @@ from hoist_demo.cases.rules import completed
 from hoist_demo.files.catalogue import host_parameters, leaves, of_run, rope_parameters
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, schema_of, table_of
 from hoist_demo.files.rope_file import RopeValues
-from hoist_demo.files.values import DERIVED, GIVEN, Given, Status, Text, given, read_text, stated
+from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Level
-from rope_model import rope as catalogue_rope
 
 PLACE, BREAK, ENDS = ("x_left", "x_right", "z"), ("breaks_at", "breaks_s"), ("left", "right")
 _BREAKS = (
@@ -34,7 +33,6 @@ _BREAKS = (
 PLACE_PARAMETERS = {p.name: p for p in (*leaves(Place, "rope."), *_BREAKS)}
 #: what decides another rope, and what of it the catalogue has not
 _DECIDES, _ASKED = ("construction", "from"), ("rope.length", "rope.diameter")
-_OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 _SWIVELS = "rope.swivels."
 
 
@@ -94,7 +92,7 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     def says(self) -> dict[str, Any]:
         """Return all that the file sets, over what the hoist has that it is like; each value with its status."""
         below = self.like.says() if self.like else {}
-        own = {key: one for key, one in contents(self) if key not in ("like", "status")}
+        own = {key: one for key, one in contents(self) if key not in ("like", "status", "rope")}
         own |= stated(own.items(), self.status)
         ropes = [rope | stated(rope.items(), self.status) for rope in self.rope]
         if ropes and "rope" in below:
@@ -140,22 +138,14 @@ def _tail(k: int, said: dict[str, Any], shared: dict[str, Given], problems: list
     """Return a rope; add what is wrong to the problems."""
     own = {key: one for key, one in said.items() if isinstance(one, Given) and key not in PLACE_PARAMETERS}
     at = {key: float(said[f"rope.{key}"].value) for key in (*PLACE, *BREAK) if f"rope.{key}" in said}
-    known, number = dict[str, Given](), said.get("number", 1)
-    if kind := said.get("construction"):
-        diameter = float(own["rope.diameter"].value) if "rope.diameter" in own else 0.0
-        source = f"catalogue, {kind}, middle of its range"
-        try:
-            middle = vars(catalogue_rope(kind, diameter, lay=said.get("lay", "right-hand")).middle)
-            known = {f"rope.{name}": Given(middle[name], DERIVED, source) for name in _OF_CATALOGUE}
-        except ValueError as error:
-            problems.append(f"rope {k}: {error}")
-    breaks = {key: at.pop(key) for key in BREAK if key in at}
+    number, breaks = said.get("number", 1), {key: at.pop(key) for key in BREAK if key in at}
     if len(breaks) == 1:
         problems.append(f"rope {k}: breaks_at and breaks_s must stand together: give both or none")
     if breaks and number > 1:
         problems.append(f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own [[rope]]")
-    values = {**shared, **known, **said.get("from", {}), **own}
-    return Tail(said.get("name") or f"rope{k}", values, number, at, breaks)
+    values = {**shared, **said.get("from", {}), **own}
+    kind = {name: said[name] for name in ("construction", "lay") if name in said}
+    return Tail(said.get("name") or f"rope{k}", values, number, at, breaks, **kind)
 
 
 def read_hoist(path: Path) -> Case:
