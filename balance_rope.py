@@ -17,6 +17,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
     from hoist_demo.cases.case import Case
+    from hoist_demo.cases.rules import with_values
     from hoist_demo.cases.table import NAMED, find_case
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.hoist import add_hoist_commands
@@ -27,9 +28,9 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.files.catalogue import CONTROLLER, Catalogue, rope_parameters
+    from hoist_demo.files.catalogue import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.rope_file import read_rope_file
-    from hoist_demo.study.run import tail_rope
+    from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
     from rope_model.parameters import LEVELS
@@ -237,14 +238,13 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 
-    catalogue = Catalogue()
-    identified = {} if path is None else read_rope_file(path, catalogue)
-    own = {**{key: one.value for key, one in identified.items()}, **settings(texts, catalogue)}
+    identified = {} if path is None else read_rope_file(path)
+    own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
-    rope_data({**case.rope, **own})  # what is wrong with the rope is told in its own names, not in the hoist's
-    shared: dict[str, Any] = tail_rope(own)
-    return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
+    # what is wrong with the rope is told in its own names, not in the hoist's
+    rope_data({**case.rope, **plain(identified), **settings(texts, parameters())})
+    return with_values(case, own)
 
 
 def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
@@ -276,12 +276,14 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
     from hoist_demo.study.run import build_trip
 
     run, members, trajectory = build_trip(options.hoist, {}), (), None
+    if not case.ropes:
+        case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:
         at_once = replace(run.winding, start_delay=0.0)
         followed = drive(run.controller, run.hoist, at_once, run.gains, run.shaper, run.trajectory)
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory
     if not case.ropes:
-        return _with_rope(case, options.rope, options.set), members, trajectory
+        return case, members, trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)
     return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory
 

@@ -33,10 +33,7 @@ of this FMU has no such needs: balance-rope export --native.
 
 def attachments(described: Collection[Variable], case: RopeCase, fmi: int, native: bool) -> dict[str, bytes]:
     """Path in the FMU -> contents."""
-    files = {
-        "documentation/index.html": index_html(described, native).encode(),
-        **licenses(),
-    }
+    files = {"documentation/index.html": index_html(described, native).encode(), **licenses()}
     if fmi == 3:
         files["terminalsAndIcons/terminalsAndIcons.xml"] = xml_bytes(terminals_and_icons(described))
         for name in ("icon.png", "icon.svg", "end.png", "end.svg"):

@@ -1,6 +1,5 @@
 """Trips of a duty: what is carried over, what a dwell changes, when they repeat, and how a duty goes on."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -111,7 +110,7 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     again = [row(trip, rest) for trip in wind(schedule, other, torque_free=False, after=end, done=2)]
     for name in COLUMNS:
         assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
-    longer = replace(schedule, pattern=schedule_of(tmp_path, settle=3.0, travel=20.0).pattern)
+    longer = schedule.model_copy(update={"pattern": schedule_of(tmp_path, settle=3.0, travel=20.0).pattern})
     with pytest.raises(ValueError, match=r"but settle is 2\.0 there, settle is 3\.0 here: give"):
         read_state(path, other, longer)
 
@@ -129,7 +128,7 @@ def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundr
     ("wrong", "right", "told"),
     [
         ("winding.travel = -90.0", "winding.travel = 90.0", r"trip 2: winding.travel = 90 m leads to 180 m"),
-        ("hoist.payload_left = 5000", "hoist.sheave_radius = 2.0", r"trip 1 hoist.sheave_radius = .* the same"),
+        ("hoist.payload_left = 5000", "hoist.sheave_radius = 2.0", r"trip 1: hoist.sheave_radius = .* the same"),
         ("hoist.payload_left = 0", 'hoist.payload_left = { value = 0, unit = "m" }', r"the same as kg"),
         ("winding.travel = 90.0", "winding.travel = 90.0\nwinding.emergency_at = 5", r"emergency_at must be left out"),
     ],

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
 from hoist_demo.calibration.identify import Identified
-from hoist_demo.calibration.measurements import FOLLOWING
+from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.report.html.page import Bar, bars, engineering, grid, number, paragraphs, unit_text, write_sheet
 from hoist_demo.report.rows import SummaryRow, told
 from hoist_demo.report.rows import table as data_table
@@ -143,7 +143,7 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
     predicted, rows = iter(found.predicted), []
     for m in found.measured.measurements:
         for k, value in enumerate(m.values, 1):
-            name = f"{m.name} {k}" if len(m.values) > 1 else m.name
+            name = f"{m.title} {k}" if len(m.values) > 1 else m.title
             rows.append((name, value, float(next(predicted)), m.sigma, m.unit))
     return rows
 

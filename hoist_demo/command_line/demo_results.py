@@ -86,7 +86,7 @@ class WoundRun:
         for rope in self.ropes:
             values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
         for tail in case.ropes:
-            before |= {f"{tail.name}.{key}": value for key, value in {**case.shared, **tail.parameters}.items()}
+            before |= {f"{tail.name}.{key}": value for key, value in tail.parameters.items()}
         rows: list[Row] = [
             (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "rope's default")))
             for one in self.known

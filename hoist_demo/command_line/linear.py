@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -121,9 +122,13 @@ def add_linear(commands: Commands) -> None:
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
 
 
-def _one_rope(name: str) -> Case:
+def _one_rope(options: argparse.Namespace) -> Case:
     """Return the hoist, which must have equal ropes."""
-    case = find_case(name)
+    from hoist_demo.design.reduction import SLOWEST
+
+    if not SLOWEST < options.band < math.inf:
+        raise ValueError(f"--band {options.band:g} must be above {SLOWEST:g} Hz: 2 suits a hoist, 10 a stiff one")
+    name, case = options.hoist, find_case(options.hoist)
     if case.ropes:
         raise ValueError(
             f"{name} has ropes that differ, and a linear model has equal ones: give one [[rope]] with number"
@@ -133,7 +138,7 @@ def _one_rope(name: str) -> Case:
 
 def _linearise(options: argparse.Namespace) -> int:
     found, written = write_linear_models(
-        _one_rope(options.hoist), options.out, options.at, options.swivels, options.held_by, options.states,
+        _one_rope(options), options.out, options.at, options.swivels, options.held_by, options.states,
         options.inputs, options.outputs, options.band, options.speed,
     )  # fmt: skip
     print(f"{found.A.shape[1]} states; largest errors to {found.band:g} Hz:")
@@ -149,7 +154,7 @@ def _linearise(options: argparse.Namespace) -> int:
 
 def _modes(options: argparse.Namespace) -> int:
     text, written = write_modes(
-        _one_rope(options.hoist), options.out, options.at, options.swivels, options.band, options.count
+        _one_rope(options), options.out, options.at, options.swivels, options.band, options.count
     )
     print(text)
     print("\nwritten: " + ", ".join(map(str, written)))

@@ -26,7 +26,7 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.design.controllers import drive
-from hoist_demo.files.catalogue import Catalogue, with_values
+from hoist_demo.files.catalogue import parameters
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA, Hoist, Winding
@@ -37,7 +37,7 @@ from hoist_demo.recording.time_series import Recording, match_signals
 from hoist_demo.report.rows import SummaryRow, render, render_verdict
 from hoist_demo.ropes.definition import Ropes, ropes_of
 from hoist_demo.study.provenance import Known, of_host, of_rope
-from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part, tail_rope
+from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -127,13 +127,11 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         options.out = Path("out") / "wind" / Path(options.hoist).stem if is_file else Path("out") / "demo"
     _choose_rope(options, default, several=options.hoist is not None and bool(find_case(options.hoist).ropes))
     resume = Checkpoint.read(options.resume) if options.resume else None
-    catalogue = Catalogue(_parameters(options))
-    own = settings(options.set, catalogue)
-    identified = read_rope_file(options.rope, catalogue) if options.rope else {}
+    own = settings(options.set, parameters(_parameters(options)))
+    identified = read_rope_file(options.rope) if options.rope else {}
     of_rope_file = {key: one.value for key, one in identified.items()}
-    chosen = {f"hoist.{field}": value for field, value in tail_rope(of_rope_file).items()} | of_rope_file | own
-    hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
-    options.hoist = _hoist_of(resume, options.hoist, hoist_values) if resume else options.hoist or _HOIST
+    chosen = of_rope_file | own
+    options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST
     case = find_case(options.hoist)
     asked = _winding(options, case) | chosen
     run = build_trip(options.hoist, asked)
@@ -152,6 +150,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         with warnings_of("hoist_demo") as said:
             made = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
+            host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
             result = _run(host, None if case.ropes else options.out / LAST_GOOD, resume)
         ropes, remarked, of_ropes = hung.data(), hung.remarks(), hung.provenance(statuses)
     finally:
@@ -200,9 +199,16 @@ class _Only:
         return []
 
     def remarks(self) -> list[str]:
-        """What the rope lacks, and where it is not the one that the drive takes it for."""
-        lacking = missing_outputs(self.plant.units())
-        return [*filter(None, (lacking, contradictions(self.hoist, self.plant.data().parameters)))]
+        """What the rope lacks, and where it is not the one that hoist and drive take it for."""
+        data, level = self.plant.data(), ""
+        if isinstance(self.plant, FmuRope) and data.level not in ("", self.case.level):
+            level = (
+                f"level = {self.case.level!r} of {self.case.name} is not that of the FMU, {data.level!r}, which was "
+                "wound: export one of that level, or --in-process"
+            )
+        return [
+            *filter(None, (missing_outputs(self.plant.units()), contradictions(self.hoist, data.parameters), level))
+        ]
 
 
 def _choose_rope(options: argparse.Namespace, default: Path, several: bool) -> None:
@@ -232,22 +238,6 @@ def _several(options: argparse.Namespace, case: Case, run: RunData, chosen: Mapp
 def _tell(warning: str) -> None:
     if warning:
         print(f"balance-rope: {warning}", file=sys.stderr)
-
-
-def _hoist_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
-    """Return the name of an interrupted run's hoist, found by its data; `hoist` is what is set of it."""
-    names = [*NAMED, *([] if asked is None or asked in NAMED else [asked])]
-    hoists = {name: with_values(find_case(name).hoist, hoist) for name in names}
-    fitting = [name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")]
-    found = asked if asked in fitting else next(iter(fitting), None)
-    if found is None:
-        raise ValueError(
-            "the run to go on with is of another hoist: give its file, repeat its --set hoist..., or go on with it "
-            "where it was begun"
-        )
-    if asked not in (None, found):
-        raise ValueError(f"the hoist {asked} must be {found}, that of the run to go on with: leave it out")
-    return found
 
 
 def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:

@@ -80,6 +80,7 @@ class Host:
         one's dwell they change evenly from these.
         """
         self.rope = rope
+        self.name = ""  # of the hoist, or its file: by it a run is found that is gone on with
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
@@ -186,7 +187,7 @@ class Host:
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
         record = run.recorder.recording()
-        return Checkpoint(k, t, plant, controller, acting, memory, rope, record, self.data, cause)
+        return Checkpoint(k, t, plant, controller, acting, memory, rope, record, self.data, cause, self.name)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from hoist_demo.cases.case import Case
@@ -13,7 +13,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, holds, pulls
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, Given
-from hoist_demo.files.writing import Line, hoist_text
+from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
@@ -59,7 +59,7 @@ def complete(case: Case, run: RunData, ropes: Sequence[RopeData], known: Iterabl
         if rope.breaks:
             placed |= dict(zip(("rope.breaks_at", "rope.breaks_s"), rope.breaks, strict=True))
         tables.append({key: given(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
-    return hoist_text(case.name, _lines(lines), [_lines(table) for table in tables])
+    return hoist_text(case.name, lines, tables)
 
 
 _SPACING = "layout.spacing"
@@ -72,15 +72,11 @@ def _spacing(rope: RopeData, run: RunData) -> float:
     return asked if asked + place.x_right - place.x_left == own else own - place.x_right + place.x_left
 
 
-def _lines(values: Mapping[str, Given]) -> list[Line]:
-    return [Line(name, one.value, one.status, one.source) for name, one in values.items()]
-
-
 def hung(case: Case, run: RunData) -> list[OneRope]:
     """Return the ropes of a hoist; ValueError where one cannot be."""
     if case.ropes:
         return [*ropes_of(case, run, {}, case.level).ropes]
-    return [OneRope("", case.rope, rope_data(case.rope, case.level), Place(), None, {})]
+    return [OneRope("", case.rope, rope_data(case.rope, case.level), Place(), None, case)]
 
 
 def as_file(case: Case, name: str) -> str:

@@ -17,6 +17,7 @@ from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SU
 from hoist_demo.cosimulation.schemes.interface import ENDS
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import PLACE
+from hoist_demo.files.values import DERIVED, Given
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
@@ -40,7 +41,7 @@ class OneRope:
     scene: Scene
     place: Place
     breaks: Break | None
-    given: Mapping[str, str]  # where each value that is set comes from, by name
+    case: Case  # the hoist with this rope alone
 
     @cached_property
     def plant(self) -> WholeRope:
@@ -104,7 +105,7 @@ class Ropes:
         return [
             one._replace(name=f"{rope.name}.{one.name}")
             for rope in self.ropes
-            for one in of_rope(self.case, scene_parameters(rope.scene), {**rope.given, **given})
+            for one in of_rope(rope.case, scene_parameters(rope.scene), given)
         ]
 
 
@@ -114,7 +115,6 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
     ValueError with all problems.
     """
     problems: list[str] = []
-    shared = case.shared
     values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]
     known = rope_parameters()
     if guards := sorted(key for key, value in values if key.startswith("guard.") and value != known[key].start):
@@ -127,7 +127,7 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
                 f"{', '.join(_TAKEN)} are taken"
             )
         try:
-            ropes.append(_rope(tail, {**shared, **tail.parameters, **fmu_part(chosen)}, level, case))
+            ropes.append(_rope(tail, {**tail.parameters, **fmu_part(chosen)}, level, case))
         except ValueError as error:
             problems.append(f"rope {tail.name}: {error}")
     if not problems and ropes[0].scene.shaft.contact.rope_stiffness > 0.0:
@@ -162,5 +162,6 @@ def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case)
     spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
     own = {**parameters, "layout.spacing": spacing}
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
-    given = {**case.given, **tail.given, "layout.spacing": "derived"}
-    return OneRope(tail.name, own, rope_data(own, level), place, breaks, given)
+    apart = Given(spacing, DERIVED, "the rope's place")
+    alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
+    return OneRope(tail.name, own, rope_data(own, level), place, breaks, alone)

@@ -114,7 +114,7 @@ def spread(asked: Uncertain, workers: int, progress: Callable[[Iterable[Wound]],
 
 def draw(asked: Uncertain) -> list[dict[str, float]]:
     """The values of what varies, one set per winding."""
-    sequence = qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.seed))
+    sequence = qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.head.seed))
     shares = sequence.random_base2(round(math.log2(asked.samples)))
     return [
         {name: datum.at(float(u)) for (name, datum), u in zip(asked.data.items(), row, strict=True)} for row in shares
