@@ -16,7 +16,7 @@ from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import read_hoist, schema
 from hoist_demo.files.reading import FileError, nested
 from hoist_demo.parameters import GRAVITY
-from hoist_demo.report.hoist import values
+from hoist_demo.report.hoist import known
 from hoist_demo.study.run import build
 
 ROOT = Path(__file__).parents[1]
@@ -208,10 +208,10 @@ def test_a_rope_of_several_has_the_statuses_of_its_own_numbers(tmp_path: Path) -
     text = "name = 'two'\nlike = 'rope-120'\nstatus = 'measured'\n[[rope]]\nEI = 90.0\n[[rope]]\nz = 1.0\nQc = 0.0\n"
     path = written(tmp_path / "two.toml", text)
     case = read_hoist(path)
-    rows = {line.split()[0]: line for line in values(case, str(path)).splitlines()}
-    assert "exported" not in "".join(rows.values())
-    assert [rows[f"rope{k}.rope.EI"].split()[-1] for k in (1, 2)] == ["measured", "assumed"]
-    assert [rows[f"rope{k}.rope.Qc"].split()[-1] for k in (1, 2)] == ["published", "measured"]
+    status = {one.name: one.status for one in known(case, str(path))}
+    assert "exported" not in status.values()
+    assert [status[f"rope{k}.rope.EI"] for k in (1, 2)] == ["measured", "assumed"]
+    assert [status[f"rope{k}.rope.Qc"] for k in (1, 2)] == ["published", "measured"]
 
 
 def test_all_errors_come_at_once_and_far_values_are_remarked_on(tmp_path: Path) -> None:
