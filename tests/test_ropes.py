@@ -288,7 +288,7 @@ def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path
     [
         ('name = "two"', 'name = "one"', "name = 'one' must be given once"),
         ('name = "two"', 'name = "left"', "name = 'left' must be another: .*, and left, right, .*drive.* are taken"),
-        ('name = "two"', 'name = "one.b"', r"rope 2 name = 'one\.b' must be .*: correct it"),
+        ('name = "two"', 'name = "one.b"', r"rope 2 name = 'one\.b' must match .*: correct it"),
         ("length = 118.8", "winding.travel = 3", r"rope 2 winding = .* is not a key"),
         ("z = 0.2", "breaks_at = 3.0", r"breaks_at and breaks_s must stand together"),
         ("z = 0.2", 'z = "left"', r"rope 2: rope.z = 'left' must be a finite number, .* in m"),
