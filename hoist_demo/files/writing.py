@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 
 from hoist_demo.files.catalogue import host_parameters, rope_parameters
@@ -33,7 +34,8 @@ def _line(name: str, key: str, one: Given) -> str:
     facts = _KNOWN.get(name) or _KNOWN.get(within) or Parameter(name, "1", "String")
     meaning = facts.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
     notes = ": ".join(filter(None, (meaning, one.source)))
-    return f"{key} = {_value(facts, one)}{f'  # {printable(notes)}' if notes else ''}"
+    quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only
+    return f"{quoted} = {_value(facts, one)}{f'  # {printable(notes)}' if notes else ''}"
 
 
 def _value(facts: Parameter, one: Given) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -47,9 +46,7 @@ def complete(case: Case, run: RunData, ropes: Sequence[RopeData], known: Iterabl
     first = ropes[0]
     alike = {key for key in names if all(one.parameters.get(key) == first.parameters[key] for one in ropes)}
     shared = {key for key in alike if not key.startswith(("rope.", "left.", "right."))}
-    # TOML has brackets in quotes only
-    quoted = {key: re.sub(r"\w+\[\d+\]", lambda part: f'"{part[0]}"', key) for key in names if key in shared}
-    lines |= {quoted[key]: given(key, first.parameters[key], first.prefix) for key in quoted}
+    lines |= {key: given(key, first.parameters[key], first.prefix) for key in names if key in shared}
     tables = []
     for rope in ropes:
         own = {key: value for key, value in rope.parameters.items() if key in names and key not in shared}
