@@ -22,7 +22,9 @@ RUNNERS = {
     "valgrind": ("valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"),
     "aarch64-linux": ("qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu"),
     "x86_64-windows": ("wine",),
+    "sanitizers": (),
 }
+SANITIZED = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover"]
 
 
 def stand_in() -> dict[str, str]:
@@ -39,8 +41,8 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     runner = RUNNERS[way]
     if runner and shutil.which(runner[0]) is None:
         pytest.skip(f"needs {runner[0]}")
-    name = host_platform() if way == "valgrind" else way
-    compiler = ["cc"]
+    name = host_platform() if way in ("valgrind", "sanitizers") else way
+    compiler = ["cc", *(SANITIZED if way == "sanitizers" else ())]
     if name != host_platform():
         compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target.replace("2.17", "2.31")]
     elif not name.endswith("linux") or shutil.which("cc") is None:
@@ -51,6 +53,10 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     command = [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries]
     subprocess.run(command, check=True)
     binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
+    if way == "sanitizers":
+        files = map(str, sorted((unzipped / "sources").glob("*.c")))
+        shared = ["-DHAS_WIDE_FORM=0", "-fPIC", "-shared", "-fvisibility=hidden", "-o", str(binary)]
+        subprocess.run([*compiler, "-std=gnu99", *shared, *files, "-lm"], check=True)
     command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
     environment |= CHECKED_HEAP if way == host_platform() else {}

@@ -21,15 +21,10 @@ from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_a
 from native_host import ERROR, OK, SMALL, Host, reseal
 
 from fmu_src.native.build import available_platforms
-from fmu_src.native.export import native_table, rope_sources, shell_sources
-from fmu_src.native.start import Start, c_start
-from fmu_src.native.table import start_values
-from rope_model.parameters import rope_120
 
 if not available_platforms():
     pytest.skip("no compiler builds the native FMU here", allow_module_level=True)
 
-ROOT = Path(__file__).resolve().parent.parent
 LINUX = sys.platform == "linux"
 Fmu = tuple[Path, str]
 
@@ -132,29 +127,6 @@ def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fm
     memory = {name for name in asked if any(word in name for word in ("alloc", "free", "mmap", "brk"))}
     assert memory == (set() if fmi == 2 else {"calloc", "free"})
     assert not asked & {"open", "fopen", "write", "printf", "time", "exit", "abort", "setlocale", "rand", "pthread_create"}  # fmt: skip  # noqa: E501
-
-
-@pytest.mark.slow
-def test_a_whole_life_with_failed_calls_is_clean_for_the_sanitizers(tmp_path: Path) -> None:
-    """test_rope_fmu.py has it on a checked heap and in valgrind."""
-    if not LINUX or not shutil.which("cc"):
-        pytest.skip("needs Linux and cc")
-    flags = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover"]
-    shared = "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so"
-    table = native_table(rope_120())
-    sources = rope_sources() | shell_sources(table, 2) | {"start.c": c_start(Start("token", start_values(table, 2)))}
-    for name, text in sources.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    files = sorted(name for name in sources if name.endswith(".c"))
-    command = ["cc", "-std=gnu99", "-DHAS_WIDE_FORM=0", *flags, *shared, *files, "-lm"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    program = ROOT / "tests" / "native" / "life_cycle.c"
-    command = ["cc", "-std=gnu99", *flags, "-I.", str(program), "-o", "life", "-ldl", "-lm"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    command = ["./life", "./rope.so", "token"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False)
-    assert done.returncode == 0, done.stderr[-3000:]
-    assert done.stdout.split() == ["0", "0"]
 
 
 class Calls(RuleBasedStateMachine):

@@ -185,7 +185,7 @@ def test_directional_derivatives_are_those_of_a_step(host: Host, at_step_end: bo
 def test_a_whole_life_with_failed_calls_is_clean_and_takes_no_memory_while_stepping(
     tmp_path: Path, way: str, fmu_of: Callable[[str], Path]
 ) -> None:
-    platform = host_platform() if way == "valgrind" else way
+    platform = host_platform() if way in ("valgrind", "sanitizers") else way
     if platform not in available_platforms():
         pytest.skip("needs ziglang")
     here = platform == host_platform()
