@@ -136,20 +136,6 @@ def told_of_slip(recording: Recording) -> str:
     )
 
 
-def held_in_spite(recording: Recording, limit: float) -> str:
-    """Return when real head ropes would have slipped, if the model holds them at this tension ratio; "" for never."""
-    if "drive.tension_ratio" not in recording:
-        return ""
-    ratio = recording["drive.tension_ratio"]
-    beyond = ratio > limit
-    if not bool(beyond.any()):
-        return ""
-    return (
-        f"the head ropes would slip at t = {recording.time[beyond][0]:.5g} s (tension ratio up to {np.max(ratio):.5g}, "
-        f"limit {limit:.5g}); {IN_SPITE}"
-    )
-
-
 GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope that tell it.
 
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
