@@ -274,6 +274,20 @@ def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsy
         assert np.isfinite(signals[name]).all(), name
 
 
+def test_of_a_rope_that_breaks_what_was_before_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "ropes.toml"
+    path.write_text(ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 2.0\nbreaks_s = 30'), encoding="utf-8")
+    assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "rope two broke by t = 2.02 s; of its loop, torques and clearances what was before is told" in said
+    swings = [line for line in said.splitlines() if line.startswith("sideways swing of the loop, two")]
+    assert [float(line.split("t = ")[1].split()[0]) <= 2.0 for line in swings] == [True]
+    # of bodies that are not there nothing is told
+    assert "clearance from" not in said
+    instants = pd.read_csv(tmp_path / "two.shapes.csv")["time [s]"]
+    assert instants.max() <= 2.0
+
+
 def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:
     path, near = tmp_path / "ropes.toml", ROPES.replace("z = 0.2", "z = -0.16")
     path.write_text(near, encoding="utf-8")

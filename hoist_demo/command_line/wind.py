@@ -95,7 +95,9 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     )
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
-    rope.add_argument("--fmu", type=Path, metavar="PATH", help=f"the rope, FMI 2.0 or 3.0 ({fmu}, if it is there)")
+    rope.add_argument(
+        "--fmu", type=Path, metavar="PATH", help=f"the rope, FMI 2.0 or 3.0 ({fmu} for a hoist by name, if it is there)"
+    )
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
     wind.add_argument("--out", type=named, metavar="DIR", help="results (out/demo; of a file out/wind and its name)")
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
@@ -122,10 +124,12 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
         options.hoist = options.case
+    is_file = options.hoist is not None and options.hoist not in NAMED
     if options.out is None:
-        is_file = options.hoist is not None and options.hoist not in NAMED
         options.out = Path("out") / "wind" / Path(options.hoist).stem if is_file else Path("out") / "demo"
-    _choose_rope(options, default, several=options.hoist is not None and bool(find_case(options.hoist).ropes))
+    if options.hoist is not None and find_case(options.hoist).ropes:
+        _refuse_for_several(options)
+    _choose_rope(options, None if is_file else default)
     resume = Checkpoint.read(options.resume) if options.resume else None
     own = settings(options.set, parameters(_parameters(options)))
     identified = read_rope_file(options.rope) if options.rope else {}
@@ -211,19 +215,18 @@ class _Only:
         ]
 
 
-def _choose_rope(options: argparse.Namespace, default: Path, several: bool) -> None:
-    """Settle whether the rope is that of an FMU; several ropes are wound in this process."""
-    if several:
-        for name, value in (("--fmu", options.fmu), ("--resume", options.resume)):
-            if value:
-                raise ValueError(
-                    f"{name} {value} is for a hoist with one [[rope]]: leave it out, several run in process"
-                )
-        options.in_process = True
-    elif options.fmu is None and not options.in_process:
-        options.fmu = default if default.is_file() else None
+def _refuse_for_several(options: argparse.Namespace) -> None:
+    for name, value in (("--fmu", options.fmu), ("--resume", options.resume)):
+        if value:
+            raise ValueError(f"{name} {value} is for a hoist with one [[rope]]: leave it out, several run in process")
+
+
+def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
+    """Settle whether the rope is that of an FMU: one asked for, or the default where there is one."""
+    if options.fmu is None and not options.in_process:
+        options.fmu = default if default is not None and default.is_file() else None
         options.in_process = options.fmu is None
-        if options.in_process:
+        if options.in_process and default is not None:
             _tell(
                 f"{default} is not there: the rope runs in this process; `balance-rope export --outputs all` makes it"
             )
