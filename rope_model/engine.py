@@ -134,6 +134,14 @@ class NativeRope(BalanceRope):
         return "native"
 
     @property
+    def library(self) -> tuple[ctypes.CDLL, int, int, Any]:
+        """The library, its rope, the number of its warnings and room for one, for C that steps the rope itself.
+
+        ``done`` is to be told whether that went well.
+        """
+        return self._lib, self._rope, len(WARNINGS), self._text
+
+    @property
     def elements(self) -> int:
         return int(self._lib.rope_elements(self._rope))
 
@@ -159,12 +167,12 @@ class NativeRope(BalanceRope):
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
-        return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
+        return self.done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         self._require_state()
         at = t if given_at is None else given_at
-        return self._done(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
+        return self.done(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
         self._require_state()
@@ -225,7 +233,7 @@ class NativeRope(BalanceRope):
             raise ValueError(status.message)
 
     def retune(self, scene: Scene) -> None:
-        if not (status := self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
+        if not (status := self.done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
             raise ValueError(status.message)
         self._scene = scene
 
@@ -246,13 +254,14 @@ class NativeRope(BalanceRope):
 
     def restore_native(self, data: bytes) -> Status:
         """Go on from a ``native_state``."""
-        return self._done(self._lib.rope_restore(self._rope, data, len(data)))
+        return self.done(self._lib.rope_restore(self._rope, data, len(data)))
 
     def _require_state(self) -> None:
         if not self._lib.rope_is_initialized(self._rope):
             raise RuntimeError(messages.no_state())
 
-    def _done(self, well: int) -> Status:
+    def done(self, well: int) -> Status:
+        """Return the status after a call of the library."""
         if well:
             self._state = None
         return _VALID if well else Status(False, self._message())

@@ -8,14 +8,16 @@ from __future__ import annotations
 import logging
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from ctypes import c_int, create_string_buffer
 from dataclasses import replace
 from importlib.metadata import version
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, access, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
 from hoist_demo.parameters.quantity import Value
@@ -93,6 +95,44 @@ class InProcessRope:
             return found
 
         return values
+
+    def library(self) -> RopeLibrary | None:
+        """Return the native rope's functions for trip.c; None for the rope in Python."""
+        native: Any = self._rope
+        if native.form != "native":
+            return None
+        lib, rope, warnings, text = native.library
+        ends = np.zeros((1, 2 * len(EndMotion.__dataclass_fields__)))
+
+        def table(names: Sequence[str], rows: int) -> Table:
+            places = [k for k, name in enumerate(names) if name in SIGNALS]
+            fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
+            numbers = (c_int * len(places))(*([*SIGNALS].index(names[k]) for k in places))
+            values, texts = np.zeros((rows, len(places))), np.zeros((rows, len(fidelities)), TEXT)
+            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] * bool(places)
+            accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] * bool(fidelities)
+
+            def read(count: int) -> NDArray[np.float64]:
+                found = np.full((count, len(names)), np.nan)
+                found[:, places], found[:, fidelities] = values[:count], codes_of(texts[:count])
+                return found
+
+            return Table(accesses, read)
+
+        def went_on() -> None:
+            self._log_warnings(native.done(True))
+
+        none = (c_int * 0)()
+        return RopeLibrary(
+            access("NATIVE", lib.rope_advance_to, rope, none, ends),
+            access("NATIVE", lib.rope_advance_to, rope, none, ends),
+            table,
+            lambda call, _: native.done(call != "STEP"),
+            warning=lib.rope_warning,
+            told=create_string_buffer(warnings),
+            text=text,
+            heard=went_on,
+        )
 
     def save(self) -> Snapshot:
         """The state, which nothing changes."""
