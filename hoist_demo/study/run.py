@@ -124,6 +124,12 @@ def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ())
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from error
     fmu, controller = {**given.rope, **fmu_part(values)}, str(values.get("controller", "pi-feed-forward"))
+    if controller == "input-shaping" and data["shaper"].frequency == 0.0:
+        from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
+
+        parts = {name: data[name] for name in ("hoist", "winding", "gains")}
+        frequency, damping = swing_at_landing(replace(given, rope=fmu, **parts))
+        data["shaper"] = replace(data["shaper"], frequency=frequency, damping=damping)
     run = RunData(case, controller, fmu=fmu, signals=signals, **data)
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
