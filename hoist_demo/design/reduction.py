@@ -28,11 +28,14 @@ from numpy.typing import NDArray
 from scipy.io import savemat
 from scipy.sparse.linalg import splu
 
-from hoist_demo.design.linearise import Array, LinearModel, Modes
+from hoist_demo.cases.case import Case
+from hoist_demo.design.linearise import Array, LinearModel, Modes, linearise
+from hoist_demo.parameters.winding import start_heights
 
 SLOWEST = 0.02  #: Hz, lower end of the band in which errors are measured.
 BEYOND = 5.0  #: Modes up to so many times the band's upper end are looked at.
 ALPHA = 2 * np.pi * SLOWEST  #: 1/s.
+LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
 _FIT = 1e-4  #: Singular values of the fit, over the largest, below which nothing is changed.
 _LEAST = 1e-9  #: Of a channel's largest gain: less is no response.
 
@@ -146,6 +149,33 @@ def reduced(models: Sequence[LinearModel], states: int = 17, band: float = 2.0) 
         tuple(m.at for m in models), first.inputs, first.outputs, A, B, C, D, rest_inputs, rest_outputs, band,
         decibels, degrees, share,
     )  # fmt: skip
+
+
+def swing_at_landing(case: Case) -> tuple[float, float]:
+    """Return damped frequency [Hz] and damping ratio of the swing that an arrival leaves most of.
+
+    The speed loop is closed, and friction at the rim is viscous, as tanh is at rest. Of a trip of constant jerks a mode
+    takes up what it takes of a torque, over the square of its frequency.
+    """
+    hoist, gains = case.hoist, case.gains
+    left, _ = start_heights(hoist, case.winding)
+    at = min(max((left + case.winding.travel) / hoist.shaft_travel, 0.0), 1.0)
+    (model,) = linearise(case, [at])
+    outputs = ("rate", "y_left", "angle", "y_right")
+    small = reduced([model.selected(("torque_command", "torque"), outputs)], 9)
+    A, (by_command, by_torque), C = small.A[0], small.B[0].T, small.C[0]
+    rim = hoist.sheave_radius
+    error = -(gains.position * C[1] + rim * C[0])
+    rubbing = hoist.travel_loss[0] / hoist.loss_speed * rim**2
+    closed = A + np.outer(by_command, rim * gains.speed * error) - np.outer(by_torque, rubbing * C[0])
+    rates = np.append(gains.speed / gains.integral_time * error, 0.0)
+    poles, shapes = np.linalg.eig(np.vstack((np.column_stack((closed, rim * by_command)), rates)))
+    excited = np.linalg.solve(shapes, np.append(by_command, 0.0).astype(complex))
+    swings = np.abs(np.array([C[1] - rim * C[2], C[3] + rim * C[2]]) @ shapes[:-1]).max(axis=0) * np.abs(
+        excited / poles**2
+    )
+    swing = poles[np.argmax(np.where((poles.imag > 0.0) & (-poles.real < LASTING * np.abs(poles)), swings, -1.0))]
+    return float(swing.imag) / (2 * np.pi), float(-swing.real / abs(swing))
 
 
 _System = tuple[Array, Array, Array, Array]

@@ -131,6 +131,12 @@ def build(
         given={**found.given, **{key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}},
         **data_of(host),
     )
+    if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
+        from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
+
+        wound = replace(found, rope=run.fmu, hoist=run.hoist, winding=run.winding, gains=run.gains)
+        frequency, damping = swing_at_landing(wound)
+        run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
     s_curve(run.winding)
