@@ -41,14 +41,18 @@ def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float
 
 
 def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
-    """Return how the head ropes hold at rest, and while the trip speeds up and slows down, at both landings."""
+    """Return how the head ropes hold at rest, speeding up and slowing down, the worse of both landings.
+
+    The conveyances are rigidly hung: swing of the head ropes, which jerk excites, lowers what a winding shows.
+    """
     found = []
     up = 1.0 if winding.travel > 0.0 else -1.0
     for when, acceleration, asked in (
         ("at rest", 0.0, AT_REST),
         ("speeding up", up * winding.acceleration, MOVING),
         ("slowing down", -up * winding.acceleration, MOVING),
-        ("emergency stop", -up * winding.emergency_deceleration, 1.0),
+        ("in an emergency stop of this trip", -up * winding.emergency_deceleration, 1.0),
+        ("in one of the trip back, with these loads", up * winding.emergency_deceleration, 1.0),
     ):
         ratios = []
         for height in (0.0, hoist.shaft_travel):

@@ -23,7 +23,7 @@ GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
 #: Said wherever results are shown.
 ASSUMED_DATA = (
     "Data of hoist, winding and rope that are marked [assumed] have no published source. They are plausible, they "
-    "belong to no installation, and no number shown here may be used to judge one."
+    "belong to no installation: put in your own before you judge an installation by the numbers shown here."
 )
 
 

@@ -25,6 +25,7 @@ from rope_model.simulation.outputs.modal import natural_modes
 #: lowest modes of the rope that are told
 MODES = 4
 _AT_REST = "Rope at rest, left conveyance at"
+_HOLD = "Hold on the sheave"
 
 
 def complete(case: Case, run: RunData, ropes: Sequence[RopeData], known: Iterable[Known]) -> str:
@@ -105,7 +106,7 @@ def problems(case: Case) -> list[str]:
         f"{case.hoist.tension_ratio_limit:.3g}), and {one.asked:g} is usually asked for: more weight on the light "
         "side, a better lining, or a gentler trip"
         for one in holds(case.hoist, case.winding)
-        if one.safety < one.asked and one.when != "emergency stop"
+        if one.safety < one.asked and one.asked > 1.0
     ]
 
 
@@ -113,22 +114,24 @@ def follows(case: Case, name: str) -> tuple[str, list[str]]:
     """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
     hoist = case.hoist
     rows = [
-        SummaryRow("Hold on the sheave", f"slip safety {one.when}", f"{one.safety:.3g}, asked {one.asked:g}")
+        SummaryRow(_HOLD, f"slip safety {one.when}, without swing", f"{one.safety:.3g}, asked {one.asked:g}")
         for one in holds(hoist, case.winding)
     ]
     for height in (0.0, hoist.shaft_travel):
         left, right = pulls(hoist, height)
         words = f"{left / 1e3:.4g} and {right / 1e3:.4g} kN"
-        rows.append(SummaryRow("Hold on the sheave", f"pulls left and right, left conveyance at {height:g} m", words))
-    rows.append(SummaryRow("Hold on the sheave", "all moving masses", hoist.moving_mass, "kg"))
+        heads = f"pull of all head ropes, left and right, left conveyance at {height:g} m"
+        rows.append(SummaryRow(_HOLD, heads, words))
+    rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     warned = []
     for rope in hung(case, build_trip(name, {})):
         scene, whose = rope.scene, f"{rope.name}: " if rope.name else ""
         plant = balance_rope(scene)
         for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):
             group = f"{whose}{_AT_REST} {height:g} m"
+            pull = [-1e-3 * signals[f"{end}.fy"] for end in ("left", "right")]
             rows += [
-                SummaryRow(group, "pull left and right", f"{signals['left.fy']:.5g} and {signals['right.fy']:.5g} N"),
+                SummaryRow(group, "its pull on the left and right conveyance", f"{pull[0]:.4g} and {pull[1]:.4g} kN"),
                 SummaryRow(group, "loop's lowest point", signals["loop.y"], "m"),
                 SummaryRow(group, "loop's yaw", math.degrees(signals["loop.yaw"]), "deg"),
                 SummaryRow(group, "torque at the left end", abs(signals["left.my"]), "N.m"),

@@ -20,7 +20,7 @@ from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import SummaryRow
 
-SWING_WINDOW = 5.0  #: Length of the record's tail over which the residual swing is judged [s].
+SWING_WINDOW = 5.0  #: Time after the reference's arrival over which swing is judged, as in studies [s].
 
 #: What the rope loses only where its scene has that, in words.
 ELSEWHERE = {
@@ -206,16 +206,16 @@ def _stopping(group: str, recording: Recording, hoist: Hoist, winding: Winding) 
 
 
 def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
-    """Swing of both conveyances at the end of the record, counted from the arrival of the reference [s] at most."""
+    """Swing of both conveyances after the arrival of the reference [s]."""
     elapsed = recording.time - recording.time[0]
-    tail = (elapsed >= arrival) & (elapsed >= elapsed[-1] - SWING_WINDOW)
+    tail = (elapsed >= arrival) & (elapsed <= arrival + SWING_WINDOW)
     if not bool(tail.any()):
         return []
     seconds = float(np.ptp(elapsed[tail]))
     return [
         SummaryRow(
             "Drive",
-            f"residual swing, {end}, last {seconds:.2g} s, peak to peak",
+            f"swing after arrival, {end}, within {seconds:.2g} s, peak to peak",
             1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])),
             "mm",
         )

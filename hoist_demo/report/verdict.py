@@ -177,7 +177,7 @@ def _rows(result: Result, hoist: Hoist, ropes: Sequence[_Rope], pairs: Sequence[
     for pair in pairs:
         yield from _between(pair, max(rope.length_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
     for hold in holds(result.recording, hoist, result.winding):
-        text, bound = f"{hold.safety:.2f}", f"at least {hold.asked:g}: {hold.rule}"
+        text, bound = hold.words, f"at least {hold.asked:g}: {hold.rule}"
         where = f"t = {hold.t:.2f} s"
         yield Judged(f"slip safety {hold.when}", text, bound, hold.enough, where)
     struck = [rope.data for rope in ropes if passages(rope.recording)]
@@ -208,7 +208,9 @@ def _of_each(ropes: Sequence[_Rope], told: Callable[[_Rope], Iterator[Judged]]) 
     return [*dict.fromkeys(named)]
 
 
-_ALONE = ": each went on as if alone; contact.rope_stiffness = 1e6 lets them press each other"
+_ALONE = (
+    ": each went on as if alone; contact.rope_stiffness = 1e6 and model.fidelity = torsional let them press each other"
+)
 
 
 def _between(pair: Pair, error: float) -> Iterator[Judged]:
@@ -218,7 +220,8 @@ def _between(pair: Pair, error: float) -> Iterator[Judged]:
         struck = near.clearance <= 0.0
         where += _ALONE if struck and pair.account is None else ""
         quantity = f"clearance between {pair.one} and {pair.other}"
-        yield Judged(quantity, f"{rounded(near.clearance, error)} m", "above 0", not struck, where)
+        bound = f"above {number(error, 2)} m, its error"
+        yield Judged(quantity, f"{rounded(near.clearance, error)} m", bound, near.clearance > error, where)
     if (account := pair.account) is not None and account.peak > 0.0:
         where = _where(account.peak_t, account.peak_place)
         yield Judged(f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where)

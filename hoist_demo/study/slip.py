@@ -12,6 +12,7 @@ from hoist_demo.recording.incidents import ALIKE, IN_SPITE, jams, slack_ropes, s
 from hoist_demo.recording.time_series import Recording
 
 _GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
+_SOFTER = f"brake more gently (winding.emergency_deceleration, the hoist's brake), or {ALIKE}"
 
 
 class Hold(NamedTuple):
@@ -23,6 +24,12 @@ class Hold(NamedTuple):
     asked: float
     rule: str  # where that comes from
     cure: str
+
+    @property
+    def words(self) -> str:
+        """Return the number, with words where its digits would be those of what is asked for."""
+        number = f"{self.safety:.2f}"
+        return f"just below {self.asked:g}" if not self.enough and float(number) == self.asked else number
 
     @property
     def enough(self) -> bool:
@@ -43,11 +50,11 @@ def holds(recording: Recording, hoist: Hoist, winding: Winding) -> list[Hold]:
     if slid is not None:
         first = int(np.searchsorted(time, slid.t))
         ratio[first] = max(float(ratio[first]), limit * (1.0 + 1e-9))  # just beyond
-    usual = "usual [assumed]"
+    usual, softer = "usual [assumed]", ALIKE if winding.emergency_at is None else _SOFTER
     parts = [
         ("at rest", time == time[0], AT_REST, usual, ALIKE),
         ("in normal winding", time <= until, MOVING, usual, _GENTLER),
-        (f"from {event} on", time > until, 1.0, "below it they slip", ALIKE),
+        (f"from {event} on", time > until, 1.0, "below it they slip", softer),
     ]
     found = []
     for when, rows, asked, rule, remedy in parts:
@@ -62,7 +69,7 @@ def holds(recording: Recording, hoist: Hoist, winding: Winding) -> list[Hold]:
 def slip_warnings(recording: Recording, hoist: Hoist, winding: Winding) -> list[str]:
     """List where the head ropes hold less well than is asked, and what cures that."""
     return [
-        f"slip safety {one.when} is {one.safety:.2f}, not {one.asked:g}: {one.cure}"
+        f"slip safety {one.when} is {one.words}, not {one.asked:g}: {one.cure}"
         for one in holds(recording, hoist, winding)
         if not one.enough
     ]
