@@ -13,14 +13,12 @@ import numpy as np
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of
 from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import SummaryRow
-
-SWING_WINDOW = 5.0  #: Time after the reference's arrival over which swing is judged, as in studies [s].
 
 #: What the rope loses only where its scene has that, in words.
 ELSEWHERE = {
@@ -208,7 +206,7 @@ def _stopping(group: str, recording: Recording, hoist: Hoist, winding: Winding) 
 def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
     """Swing of both conveyances after the arrival of the reference [s]."""
     elapsed = recording.time - recording.time[0]
-    tail = (elapsed >= arrival) & (elapsed <= arrival + SWING_WINDOW)
+    tail = (elapsed >= arrival) & (elapsed <= arrival + Arrival().window)
     if not bool(tail.any()):
         return []
     seconds = float(np.ptp(elapsed[tail]))

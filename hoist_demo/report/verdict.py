@@ -14,7 +14,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, told, told_of_jams, told_of_slip
 from hoist_demo.recording.nearness import Pair
@@ -156,7 +156,22 @@ def warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope]) -> list[str]:
                 f"rope {name} was to break at breaks_at = {breaks[0]:g} s, and did not: the run ended at "
                 f"{rope.recording.time[-1]:.4g} s; break it earlier"
             )
+    if result.completed and len(ropes) > 1:
+        texts.append(_still_swinging([rope.recording for rope in ropes if rope.known("loop.sideways")]))
     return [text for text in texts if text]
+
+
+def _still_swinging(recordings: Sequence[Recording]) -> str:
+    """Return a remark where neighbours end with more than half of their swing: they may yet strike; "" for none."""
+    for recording in recordings:
+        sideways, time = np.abs(recording["loop.sideways"]), recording.time
+        last = float(np.nanmax(sideways[time >= time[-1] - Arrival().window]))
+        if last > 0.5 * float(np.nanmax(sideways)):
+            return (
+                f"the loops still swing by {last:.2g} m where the record ends, and may strike each other later: "
+                "wind on with a longer winding.settle"
+            )
+    return ""
 
 
 def _what_matters(ropes: Sequence[_Rope], pairs: Sequence[Pair]) -> float | None:
