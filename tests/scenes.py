@@ -71,14 +71,17 @@ def wound(rope: BalanceRope, motion, steps: int, step: float = 0.01, first: int 
     return rope
 
 
+def going_aside(t: float) -> Ends:
+    """The left end rises and goes sideways, the right one falls from 6 m."""
+    left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
+    return left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)
+
+
 def stations(rope: BalanceRope, steps: int) -> Iterator[BalanceRope]:
-    """The rope of 30 m each 10 ms while both ends move, the left one sideways too."""
-    assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
-    yield rope
+    """The rope each 10 ms while its ends go aside."""
+    yield wound(rope, going_aside, 0)
     for k in range(1, steps + 1):
-        t = 0.01 * k
-        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
-        assert rope.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
+        assert rope.advance_to(0.01 * k, *going_aside(0.01 * k)).valid
         yield rope
 
 

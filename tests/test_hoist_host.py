@@ -133,13 +133,6 @@ def test_a_rope_that_cannot_hang_stops_before_the_first_row() -> None:
     assert "no hanging shape" in judge(result, Hoist(), [RopeData({}, {}, {})]).words
 
 
-def test_an_emergency_stop_comes_to_rest_before_the_landing() -> None:
-    recording = _run(FakeRope(), Winding(emergency_at=9.0)).recording
-    stopped = recording.time > 9.0 + 6.0 / 5.0 + 5.0
-    np.testing.assert_allclose(recording["conveyance.left.vy"][stopped], 0.0, atol=0.01)
-    assert recording["conveyance.left.y"][-1] < 30.0
-
-
 def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Path) -> None:
     write_csv(short.recording, tmp_path / "signals.csv")
     back = pd.read_csv(tmp_path / "signals.csv")

@@ -249,23 +249,6 @@ def test_the_interpolation_is_the_elements_own_cubic() -> None:
     assert_allclose(y[:, ANGLE], 1 + 2 * at, atol=1e-13)
 
 
-def test_a_transformation_keeps_momentum_and_takes_energy_at_merges(pair: tuple[Partition, Partition]) -> None:
-    old, new = pair
-    v = np.random.default_rng(5).normal(size=(old.lengths.size + 1, 7))
-    before = momentum_and_energy(v, old.lengths)
-    moved = carry(v, nodes(old), nodes(new))
-    dropped = interpolate(v, nodes(old), nodes(new))
-    after = momentum_and_energy(moved, new.lengths)
-    # the ends, 20 l away, take up nothing that can be seen
-    assert_allclose(after[0], before[0], rtol=0, atol=1e-9)
-    assert after[1] < before[1]
-    spins = [np.trapezoid(x[:, ANGLE], nodes(mesh)) for x, mesh in ((v, old), (moved, new), (dropped, new))]
-    assert_allclose(spins[1], spins[0], rtol=0, atol=1e-9)
-    assert abs(spins[2] - spins[0]) > 0.01
-    blow = np.linalg.norm(momentum_and_energy(dropped, new.lengths)[0] - before[0])
-    assert blow > 0.01
-
-
 @settings(max_examples=60, deadline=None)
 @given(old=MESH, new=MESH, seed=st.integers(0, 1000))
 def test_what_a_transfer_loses_is_orthogonal_to_every_new_field(old: list[float], new: list[float], seed: int) -> None:
