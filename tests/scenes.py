@@ -8,7 +8,7 @@ from functools import cached_property
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swivel, balance_rope, rope_120, rope_240
 from rope_model.simulation.fidelity import Fidelity
 
 Ends = tuple[EndMotion, EndMotion]
@@ -69,6 +69,11 @@ def wound(rope: BalanceRope, motion, steps: int, step: float = 0.01, first: int 
         status = rope.advance_to(k * step, *motion(k * step))
         assert status.valid, status.message
     return rope
+
+
+def passed(scene: Scene, steps: int, step: float = 0.01) -> BalanceRope:
+    """The native rope whose ends have passed each other."""
+    return wound(balance_rope(scene, "native"), past_each_other, steps, step)
 
 
 def going_aside(t: float) -> Ends:

@@ -1,22 +1,15 @@
 """Every force against its energy, every tangent against its force."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import Array, rotation
+from conftest import Array, difference, rotation
 from element_states import ELEMENT, MATERIAL, STEP, STRAIN, State, balance, energy, residual, seeds, some_state, turned
 from numpy.polynomial.polynomial import polyder, polyval
 
 from rope_model.physics import costello
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, element_functions
-
-
-def difference(f: Callable[[Array], Array | float], x: Array, step: float = STEP) -> Array:
-    """Columns df/dx_i by central differences."""
-    columns = [(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * step) for d in step * np.eye(x.size)]
-    return np.stack(columns, axis=-1)
 
 
 def interpolate(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:

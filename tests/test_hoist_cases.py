@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hoist_at_rest import wind
+from drives import wind
 from numpy.testing import assert_allclose
 
 from fmu_src.interface import case_with, variables

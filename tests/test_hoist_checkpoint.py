@@ -87,9 +87,8 @@ def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(
         assert resumed.completed
         for name, values in whole.recording.signals.items():
             assert_array_equal(resumed.recording[name], values, name)
-    other = Coupling(step=0.01) if coupling.sample > 0.01 or coupling.step > 0.01 else Coupling(step=0.02)
     with pytest.raises(ValueError, match=r"must be of the same .*period is"):
-        wind(Filtered, resume=kept, coupling=other)
+        wind(Filtered, resume=kept, coupling=Coupling(step=0.03 - coupling.step))
 
 
 class Hoarder:

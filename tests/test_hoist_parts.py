@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drives import Plant, PlantInput, energy_residual
-from hoist_at_rest import rest_at, state_with
+from drives import Plant, PlantInput, energy_residual, rest_at, state_with
 from scipy.optimize import brentq
 
 from hoist_demo.cases.table import find_case

@@ -25,7 +25,7 @@ from scenes import smooth_trip
 from rope_model.parameters import rope_120
 from rope_model.simulation.ends.paths import EndMotion
 
-LONGEST, MASS_PER_LENGTH = 0.02, rope_120().scene.rope.mass_per_length
+MASS_PER_LENGTH = rope_120().scene.rope.mass_per_length
 FORCES = ("left.fy", "right.fy")
 
 
@@ -41,7 +41,6 @@ def host(request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, s
 
 
 rope_only = pytest.mark.parametrize("host", [*FLAVOURS], indirect=True)
-native_only = pytest.mark.parametrize("host", [name for name, f in FLAVOURS.items() if f.native], indirect=True)
 
 
 def give(host: Host, t: float) -> None:
