@@ -53,12 +53,6 @@ class FakeRope(Weight):
     def units(self) -> dict[str, str]:
         return {name: "m" if name.startswith(("loop.", "shape.")) else "N" for name in self.forces}
 
-    def save(self) -> dict[str, float]:
-        return dict(self.forces)
-
-    def restore(self, snapshot: dict[str, float]) -> None:
-        self.forces = dict(snapshot)
-
     def _hang(self, left: EndMotion, right: EndMotion) -> None:
         bottom = (left.y + right.y - LENGTH) / 2.0
         for name, end in (("left", left), ("right", right)):
@@ -188,6 +182,14 @@ SAMPLED = Winding(travel=4.0, speed=4.0, jerk=2.0, start_delay=0.2, settle=0.8)
 FORCES = {"left.fy": -2000.0, "right.fy": -7500.0, "left.fy_mean": -2000.0, "right.fy_mean": -7500.0}
 
 
+class TakenBack(FakeRope):
+    def save(self) -> dict[str, float]:
+        return dict(self.forces)
+
+    def restore(self, snapshot: dict[str, float]) -> None:
+        self.forces = dict(snapshot)
+
+
 class Counting(SpeedController):
     """Remembers, in a state that it changes in place, where each of its samples asked the hoist to be."""
 
@@ -227,7 +229,7 @@ def test_the_hoist_moves_as_with_a_step_of_one_sample(step: float) -> None:
 
 
 def test_samples_that_are_taken_back_leave_nothing_behind() -> None:
-    result, controller = sample(0.02, FakeRope(), Iterative("secant", tolerance=1e-6))
+    result, controller = sample(0.02, TakenBack(), Iterative("secant", tolerance=1e-6))
     assert result.recording["coupling.exchanges"][-1] > 1.5 * result.steps
     asked = [result.trajectory.at(0.01 * k).position for k in range(2 * result.steps + 1)]
     assert_allclose(controller.latest["places"], asked, rtol=1e-12, atol=1e-12)
