@@ -217,11 +217,11 @@ def test_no_more_places_are_skipped_than_there_are(distance, diameter, weight, n
 def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_delay() -> None:
     def error(tau: float) -> float:
         sums, h, longest = ContactSums(), 1e-3, length_for(Scene(), tau)
-        for k in range(4000):
+        for k in range(1000):
             pressures = (0.0, 0.0, 0.0, 50.0 * (1.0 - math.cos(2.0 * math.pi * k * h)), 0.0, 7.0)
             sums = add_contact(Scene(), sums, h, pressures, longest)
         assert sums.largest == pytest.approx(100.0, rel=1e-3)
-        assert sums.impulses == pytest.approx((0.0, 0.0, 0.0, 200.0, 0.0, 28.0), rel=1e-3)
+        assert sums.impulses == pytest.approx((0.0, 0.0, 0.0, 50.0, 0.0, 7.0), rel=1e-3)
         return float(contact_error(sums))
 
     assert math.log2(error(0.02) / error(0.01)) == pytest.approx(2.0, abs=0.1)
