@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -147,6 +148,13 @@ def straight(s: Array) -> Array:
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, 3] = s, 1.0
     return q
+
+
+def difference(f: Callable[[Array], Any], x: Any, step: float = 1e-5) -> Array:
+    """Columns df/dx_i by central differences, which err by the square of the step and by rounding over it."""
+    at = np.array(x)
+    columns = [(np.asarray(f(at + d)) - np.asarray(f(at - d))) / (2 * step) for d in step * np.eye(at.size)]
+    return np.stack(columns, axis=-1)
 
 
 def rotation(vector: Array) -> Array:

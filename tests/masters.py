@@ -56,8 +56,6 @@ def random_steps(seed: int, T: float, shortest: float, longest: float) -> Steps:
 
 #: of y, vy and ay behind a jerk j that is extrapolated over steps up to H, over j H^3, j H^2 and j H: in any steps
 MISSED = np.array([1.2, 1.2, 5.9])
-#: that of ay in steps of which none is much shorter than the one before
-MISSED_ACCELERATION = 3.4
 #: the trip that the loops wind
 TRAVEL, DURATION = 90.0, 25.0
 #: m/s^3, of the trip at its start

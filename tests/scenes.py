@@ -8,7 +8,7 @@ from functools import cached_property
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swivel, balance_rope, rope_120, rope_240
 from rope_model.simulation.fidelity import Fidelity
 
 Ends = tuple[EndMotion, EndMotion]
@@ -71,14 +71,22 @@ def wound(rope: BalanceRope, motion, steps: int, step: float = 0.01, first: int 
     return rope
 
 
+def passed(scene: Scene, steps: int, step: float = 0.01) -> BalanceRope:
+    """The native rope whose ends have passed each other."""
+    return wound(balance_rope(scene, "native"), past_each_other, steps, step)
+
+
+def going_aside(t: float) -> Ends:
+    """The left end rises and goes sideways, the right one falls from 6 m."""
+    left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
+    return left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)
+
+
 def stations(rope: BalanceRope, steps: int) -> Iterator[BalanceRope]:
-    """The rope of 30 m each 10 ms while both ends move, the left one sideways too."""
-    assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
-    yield rope
+    """The rope each 10 ms while its ends go aside."""
+    yield wound(rope, going_aside, 0)
     for k in range(1, steps + 1):
-        t = 0.01 * k
-        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
-        assert rope.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
+        assert rope.advance_to(0.01 * k, *going_aside(0.01 * k)).valid
         yield rope
 
 

@@ -10,14 +10,15 @@ import pytest
 import test_air
 import test_contact
 import test_fidelity
+import test_guards
 import test_initial_curvature
 import test_rope_on_rope
 import test_wire_friction
 from numpy.testing import assert_allclose
-from scenes import Ends, past_each_other, wound
+from scenes import Ends, going_aside, past_each_other, wound
 from test_following import unfit
 
-from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, RopeState, Scene, balance_rope
+from rope_model import BalanceRope, EndMotion, Guard, Mesh, Model, Rope, RopeState, Scene, balance_rope
 from rope_model.parameters import FidelityChoice
 from rope_model.simulation.outputs.audit import Audit
 
@@ -77,6 +78,8 @@ def misfit(fidelity: FidelityChoice) -> Case:
 
 FIDELITIES: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")
 SAVED = CASES | {f"a misfit, {fidelity}": misfit(fidelity) for fidelity in FIDELITIES}
+WAITING = test_guards.guarded(Guard(window=0.01, window_delay=0.05))
+SAVED["a guard that waits"] = Case(WAITING, going_aside, 3, 7, lambda x: 0.04 < x.guard.time < 0.06)
 SAVED["another model since 1 s"] = Case(
     test_fidelity.EVEN, partial(test_fidelity.ends_at, z=0.2), 120, 121,
     lambda x: x.fidelity == "torsional" and "planar model cannot" in x.fidelity_reason, forms=("native",),

@@ -78,12 +78,8 @@ def in_c(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 def assert_alike(one: Result, other: Result) -> None:
     """The same outcome, and numbers to 1e-9 of a signal's largest: another libm rounds otherwise, here none differs."""
-    assert (one.cause, one.completed, one.steps, one.winding) == (
-        other.cause,
-        other.completed,
-        other.steps,
-        other.winding,
-    )
+    for outcome in ("cause", "completed", "steps", "winding"):
+        assert getattr(one, outcome) == getattr(other, outcome)
     assert list(one.recording.signals) == list(other.recording.signals)
     for name, values in other.recording.signals.items():
         largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))

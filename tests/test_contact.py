@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from conftest import difference
 from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -53,11 +54,6 @@ def law(body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 
     return touch(Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), cq, cv)
 
 
-def differences(f: Any, x: Any, size: float = 1e-6) -> Any:
-    x = np.array(x)
-    return np.array([(np.array(f(x + e)) - np.array(f(x - e))) / (2 * size) for e in size * np.eye(x.size)]).T
-
-
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_normal_is_the_gradient_of_the_distance(side: float) -> None:
     chance, x = random.Random(1), ca.SX.sym("x", 3)
@@ -65,7 +61,10 @@ def test_the_normal_is_the_gradient_of_the_distance(side: float) -> None:
         body = some_body(chance, side)
         gradient = ca.Function("gradient", [x], [ca.gradient(distance(x, body), x)])
         point = tuple(c + chance.uniform(-1.5, 1.5) for c in body.centre)
-        assert_allclose(normal(point, body), np.array(gradient(point)).ravel(), atol=1e-12)
+        n = normal(point, body)
+        assert_allclose(n, np.array(gradient(point)).ravel(), atol=1e-12)
+        # in a shaft: behind its wall
+        assert body.side * distance(point, body) < 1e-3 or np.linalg.norm(n) == pytest.approx(1.0, abs=1e-8)
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.1, 1.0, 100.0])
@@ -95,7 +94,7 @@ def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
         return [law(body, p).sums[0]]
 
     force = law(body, point, friction=0.0, damping=0.0).force
-    assert_allclose(differences(energy, point)[0], -np.array(force), atol=1e-5 * np.abs(force).max())
+    assert_allclose(difference(energy, point, 1e-6)[0], -np.array(force), atol=1e-5 * np.abs(force).max())
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -105,11 +104,11 @@ def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out(seed: in
     n = np.array(normal(point, body))
     upper = np.zeros((3, 3))
     upper[np.triu_indices(3)] = law(body, point, cq=1.0, friction=0.0, damping=0.0).tangent
-    stiffness = differences(lambda p: law(body, p, friction=0.0, damping=0.0).force, point)
+    stiffness = difference(lambda p: law(body, p, friction=0.0, damping=0.0).force, point, 1e-6)
     assert_allclose(n @ (np.triu(upper, 1).T + upper) @ n, -n @ stiffness @ n, rtol=1e-5)
     speed = np.array((0.3, 0.1, -0.2))
     upper[np.triu_indices(3)] = law(body, point, speed, cv=1.0, damping=0.0).tangent
-    damping = differences(lambda v: law(body, point, v, damping=0.0).force, speed)
+    damping = difference(lambda v: law(body, point, v, damping=0.0).force, speed, 1e-6)
     assert_allclose(np.triu(upper, 1).T + upper, -damping, atol=1e-6 * np.abs(damping).max())
 
 
@@ -158,11 +157,11 @@ def test_the_elements_contact_residual_is_its_energys_gradient_and_its_derivativ
 
     added = residual(near[0])
     assert np.abs(added).max() > 1e3
-    assert_allclose(added, differences(energy, near[0])[0], atol=1e-5 * np.abs(added).max())
+    assert_allclose(added, difference(energy, near[0], 1e-6)[0], atol=1e-5 * np.abs(added).max())
     near[4][-1] = 0.0  # a flat floor alone
     tangent = np.array(element.tangent(*near, 1.0, 0.0, 0.0)[1] - without.tangent(*plain, 1.0, 0.0, 0.0)[1])
     assert np.abs(tangent).max() > 1e3
-    assert_allclose(tangent, differences(residual, near[0]), atol=1e-5 * np.abs(tangent).max())
+    assert_allclose(tangent, difference(residual, near[0], 1e-6), atol=1e-5 * np.abs(tangent).max())
 
 
 #: m: elements, and the size and depth of a bar that is pressed in
@@ -218,11 +217,11 @@ def test_no_more_places_are_skipped_than_there_are(distance, diameter, weight, n
 def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_delay() -> None:
     def error(tau: float) -> float:
         sums, h, longest = ContactSums(), 1e-3, length_for(Scene(), tau)
-        for k in range(4000):
+        for k in range(1000):
             pressures = (0.0, 0.0, 0.0, 50.0 * (1.0 - math.cos(2.0 * math.pi * k * h)), 0.0, 7.0)
             sums = add_contact(Scene(), sums, h, pressures, longest)
         assert sums.largest == pytest.approx(100.0, rel=1e-3)
-        assert sums.impulses == pytest.approx((0.0, 0.0, 0.0, 200.0, 0.0, 28.0), rel=1e-3)
+        assert sums.impulses == pytest.approx((0.0, 0.0, 0.0, 50.0, 0.0, 7.0), rel=1e-3)
         return float(contact_error(sums))
 
     assert math.log2(error(0.02) / error(0.01)) == pytest.approx(2.0, abs=0.1)

@@ -47,6 +47,10 @@ def repeated(t: float) -> EndMotion:
     return exact(2 * H * math.floor(t / (2 * H) + 1e-9))
 
 
+def held(t: float) -> EndMotion:
+    return exact(5 * H * math.floor(t / (5 * H) + 1e-9))
+
+
 def late(t: float) -> EndMotion:
     """Time stamps that are off by up to 10 ms, the same at the same time."""
     return exact(max(0.0, t + np.random.default_rng(round(t / H)).uniform(-0.01, 0.01)))
@@ -127,7 +131,7 @@ def test_a_speed_alone_is_integrated() -> None:
     assert end.path.motion(24.0)[0][1] == pytest.approx(TRAVEL, abs=1e-3)
 
 
-@pytest.mark.parametrize("given", [rounded, tabled, repeated], ids=lambda f: f.__name__)
+@pytest.mark.parametrize("given", [rounded, tabled, repeated, held], ids=lambda f: f.__name__)
 @pytest.mark.parametrize("at_end", [True, False])
 def test_forces_of_motions_that_do_not_fit_are_right(truth: np.ndarray, given: Given, at_end: bool) -> None:
     """Within .3 % root mean square and 2 % at an instant of the largest; the targets of `make signals`."""

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import stations
@@ -120,20 +119,3 @@ def test_guards_change_nothing_in_the_motion() -> None:
     assert watched.signals(["guard.tripped"]) == {"guard.tripped": 1.0}
     assert alone.signals(["guard.tripped"]) == {"guard.tripped": 0.0}
     assert_array_equal(watched.state.motion.q, alone.state.motion.q)
-
-
-def test_a_restored_rope_trips_when_the_saved_one_does() -> None:
-    scene = guarded(Guard(window=0.01, window_delay=0.05))
-    run = [(rope.save(), rope.state.guard) for rope in stations(balance_rope(scene, "native"), 30)]
-    last = run[-1][1]
-    begun = next(k for k, (_, guard) in enumerate(run) if guard.since[1] < NEVER)
-    assert run[begun][1].cause == 0
-    for other in (RopeSimulator(scene), balance_rope(scene, "native")):
-        other.restore(run[begun][0])
-        assert other.state.guard == run[begun][1]
-        t = 0.01 * (begun + 10)
-        left = EndMotion(y=t**3, vy=3 * t**2, ay=6 * t, z=t**3, vz=3 * t**2, az=6 * t)
-        assert other.advance_to(t, left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)).valid
-        assert other.state.guard.cause == last.cause
-        assert abs(other.state.guard.time - last.time) <= 0.01 + 1e-9
-    assert np.isfinite(last.time)

@@ -94,7 +94,7 @@ def test_a_rising_conveyance_that_jams_stalls_the_drive() -> None:
     case = find_case("jammed-conveyance")
     hoist = replace(case.hoist, jam_right=None, jam_left=Jam())
     rope = rope_in_process("jammed-conveyance", level="draft", parameters={"model.fidelity": 3})
-    run = Host(rope, hoist, replace(case.winding, settle=5.0), Coupling(), case.gains).run().recording
+    run = Host(rope, hoist, replace(case.winding, settle=5.0), Coupling(step=0.02), case.gains).run().recording
     (jam,) = jams(run)
     assert (jam.side, jam.way is not None) == ("left", True)
     # what its head ropes pull in the end is no more than motor or brake and the other side's tension give

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drives import Plant, PlantInput, PlantOutput
-from hoist_at_rest import dead_weights, rest_at, state_with
+from drives import Plant, PlantInput, PlantOutput, dead_weights, rest_at, state_with
 from scipy.optimize import brentq
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController

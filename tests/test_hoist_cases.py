@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hoist_at_rest import wind
+from drives import wind
 from numpy.testing import assert_allclose
 
 from fmu_src.interface import case_with, variables
@@ -18,8 +18,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
-from rope_model import EndMotion, Scene, parameters, rope_120
-from rope_model.scene_names import with_values
+from rope_model import EndMotion, parameters
 
 INSTALLED = {name: case for name, case in CASES.items() if not name.startswith("rope-")}
 every_scene = pytest.mark.parametrize("name", CASES)
@@ -91,14 +90,6 @@ def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
     found = rope.reader(["loop.yaw"])().item()
     # the torque turns it one way, and by an angle at which the legs stay well apart
     assert 0.0 < found < math.radians(15.0)
-
-
-@every_scene
-def test_the_fmu_reads_the_case_s_parameters_as_the_rope_in_process_does(name: str) -> None:
-    values = {v.name: v.start for v in variables(rope_120()) if v.causality == "parameter" and v.start is not None}
-    assert CASES[name].rope.keys() <= values.keys()
-    del values["inputs_at_step_end"]
-    assert with_values(Scene(), {**values, **CASES[name].rope}) == rope_data(CASES[name].rope)
 
 
 @every_scene

@@ -114,11 +114,6 @@ def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding:
     assert peak >= winding.speed * (1 - 1e-12) or needed(peak * (1 + 1e-6)) > between
 
 
-def test_raising_and_lowering_are_mirrored() -> None:
-    t = np.linspace(0.0, 40.0, 401)
-    np.testing.assert_array_equal(s_curve(LANDING).sample(t), -s_curve(replace(LANDING, travel=-90.0)).sample(t))
-
-
 @few
 @given(windings(), st.floats(0.0, 0.999))
 @example(LANDING, 0.95)

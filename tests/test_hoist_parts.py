@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drives import Plant, PlantInput, energy_residual
-from hoist_at_rest import rest_at, state_with
+from drives import Plant, PlantInput, energy_residual, rest_at, state_with
 from scipy.optimize import brentq
 
 from hoist_demo.cases.table import find_case
@@ -172,17 +171,6 @@ def test_a_hoist_with_its_sides_exchanged_does_the_same_mirrored() -> None:
     one, other = shown
     np.testing.assert_allclose(other.tension_right, one.tension_left, rtol=1e-7)
     np.testing.assert_allclose([other.v_right, other.rate], [one.v_left, -one.rate], rtol=1e-6)
-
-
-def test_two_balance_ropes_pull_as_one_of_twice_the_force() -> None:
-    one, two = (Plant(Hoist(tail_rope_number=n, tail_rope_mass=8.0 / n)) for n in (1, 2))
-    states = [plant.equilibrium(0.0, 90.0, -2e3 / n, -8e3 / n) for plant, n in ((one, 1), (two, 2))]
-    ends = []
-    for plant, state, n in zip((one, two), states, (1, 2), strict=True):
-        u = PlantInput(float(state.x[0]) + 1e4, -2e3 / n, -8e3 / n)
-        moved = plant.step(state, 0.05, u).state
-        ends.append(np.concatenate([moved.x, moved.works[:5]]))
-    np.testing.assert_allclose(ends[1], ends[0], rtol=1e-12, atol=1e-12)
 
 
 def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> None:

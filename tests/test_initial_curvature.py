@@ -1,16 +1,14 @@
 """Permanent curvature: its energy, rods with closed forms, the 45 degree bend, both forms of the rope that has it."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-import scenes
-from conftest import Chain, rotation
+from conftest import Chain, difference, rotation
 from numpy.testing import assert_allclose
-from scenes import past_each_other
+from scenes import passed
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
@@ -47,12 +45,6 @@ def element_state(seed: int) -> tuple[Array, float]:
 
 def energy(q: Array, l: float, F: Array, C: Array) -> float:
     return float(BENT.energy(q, l, F, C))
-
-
-def difference(f: Callable[[Array], Any], x: Array) -> Array:
-    """Columns df/dx_i by central differences, which err by 1e-10."""
-    step = 1e-5
-    return np.stack([(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * step) for d in step * np.eye(x.size)], -1)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -210,10 +202,6 @@ def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
 
 
-def wound(of: Scene, form: Any, steps: int, step: float = 0.01) -> BalanceRope:
-    return scenes.wound(balance_rope(of, form), past_each_other, steps, step)
-
-
 def hung(of: Scene, form: Any = "native", height: float = 0.0) -> BalanceRope:
     rope = balance_rope(of, form)
     assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=height)).valid
@@ -248,7 +236,7 @@ def test_the_energy_balance_closes_with_the_square_of_the_step() -> None:
     def missing(steps: int) -> float:
         free = Solver(step_max=1 / steps, tolerance=1e6, newton_tolerance=1e-10, rho_inf=1.0)
         of = scene(Mesh("eem", elements=40), beta_K=0.0)
-        energy = wound(replace(of, solver=free), "native", steps, 1 / steps).state.energy_balance
+        energy = passed(replace(of, solver=free), steps, 1 / steps).state.energy_balance
         return abs(energy.residual)
 
     losses = [missing(steps) for steps in (200, 400, 800)]
@@ -260,8 +248,8 @@ def test_a_transformed_mesh_keeps_the_direction() -> None:
     """Torque and yaw along a winding are those of a mesh that stays; nothing else makes them without coupling."""
     of = uncoupled(1.0)
     solver = Solver(step_max=0.005)
-    tmn = wound(of.with_(mesh=Mesh("tmn", coarse_length=0.25), solver=solver), "native", 120)
-    eem = wound(of.with_(mesh=Mesh("eem", elements=80), solver=solver), "native", 120)
+    tmn = passed(of.with_(mesh=Mesh("tmn", coarse_length=0.25), solver=solver), 120)
+    eem = passed(of.with_(mesh=Mesh("eem", elements=80), solver=solver), 120)
     assert tmn.state.counts.transformations >= 1
     one, other = tmn.signals(), eem.signals()
     for name in ("left.my", "right.my", "loop.yaw"):

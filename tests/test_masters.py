@@ -10,7 +10,6 @@ as an undamped bar.
 """
 
 import itertools
-import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -18,15 +17,15 @@ import numpy as np
 import pytest
 from end_paths import Follower
 from exports import FLAVOURS
-from masters import DURATION, JERK, LOOPS, MISSED, MISSED_ACCELERATION, TRAVEL, Steps, random_steps
+from masters import DURATION, JERK, LOOPS, MISSED, TRAVEL, Steps, random_steps
 from native_host import Host
 from numpy.testing import assert_allclose
 from scenes import smooth_trip
 
 from rope_model.parameters import rope_120
-from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 
-LONGEST, MASS_PER_LENGTH = 0.02, rope_120().scene.rope.mass_per_length
+MASS_PER_LENGTH = rope_120().scene.rope.mass_per_length
 FORCES = ("left.fy", "right.fy")
 
 
@@ -42,7 +41,6 @@ def host(request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, s
 
 
 rope_only = pytest.mark.parametrize("host", [*FLAVOURS], indirect=True)
-native_only = pytest.mark.parametrize("host", [name for name, f in FLAVOURS.items() if f.native], indirect=True)
 
 
 def give(host: Host, t: float) -> None:
@@ -158,81 +156,6 @@ def test_trials_of_a_position_alone_are_taken_back_without_a_trace(host: Host) -
         return rows
 
     assert wind(trials) == wind([])
-
-
-@native_only
-@pytest.mark.parametrize(("every", "between"), [(0.05, True), (0.02, False), (0.05, False)])
-def test_forces_keep_with_samples_that_importers_interpolate_or_repeat(host: Host, every: float, between: bool) -> None:
-    """As FMPy and fmusim read tables, and PyFMI, MasterSim and libcosim a slower part."""
-    found = []
-    for table in (False, True):
-        host.start()
-        rows = []
-        for t, h in LOOPS["counting"](0.01, 4.0):
-            k = math.floor(t / every + 1e-9)
-            part = t / every - k if between else 0.0
-            for side in (0, 1):
-                a, b = (np.array([*vars(trip(at)[side]).values()]) for at in (k * every, (k + 1) * every))
-                sent = (1.0 - part) * a + part * b if table else np.array([*vars(trip(t)[side]).values()])
-                host.set(**{f"{SIDES[side]}.{name}": sent[i] for name, i in (("y", 1), ("vy", 4), ("ay", 7))})
-            assert host.step(t, h) == ""
-            rows.append(host.get(*FORCES))
-        found.append(np.array(rows))
-        told = host.get("status.warning")[0]
-        host.call("Reset")
-    off = (found[1] - found[0]) / np.abs(found[0]).max()
-    # the targets of `make signals`
-    assert np.sqrt((off**2).mean()) < 3e-3
-    assert np.abs(off).max() < 2e-2
-    assert ("interpolated linearly" if between else "came again") in told
-
-
-@native_only
-def test_host_with_an_error_controlled_step(host: Host) -> None:
-    """It compares one step with two halves of it, and takes what came of the halves; at rest its steps grow to 1 s."""
-    rest, T = 10.0, 1.0
-    host.start()
-    rows = [[0.0, *host.get(*FORCES)]]
-    for t, h in LOOPS["counting"](LONGEST, T):
-        give(host, t)
-        assert host.step(t, h) == ""
-        rows.append([t + h, *host.get(*FORCES)])
-    even = np.array(rows)
-    host.call("Reset")
-    host.start()
-    t, h, rows, tolerance = -rest, 1e-4, [], 5.0
-
-    def stepped(*steps: tuple[float, float]) -> np.ndarray:
-        for t, h in steps:
-            give(host, t)
-            assert host.step(rest + t, h) == ""
-        return np.array(host.get(*FORCES))
-
-    steps = []
-    while t < T:
-        # the host knows when the trip begins
-        h = min(h, 1.0, -t) if t < 0 else min(h, LONGEST, T - t)
-        start = host.state()
-        one = stepped((t, h))
-        host.restore(start)
-        two = stepped((t, 0.5 * h), (t + 0.5 * h, 0.5 * h))
-        differs = float(np.abs(one - two).max())
-        if differs <= tolerance or h <= 1e-6:
-            t = 0.0 if t < 0 and t + h > -1e-9 else t + h
-            rows.append([t, *two])
-            steps.append(h)
-        else:
-            host.restore(start)
-        host.forget(start)
-        h *= min(max(0.9 * math.sqrt(tolerance / max(differs, 1e-3)), 0.2), 2.0)
-    assert math.isclose(t, T, abs_tol=1e-9)
-    assert max(steps) > 0.5
-    assert len(steps) < 400
-    in_trip = np.array([row for row in rows if row[0] > 0])
-    worst = max(np.abs(in_trip[:, k] - np.interp(in_trip[:, 0], even[:, 0], even[:, k])).max() for k in (1, 2))
-    # of the end force, N, while the longest leg follows the trip extrapolated in steps up to LONGEST
-    leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
-    assert worst <= 2 * MISSED_ACCELERATION * JERK * LONGEST * MASS_PER_LENGTH * leg
 
 
 def largest_miss(steps: list[float], jerk: float, rest: float = 0.0) -> np.ndarray:

@@ -287,16 +287,6 @@ def test_partition_is_the_same_to_the_bit(
     assert ours == outcome(lambda: as_in_c(partition(mesh, length, part * length, faced)))
 
 
-@pytest.mark.parametrize(
-    ("mesh", "length"),
-    [(Mesh(coarse_length=1e-3), 120.0), (Mesh(coarse_length=1e-15), 120.0), (Mesh(), 20.9), (Mesh(), 1234567.8)],
-)
-def test_mesh_that_does_not_fit_is_refused_in_the_same_words(parts: SimpleNamespace, mesh: Mesh, length: float) -> None:
-    refused = outcome(lambda: as_in_c(partition(mesh, length, 10.0)))
-    assert isinstance(refused, str)
-    assert outcome(lambda: c_partition(parts, mesh, length, 10.0)) == refused
-
-
 @given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), data=st.data())
 @settings(max_examples=50, deadline=None)
 def test_loop_that_travels_is_alike(parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject) -> None:

@@ -53,7 +53,7 @@ def test_friction_holds_the_rope_at_the_start_and_nothing_moves_then(name: str) 
         for k in range(1, 51):
             assert rope.advance_to(0.02 * k, EndMotion(), RIGHT).valid
         later = rope.signals()
-        for key in ("left.swivel.angle", "right.swivel.angle", "loop.yaw"):
+        for key in ("left.swivel.angle", "right.swivel.angle", "loop.yaw", "loop.x", "loop.y"):
             assert abs(later[key] - start[key]) < 1e-7
         if name == "healthy":
             assert later["count.swivel_events"] == 0

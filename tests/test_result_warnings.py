@@ -247,6 +247,10 @@ def test_forces_of_extrapolated_motions_are_off_as_is_said(stop: float | None, m
     for h, part in missed.items():
         errors = end_forces(trip, h, extrapolated=True) - exact[round(h / 0.0025) - 1 :: round(h / 0.0025)]
         assert np.abs(errors).max() == pytest.approx(part * largest, rel=0.05)
+        # twice the mass of a leg of 105 m times what the path misses of the acceleration, by test_masters; longer steps
+        # fall in with the rope's axial swings
+        jerk, mass = trip.jerk if stop is None else trip.emergency_jerk, rope_120().scene.rope.mass_per_length * 105.0
+        assert h > LONGEST_EXTRAPOLATION or np.abs(errors).max() < 2 * 2.94 * jerk * h * mass
 
 
 def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:

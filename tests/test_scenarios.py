@@ -127,15 +127,6 @@ def test_the_hoist_stops_from_the_first_sample_that_sees_the_trip(law: Emergency
         assert np.argmax(result.recording["drive.brake_torque"] > 0.0) > seen
 
 
-def test_until_the_trip_the_run_is_that_without_the_guard() -> None:
-    result, free = wound(), wound(window=1e3)
-    seen = int(np.argmax(result.recording["guard.tripped"]))
-    assert guard_trip(free.recording) is None
-    for name in ("left.fy", "conveyance.left.y", "reference.position"):
-        assert_array_equal(result.recording[name][:seen], free.recording[name][:seen])
-    assert free.winding.emergency_at is None
-
-
 def test_a_run_that_goes_on_stops_at_the_same_sample(tmp_path: Path) -> None:
     result, file = wound(), tmp_path / "good.npz"
     trip = guard_trip(result.recording)

@@ -213,20 +213,3 @@ def test_a_value_that_cannot_be_fails_where_it_is_met_and_reset_makes_all_good(
     assert rope.hang({}) == OK
     assert rope.do_step(0.0, H) == OK
     rope.free()
-
-
-def test_a_step_that_fails_leaves_an_instance_that_restores_and_goes_on(fmu: Fmu) -> None:
-    rope, state = Host(*fmu), ctypes.c_void_p()
-    assert rope.hang({"inputs_at_step_end": 1, "right.y": 0.0}) == OK
-    assert [rope.move(k * H, H) for k in range(5)] == [OK] * 5
-    assert rope.save(state) == OK
-    assert [rope.move(k * H, H) for k in range(5, 8)] == [OK] * 3
-    expected = rope.forces()
-    assert rope.put("left.y", 5.0) == OK
-    assert rope.do_step(8 * H, H) == ERROR
-    assert "m away from the motion of its derivatives" in rope.said[-1]
-    assert rope.do_step(8 * H, H) == ERROR
-    assert rope.restore(state) == OK
-    assert [rope.move(k * H, H) for k in range(5, 8)] == [OK] * 3
-    assert rope.forces() == expected
-    rope.free()

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import scenes
+from conftest import difference
 from numpy.testing import assert_allclose, assert_array_equal
-from scenes import past_each_other
+from scenes import passed
 
-from rope_model import BalanceRope, Mesh, Rope, Scene, Solver, balance_rope
+from rope_model import Mesh, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions
 from rope_model.physics.wire_element import LATEST, wire_functions
 from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
@@ -161,9 +161,8 @@ def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(fidelity
 
     x = now[:, kept].ravel()
     R = np.array(wires.residual(x, 2.0, H)).ravel()
-    slopes = [(energy(x + step) - energy(x - step)) / 2e-6 for step in 1e-6 * np.eye(x.size)]
     assert np.abs(R).max() > 1e-3
-    assert_allclose(R, slopes, atol=1e-5 * np.abs(R).max())
+    assert_allclose(R, difference(energy, x, 1e-6), atol=1e-5 * np.abs(R).max())
 
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
@@ -171,10 +170,9 @@ def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: El
     plain, wires, kept = element_functions(fidelity), wire_functions(fidelity), list(ELEMENT_DOF[fidelity])
     q, still = element_state(fidelity, 3)[:, kept].ravel(), np.zeros(2 * len(kept))
     stuck = np.array(wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(LATEST), 1.0))
-    R, steps = wires.residual, 1e-7 * np.eye(q.size)
     H = at_rest(element_state(fidelity, 3), np.zeros(9))
-    slopes = [np.array(R(q + e, 2.0, H) - R(q - e, 2.0, H)).ravel() / 2e-7 for e in steps]
-    assert_allclose(stuck, np.array(slopes).T, atol=1e-6 * np.abs(stuck).max())
+    slopes = difference(lambda x: np.array(wires.residual(x, 2.0, H)).ravel(), q, 1e-7)
+    assert_allclose(stuck, slopes, atol=1e-6 * np.abs(stuck).max())
     # of a straight rope bending is all there is to it
     straight = element_state(fidelity, 3)
     straight[:, 3:6], straight[1, :3], straight[:, 6] = [0.6, -0.8, 0.0], straight[0, :3] + [1.2, -1.6, 0.0], 0.0
@@ -206,10 +204,6 @@ def test_a_change_of_the_mesh_makes_no_energy_and_keeps_the_moments_sum() -> Non
     assert carry(np.zeros((0, 9)), old, new).size == 0
 
 
-def wound(of: Scene, form: Any, steps: int, step: float = 0.01) -> BalanceRope:
-    return scenes.wound(balance_rope(of, form), past_each_other, steps, step)
-
-
 def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     made = replace(Rope(length=10.0, EI_stick=3000.0, slip_moment=2.0), **rope)
     solver = Solver(kernels="portable", step_max=0.01, tolerance=100.0)
@@ -217,7 +211,7 @@ def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
 
 
 def test_what_the_wires_take_is_in_the_energy_balance() -> None:
-    energy = wound(scene(), "native", 200).state.energy_balance
+    energy = passed(scene(), 200).state.energy_balance
     assert energy.dissipated_wires > 10 * energy.dissipated_material > 0
     assert abs(energy.residual) < 2e-3 * energy.dissipated_wires
 
@@ -228,7 +222,7 @@ def test_steps_converge_with_the_second_order() -> None:
     def swung(step: float) -> Array:
         of = scene(EI_stick=1300.0, slip_moment=20.0, beta_K=0.01)
         free = Solver(step_max=step, tolerance=1e6, newton_tolerance=1e-10, rho_inf=0.8)
-        return wound(replace(of, solver=free), "native", round(1.0 / step), step).state.motion.q
+        return passed(replace(of, solver=free), round(1.0 / step), step).state.motion.q
 
     exact = swung(1 / 1280)
     errors = [np.abs(swung(1 / n) - exact).max() for n in (40, 80, 160)]

@@ -1,6 +1,6 @@
 """The bound on a communication step's work: what it holds and gives up; and when steps become longer again."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,18 +22,13 @@ NEWTON, GIVEN_UP, SINCE, FORCES = 0, 1, 2, slice(3, 5)
 BOUND = 48
 
 
-@dataclass(frozen=True)
-class Run:
-    """Outputs after each communication step, and the Newton iterations of each."""
-
-    values: NDArray[np.float64]
-
-    @property
-    def work(self) -> NDArray[np.float64]:
-        return np.diff(self.values[:, NEWTON], prepend=0.0)
+def work(values: NDArray[np.float64]) -> float:
+    """Newton iterations of the longest communication step."""
+    return float(np.diff(values[:, NEWTON], prepend=0.0).max())
 
 
-def wind(work_max: int) -> Run:
+def wind(work_max: int) -> NDArray[np.float64]:
+    """Outputs (steps, READ) after each communication step."""
     scene = rope_data(find_case(STOP.scene).rope, STOP.level)
     rope = NativeRope(scene.with_(solver=replace(scene.solver, work_max=work_max)))
     read, motions = rope.reader(READ), STOP.motions
@@ -42,32 +37,34 @@ def wind(work_max: int) -> Run:
     for k, ends in enumerate(motions[1:], start=1):
         assert rope.advance_to(k * STOP.H, *ends).valid
         values.append(read())
-    return Run(np.array(values))
+    return np.array(values)
 
 
 @pytest.fixture(scope="module")
-def unbounded() -> Run:
+def unbounded() -> NDArray[np.float64]:
     return wind(0)
 
 
-def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_says_so(unbounded: Run) -> None:
+def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_says_so(
+    unbounded: NDArray[np.float64],
+) -> None:
     bounded = wind(BOUND)
-    assert unbounded.work.max() > BOUND >= bounded.work.max()
-    given_up, since = bounded.values[:, GIVEN_UP], bounded.values[:, SINCE]
+    assert work(unbounded) > BOUND >= work(bounded)
+    given_up, since = bounded[:, GIVEN_UP], bounded[:, SINCE]
     first = int(np.argmax(given_up > 0))
     assert given_up[first] >= 1
     assert (since[:first] == 0.0).all()
     # the communication step in which it began, not its end
     assert (since[first:] == first * STOP.H).all()
     # an event that is found a step late moves the forces by no more than they move in a step
-    forces = unbounded.values[:, FORCES]
-    assert np.abs(bounded.values[:, FORCES] - forces).max() < np.abs(np.diff(forces, axis=0)).max()
+    forces = unbounded[:, FORCES]
+    assert np.abs(bounded[:, FORCES] - forces).max() < np.abs(np.diff(forces, axis=0)).max()
 
 
-def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: Run) -> None:
+def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: NDArray[np.float64]) -> None:
     far = wind(100 * BOUND)
-    assert (far.values == unbounded.values).all()
-    assert far.values[-1, GIVEN_UP] == 0.0
+    assert (far == unbounded).all()
+    assert far[-1, GIVEN_UP] == 0.0
 
 
 def test_both_forms_give_up_the_same_steps_and_warn_of_it() -> None:
@@ -84,11 +81,11 @@ def test_both_forms_give_up_the_same_steps_and_warn_of_it() -> None:
     assert f"given up in {a.counts.given_up} steps since t = {a.given_up_since:.6g} s" in said["accuracy_given_up"]
 
 
-def test_a_bound_below_one_step_does_not_stop_the_rope(unbounded: Run) -> None:
+def test_a_bound_below_one_step_does_not_stop_the_rope(unbounded: NDArray[np.float64]) -> None:
     bounded = wind(1)
-    assert np.isfinite(bounded.values).all()
-    assert bounded.values[-1, GIVEN_UP] > 0
-    last, right = (run.values[-100:, FORCES].mean(axis=0) for run in (bounded, unbounded))
+    assert np.isfinite(bounded).all()
+    assert bounded[-1, GIVEN_UP] > 0
+    last, right = (values[-100:, FORCES].mean(axis=0) for values in (bounded, unbounded))
     assert last == pytest.approx(right, rel=0.01)
 
 

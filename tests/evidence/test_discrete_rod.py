@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from evidence.discrete_rod import cases
 from evidence.discrete_rod.cases import SHORT, Case, Comparison, Winding, rod_of
-from evidence.discrete_rod.rod import Rod, join, split, swept_area
+from evidence.discrete_rod.rod import Rod, join, split
 from evidence.discrete_rod.solve import HELD, first_guess
 
 Array = NDArray[np.float64]
@@ -64,12 +64,6 @@ def test_an_undamped_elastic_rod_keeps_its_energy() -> None:
     assert abs(power) < 1e-11 * np.abs(rates * y).sum() * rod.material.rho
 
 
-def test_damping_takes_energy() -> None:
-    rod = short(24, Qb=1e5, Qc=1e5)
-    y = disturb(rod, 0.05)
-    assert energy(rod, y[:, None] + 1e-30j * rod.rates(0.0, y, HELD)[:, None])[0].imag < 0
-
-
 def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
     still = short(24)
     y, omega = disturb(still, 0.05), np.array([0.0, 0.7, 0.0])
@@ -107,21 +101,6 @@ def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     couple += np.sum(np.cross(ends, loads.reaction[:, :, 0] + end_weight), axis=0)
     assert np.linalg.norm(spin) > 1.0
     np.testing.assert_allclose(change, couple, atol=1e-9 * np.abs(loads.reaction).max() * SHORT.length)
-
-
-def transport(d: Array, a: Array, b: Array) -> Array:
-    """The directors ``d`` (n, 3) carried from tangents ``a`` to ``b`` by the smallest rotation."""
-    axis, q = np.cross(a, b), 1 + np.sum(a * b, axis=1)[:, None]
-    return np.asarray(d + np.cross(axis, d) + np.cross(axis, np.cross(axis, d)) / q)
-
-
-def test_the_swept_area_is_what_parallel_transport_turns_the_section_by() -> None:
-    rng = np.random.default_rng(3)
-    a, b, c = (z / np.linalg.norm(z, axis=1)[:, None] for z in 0.4 * rng.standard_normal((3, 20, 3)) + [0.0, 0.0, 1.0])
-    d = np.cross(a, b) / np.linalg.norm(np.cross(a, b), axis=1)[:, None]
-    round_trip = transport(transport(transport(d, a, b), b, c), c, a)
-    angle = np.arctan2(np.sum(a * np.cross(d, round_trip), axis=1), np.sum(d * round_trip, axis=1))
-    np.testing.assert_allclose(np.exp(1j * angle), np.exp(1j * swept_area(a, b, c)), atol=1e-12)
 
 
 def test_the_sparse_jacobian_is_the_derivative_of_the_rates() -> None:

@@ -1,4 +1,4 @@
-"""The constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, and those against the rope."""
+"""Constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, those against the rope, a sine stop."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from numpy.testing import assert_allclose
 from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.rule import judges, off, shares, slip
 from evidence.mesh_rule.scenes import JUDGE, KINDS, draw
-from evidence.promise.scenes import Sample
+from evidence.promise.scenes import TUNE, Sample
 from evidence.promise.scenes import draw as samples
+from evidence.promise.sine_stop import sine_stop
 from evidence.promise.wind import REQUESTS, errors, wind
 from evidence.rendering import DOCS
 from evidence.tables import read, table
@@ -160,3 +161,18 @@ def test_fits_find_the_coefficients_of_made_up_data() -> None:
     )
     ends = table(("end element [m]", "layer [m]", "moment error"), [(a, 0.5, 1e-3 * (2 * a) ** 4) for a in x])
     assert_allclose(laws._ends(ends).values, (1e-3, 4.0))
+
+
+def test_a_sine_stop_ends_at_rest_and_its_rates_fit_its_places() -> None:
+    stops = [sine_stop(s.trip) for s in samples(TUNE, 20) if s.by_sine]
+    assert len(stops) > 2
+    for stop in stops:
+        assert_allclose(stop.at(stop.duration - 1e-9).speed, 0.0, atol=1e-7)
+        assert stop.at(stop.duration + 1.0) == stop.at(stop.duration + 1e-9)
+        dt = 1e-4
+        for t in np.linspace(stop.begin + dt, stop.duration - dt, 7):
+            before, now, after = (stop.at(t + k * dt) for k in (-1, 0, 1))
+            # central differences of smooth functions: dt^2 times their third rates
+            assert_allclose((after.position - before.position) / (2 * dt), now.speed, atol=1e-6)
+            assert_allclose((after.speed - before.speed) / (2 * dt), now.acceleration, atol=1e-6)
+            assert_allclose((after.acceleration - before.acceleration) / (2 * dt), now.jerk, atol=1e-5)
