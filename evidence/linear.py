@@ -15,6 +15,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.tables import Array
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
@@ -28,7 +29,6 @@ from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
 from rope_model import EndMotion, Level
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 TORQUE = ("torque_command",)

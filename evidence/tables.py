@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 #: columns by name with their unit; numbers, or text
 Table = Mapping[str, NDArray[Any]]
 #: tables by the name of their file

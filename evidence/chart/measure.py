@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
@@ -17,12 +16,10 @@ from evidence.chart.points import FAMILIES, SAMPLE, Point, Study, complete
 from evidence.errors import force_error, place_error
 from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
-from evidence.tables import Tables, table
+from evidence.tables import Array, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh.partition import fit_mesh
-
-Array = NDArray[np.float64]
 
 #: families of which every point is repeated
 ALWAYS = ("levels", "fidelities")

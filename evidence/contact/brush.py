@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.contact.scenes import Array, follow, made, moving
+from evidence.contact.scenes import follow, made, moving
 from evidence.errors import place_error
 from evidence.rendering import DOCS, number
-from evidence.tables import Table, records, table, write
+from evidence.tables import Array, Table, records, table, write
 from rope_model import EndMotion
 from rope_model.parameters import Mesh, Scene, Solver
 from rope_model.physics.contact_error import ContactSums

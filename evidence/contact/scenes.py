@@ -7,13 +7,12 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from evidence.tables import Array
 from rope_model import BalanceRope, EndMotion, balance_rope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 
-Array = NDArray[np.float64]
 GRAVITY = Layout().gravity
 WEIGHT = Rope().mass_per_length * GRAVITY  # N/m
 PLANAR = Model(fidelity="planar")

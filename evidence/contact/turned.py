@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.contact.scenes import WEIGHT, Array, follow, made, unexplained
+from evidence.contact.scenes import WEIGHT, follow, made, unexplained
+from evidence.tables import Array
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel
 from rope_model.physics.hermite import interpolate

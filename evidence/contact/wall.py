@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.contact.scenes import GRAVITY, PLANAR, Array, follow, made, moving, smooth_step
+from evidence.contact.scenes import GRAVITY, PLANAR, follow, made, moving, smooth_step
+from evidence.tables import Array
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft

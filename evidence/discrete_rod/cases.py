@@ -13,10 +13,10 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.discrete_rod.rod import Friction, Material, Rod
 from evidence.discrete_rod.solve import Record, equilibrium, first_guess, lowest_point, modes, move
+from evidence.tables import Array
 from rope_model import (
     BalanceRope,
     EndMotion,
@@ -32,7 +32,6 @@ from rope_model import (
 )
 from rope_model.simulation.outputs.modal import natural_modes
 
-Array = NDArray[np.float64]
 Results = dict[str, Array]
 
 #: published coupling, Qb and Qc not quite equal

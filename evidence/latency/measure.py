@@ -34,7 +34,7 @@ from tqdm import tqdm
 
 from benchmarks.kinematic import ends_at
 from evidence.machine import machine
-from evidence.tables import Table, Tables, table
+from evidence.tables import Array, Table, Tables, table
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from hoist_demo.cases.table import find_case
@@ -43,7 +43,6 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Level, balance_rope
 
-Array = NDArray[np.float64]
 #: rest after a winding, s
 SETTLE = 5.0
 #: part of the trip's duration at which an emergency stop begins: on rope-240 after its swivels' release

@@ -7,17 +7,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.mesh_rule import laws
 from evidence.mesh_rule.laws import Laws
 from evidence.mesh_rule.scenes import JUDGE, Sample, draw
-from evidence.tables import Table
+from evidence.tables import Array, Table
 from rope_model.parameters import Mesh
 from rope_model.physics.elementary import sqrt
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
 
-Array = NDArray[np.float64]
 #: ropes: the rule itself costs nothing
 MANY = 400
 #: loop elements over w on which it hangs too high by more than it trembles; how far from LONGEST one is beyond doubt

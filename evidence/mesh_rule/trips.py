@@ -6,17 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.kinematic import wind
 from evidence.mesh_rule.scenes import KINDS, STEP, Sample
-from evidence.tables import Table, table
+from evidence.tables import Array, Table, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Mesh
 from rope_model.simulation.mesh.partition import fit_mesh
 
-Array = NDArray[np.float64]
 SETTLE, EVERY = 3.0, 0.08  # s
 #: loop_error (m) of the mesh whose legs, ends and steps are varied; how much longer its legs' elements are made
 ASKED, PARTS = 5e-3, (0.25, 1.0, 4.0)

@@ -7,18 +7,16 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
 from evidence.peer.exudyn_rope import Method, PeerError, PeerRope
+from evidence.tables import Array
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, Mesh, Scene, balance_rope, rope_120
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.rope_system import arc_lengths
-
-Array = NDArray[np.float64]
 
 CASE = rope_120()
 TRAVEL = CASE.travel  # m

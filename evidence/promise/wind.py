@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
 from evidence.promise.scenes import Sample
+from evidence.tables import Array
 from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
 
-Array = NDArray[np.float64]
 #: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely
 SETTLE, EVERY = 3.0, 0.02
 #: what is asked: the default, and a tenth and ten times as much of it

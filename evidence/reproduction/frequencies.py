@@ -12,7 +12,7 @@ from tqdm import tqdm
 from evidence.claims import above, below
 from evidence.drawing import CURVES, figure
 from evidence.reproduction.claim import Claim, Section
-from evidence.tables import Table, Tables, table
+from evidence.tables import Array, Table, Tables, table
 from rope_model.parameters import Swivel, rope_120
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, nominal_points
 from rope_model.simulation.ends.paths import EndMotion, EndPath
@@ -22,8 +22,6 @@ from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
-
-Array = NDArray[np.float64]
 
 #: an independent discrete-rod model, Hz
 REFERENCE_HZ = {

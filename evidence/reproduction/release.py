@@ -6,20 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from benchmarks.kinematic import Winding, progress_bar, wind
 from evidence.claims import above, below
 from evidence.drawing import COLOURS, REFERENCE, figure, mark_instants
 from evidence.reproduction.claim import Claim, Section
-from evidence.tables import Tables, table
+from evidence.tables import Array, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.rope_system import ANGLE
-
-Array = NDArray[np.float64]
 
 RELEASE, END = 20.0, 45.0  # s
 FROM, UNTIL = 17.0, 24.0  # s: record of the swivel, and what of it is searched for jumps

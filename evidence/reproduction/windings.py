@@ -7,18 +7,15 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.kinematic import Winding, progress_bar, wind
-from evidence.tables import Table, Tables, table
+from evidence.tables import Array, Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
 from rope_model.physics.stress import material_values
 from rope_model.simulation.mesh.partition import fit_mesh
 from rope_model.simulation.rope_system import arc_lengths
-
-Array = NDArray[np.float64]
 
 COUPLINGS = ("uncoupled", "coupled")
 SCENE = rope_120().scene

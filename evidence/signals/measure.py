@@ -9,11 +9,10 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.signals import multirate
 from evidence.signals.sources import SIGNALS, Sample, Source, motion_of
-from evidence.tables import Tables, table
+from evidence.tables import Array, Tables, table
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Level, Scene, at_level, balance_rope, rope, rope_120
@@ -28,8 +27,6 @@ COLUMNS = (
 DELAY, REST = 0.5, 2.0
 #: s, of communication, in the table that is shown
 STEP = 0.01
-
-Array = NDArray[np.float64]
 
 
 class Trip(NamedTuple):

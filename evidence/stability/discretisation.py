@@ -7,8 +7,9 @@ import numpy as np
 from benchmarks.kinematic import fixed_steps
 from evidence.claims import above, below
 from evidence.stability.counterexamples import modified_element
-from evidence.stability.entry import Array, Entry, Finding, points
+from evidence.stability.entry import Entry, Finding, points
 from evidence.stability.trips import Record, follow, hang, trip, without_transformations
+from evidence.tables import Array
 from rope_model.parameters import Mesh, Rope, Scene, Solver
 
 # membrane locking

@@ -6,13 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from evidence.claims import Measurement
 from evidence.tables import Table, table
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

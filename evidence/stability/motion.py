@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from evidence.claims import below
-from evidence.stability.entry import Array, Entry, Finding
+from evidence.stability.entry import Entry, Finding
+from evidence.tables import Array
 from rope_model import balance_rope
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.simulation.ends.paths import EndMotion

@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from evidence.claims import above, below
-from evidence.stability.entry import Array, Entry, Finding, points
+from evidence.stability.entry import Entry, Finding, points
+from evidence.tables import Array
 from rope_model.numerics import quintic
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kinematic import ends_at
-from evidence.stability.entry import Array
+from evidence.tables import Array
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model.parameters import Scene

@@ -18,8 +18,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.tables import Table, table
-from evidence.validation.statics import Array, clamped, turned
+from evidence.tables import Array, Table, table
+from evidence.validation.statics import clamped, turned
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem, parameter_vector

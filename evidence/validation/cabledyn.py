@@ -17,8 +17,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from benchmarks.kinematic import fixed_steps
-from evidence.tables import Table, table
-from evidence.validation.statics import Array
+from evidence.tables import Array, Table, table
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.rope_system import ANGLE, POSITION

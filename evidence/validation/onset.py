@@ -16,8 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from evidence.stability.chain import StaticBoundary, is_stable
-from evidence.tables import Table, table
-from evidence.validation.statics import Array
+from evidence.tables import Array, Table, table
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths

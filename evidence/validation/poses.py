@@ -21,8 +21,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from evidence.stability.chain import StaticBoundary
-from evidence.tables import Table, read, rows, table
-from evidence.validation.statics import Array
+from evidence.tables import Array, Table, read, rows, table
 from evidence.validation.wires import GRAVITY, QA, WIRES, Wire
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.rope_kernels import RopeKernels

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.stability.chain import StaticBoundary
+from evidence.tables import Array
 from rope_model.simulation.rope_system import ANGLE, RopeSystem
 from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
-
-Array = NDArray[np.float64]
 
 
 def clamped(q: Array) -> StaticBoundary:

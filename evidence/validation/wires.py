@@ -14,16 +14,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from evidence.tables import Table, rows, table
+from evidence.tables import Array, Table, rows, table
 from evidence.validation.statics import clamped, turned
 from rope_model.physics.element import PARAMETERS
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
 
-Array = NDArray[np.float64]
 LENGTH, GRAVITY = 1.5, 9.81  # m, m/s^2; of the published set-up
 #: m between the ends, as we read it from the authors' model of their holder; and what we could have misread
 GAP = 0.09
