@@ -15,6 +15,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.ropes import require, smooth_step
 from evidence.tables import Array
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
@@ -70,9 +71,7 @@ class Shaken:
         self.rope = InProcessRope(scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional")))
         plant, travel = HoistPlant(self.case.hoist), self.case.hoist.shaft_travel
         heights = self.start, travel - self.start
-        status = self.rope.initialize(0.0, *(EndMotion(y=y) for y in heights))
-        if not status.valid:
-            raise ValueError(status.message)
+        require(self.rope.initialize(0.0, *(EndMotion(y=y) for y in heights)))
         forces = self.rope.reader(ROPE_FORCES)()[:2]
         state, u = plant.equilibrium(*heights, *forces.tolist()), np.zeros(len(INPUT_NAMES))
         u[0], u[1:3] = state.x[0], forces
@@ -94,10 +93,9 @@ class Shaken:
 
     def followed(self, speed: float, rise: float) -> float:
         """Torque that takes the hoist to the speed [m/s] within so many seconds and keeps it there."""
-        hoist, x = self.case.hoist, min(self.k * self.H / rise, 1.0)
-        wanted, push = speed * x**3 * (10 - 15 * x + 6 * x**2), speed / rise * 30 * (x * (1 - x)) ** 2
-        error = wanted - hoist.sheave_radius * float(self.drive.outputs[SHOWN["rate"]])
-        return self.held + hoist.sheave_radius * hoist.moving_mass * (push + error)
+        hoist, (_, wanted, push, _) = self.case.hoist, smooth_step(self.k * self.H / rise)
+        error = speed * wanted - hoist.sheave_radius * float(self.drive.outputs[SHOWN["rate"]])
+        return self.held + hoist.sheave_radius * hoist.moving_mass * (speed / rise * push + error)
 
 
 def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0, level: Level = "standard") -> Complex:

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.contact.scenes import follow, made, moving
 from evidence.errors import place_error
 from evidence.rendering import DOCS, number
+from evidence.ropes import at_rest, follow, moving
 from evidence.tables import Array, Table, records, table, write
 from rope_model import EndMotion
 from rope_model.parameters import Mesh, Scene, Solver
@@ -74,7 +74,7 @@ def past(stiffness: float = STIFFNESS, y: float = -25.0) -> Trip:
 def brush(trip: Trip, mesh: Mesh = FITTED, step: float = 0.0) -> Brush:
     """The trip on this mesh, with steps of this length; 0: as the default accuracy asks for."""
     solver = Solver(step_max=step, tolerance=1e3) if step else Solver()
-    rope = made(trip.scene.with_(mesh=mesh, solver=solver))
+    rope = at_rest(trip.scene.with_(mesh=mesh, solver=solver))
     rows = follow(rope, 1e-2, trip.stop, trip.ends, rope.reader(_SIGNALS))
     impulse, pressure, force, place = rope.signals(_TOLD).values()
     gaps = int(np.count_nonzero((rows[:, 1] < -INSIDE) & (rows[:, 0] == 0.0)))
@@ -82,10 +82,10 @@ def brush(trip: Trip, mesh: Mesh = FITTED, step: float = 0.0) -> Brush:
     return Brush(rows[:, 0], impulse, told, gaps, rows[:, 2:8], rows[:, 8:], sums)
 
 
-def at_rest(mesh: Mesh) -> float:
+def leaning(mesh: Mesh) -> float:
     """Force (N) of a thin divider that the default rope leans on at rest."""
     shaft = Shaft(divider_1=Divider(size=0.1, y=-25.0, offset=1.03))
-    return made(Scene(mesh=mesh, shaft=shaft)).signals(["contact.divider"])["contact.divider"]
+    return at_rest(Scene(mesh=mesh, shaft=shaft)).signals(["contact.divider"])["contact.divider"]
 
 
 def errors(coarse: Brush, fine: Brush) -> tuple[float, float, float]:

@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.contact.scenes import WEIGHT, follow, made, unexplained
+from evidence.contact.scenes import WEIGHT, unexplained
+from evidence.ropes import at_rest, follow
 from evidence.tables import Array
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel
@@ -48,7 +49,7 @@ def turned(friction: float) -> Turned:
     """The rope turned by ``TURNS`` at either end."""
     contact = Contact(rope_stiffness=1e7, friction=friction)
     scene = _scene(Shaft(contact=contact, air=Air(density=100.0, drag=10.0)))
-    found = made(scene)
+    found = at_rest(scene)
     read = found.reader(("loop.turns", "left.swivel.torque", "contact.rope", "loop.crossings"))
     turns, torque, force, crossings = np.abs(follow(found, 0.02, TIME, lambda t: 2 * (_end(t, TIME),), read)).T
     first = int(np.argmax(force > 0))
@@ -64,7 +65,7 @@ def turned(friction: float) -> Turned:
 
 def struck_legs(stiffness: float) -> float:
     """Energy unexplained, of the work, where the rope is turned so fast that its legs strike and rebound."""
-    found = made(_scene(Shaft(contact=Contact(rope_stiffness=stiffness))))
+    found = at_rest(_scene(Shaft(contact=Contact(rope_stiffness=stiffness))))
     follow(found, 0.01, FAST, lambda t: 2 * (_end(t, 2.0 * FAST),))
     return unexplained(found)
 

@@ -16,20 +16,9 @@ import numpy as np
 
 from evidence.discrete_rod.rod import Friction, Material, Rod
 from evidence.discrete_rod.solve import Record, equilibrium, first_guess, lowest_point, modes, move
+from evidence.ropes import at_rest, require
 from evidence.tables import Array
-from rope_model import (
-    BalanceRope,
-    EndMotion,
-    Layout,
-    Mesh,
-    Model,
-    Rope,
-    RopeSimulator,
-    Scene,
-    Solver,
-    Swivel,
-    balance_rope,
-)
+from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel
 from rope_model.simulation.outputs.modal import natural_modes
 
 Results = dict[str, Array]
@@ -95,11 +84,7 @@ def grade(length: float, bottom: float, edges: int) -> Array:
 def rope_of(scene: Scene, ends: Winding, step: float = 1e-3) -> BalanceRope:
     """Ours, at rest; complete, with a ``step`` (s) short enough that only the mesh errs."""
     solver = Solver(step_max=step, tolerance=0.1)
-    rope = balance_rope(scene.with_(solver=solver, model=Model("torsional")))
-    status = rope.initialize(0.0, *ends.ours(0.0))
-    if not status.valid:
-        raise RuntimeError(status.message)
-    return rope
+    return at_rest(scene.with_(solver=solver, model=Model("torsional")), *ends.ours(0.0))
 
 
 def present(rope: BalanceRope) -> tuple[Array, Array, Array, float, Array]:
@@ -187,9 +172,7 @@ def follow(rope: BalanceRope, ends: Winding, times: Array) -> Record:
     """Our rope along ``ends``, with communication steps of 10 ms that end on ``times``."""
     rows, switches, interval = [present(rope)], list[float](), 0.01
     for k in range(1, round(times[-1] / interval) + 1):
-        status = rope.advance_to(k * interval, *ends.ours(k * interval))
-        if not status.valid:
-            raise RuntimeError(status.message)
+        require(rope.advance_to(k * interval, *ends.ours(k * interval)))
         switches += [event.t for event in rope.state.events if "swivel" in event.what]
         if np.abs(times - k * interval).min() < 1e-9:
             rows.append(present(rope))

@@ -13,10 +13,11 @@ from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.mesh_rule.scenes import FIT, JUDGE, Sample, draw
-from rope_model import EndMotion, Mesh, Model, Scene, balance_rope
+from evidence.ropes import at_rest
+from evidence.tables import Array
+from rope_model import EndMotion, Mesh, Model, Scene
 from rope_model.physics.accuracy import locking_error
 from rope_model.physics.estimates import bending_length
 
@@ -39,13 +40,9 @@ class Off(NamedTuple):
     yaw: float
 
 
-def hang(scene: Scene, height: float) -> NDArray[np.float64]:
+def hang(scene: Scene, height: float) -> Array:
     """Place and yaw of the loop at rest."""
-    rope = balance_rope(scene)
-    status = rope.initialize(0.0, EndMotion(y=height), EndMotion())
-    if not status.valid:
-        raise RuntimeError(status.message)
-    return np.array(list(rope.signals(_SIGNALS).values()))
+    return np.array(list(at_rest(scene, EndMotion(y=height)).signals(_SIGNALS).values()))
 
 
 def coupled(sample: Sample) -> Scene:

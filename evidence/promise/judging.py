@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.claims import Measurement, above, below
 from evidence.promise.wind import REQUESTS
-from evidence.tables import Table, rows
+from evidence.tables import Array, Table, rows
 
 #: factor within which an estimate is to be of the error, and the share of those that are to be
 NEAR, NEAR_SHARE = 2.0, 0.85
@@ -24,7 +23,7 @@ def completed(t: Table, asked: str = "default") -> Table:
     return {name: column[kept] for name, column in t.items()}
 
 
-def over_asked(t: Table, asked: str = "default") -> NDArray[np.float64]:
+def over_asked(t: Table, asked: str = "default") -> Array:
     """Error over what was asked, the worse one of end force and loop."""
     return np.maximum(t["end force"] / REQUESTS[asked].end_force, t["loop [m]"] / REQUESTS[asked].loop)
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.kinematic import Winding, progress_bar, wind
+from benchmarks.kinematic import Winding, wind
 from evidence.claims import above, below
-from evidence.drawing import COLOURS, REFERENCE, figure, mark_instants
+from evidence.drawing import COLOURS, REFERENCE, figure
 from evidence.reproduction.claim import Claim, Section
 from evidence.tables import Array, Tables, table
 from hoist_demo.control.trajectory import s_curve
@@ -49,11 +49,8 @@ def follow(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]
     """Return the case's winding up to ``until`` (s); RuntimeError when it fails."""
     case, watch = rope_240(), Watch(RopeSimulator(scene))
     reference = s_curve(Trip(travel=case.travel, speed=case.speed))
-    with progress_bar(name, until) as advance:
-        run = wind(scene, reference, case.travel, until - reference.duration, 1, advance, watch)
-    if not run.status.valid:
-        raise RuntimeError(f"{name}: {run.status.message}")
-    return run, watch
+    run = wind(scene, reference, case.travel, until - reference.duration, 1, watch)
+    return run.completed(name), watch
 
 
 def measure() -> Tables:
@@ -192,7 +189,7 @@ def draw(tables: Tables) -> Figure:
     for ax, (quantity, title) in zip(axes.flat, panels.items(), strict=True):
         ax.plot(t["t [s]"], t[f"locked {quantity}"], color=REFERENCE, lw=1.6, label="swivels locked")
         ax.plot(t["t [s]"], t[f"released {quantity}"], color=COLOURS["left"], label="swivels released at 20 s")
-        mark_instants(ax, [RELEASE])
+        ax.axvline(RELEASE, color="#c0392b", lw=0.6, alpha=0.7, zorder=0.5)
         ax.set(ylabel=quantity[quantity.index("[") :], title=title)
     for ax in axes[1]:
         ax.set_xlabel("time [s]")

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
+from tqdm import tqdm
 
-from benchmarks.kinematic import Winding, progress_bar, wind
+from benchmarks.kinematic import Winding, wind
 from evidence.tables import Array, Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
@@ -58,14 +59,9 @@ class Stresses:
 
 
 def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:
-    """One winding of 90 m, with a progress bar; RuntimeError when it fails."""
-    reference = s_curve(Trip())
-    with progress_bar(name, reference.duration + SETTLE) as advance:
-        watch = None if stresses is None else stresses.watch
-        run = wind(scene, reference, TRAVEL, SETTLE, SAMPLE, advance, watch)
-    if not run.status.valid:
-        raise RuntimeError(f"{name}: {run.status.message}")
-    return run
+    """One winding of 90 m; RuntimeError when it fails."""
+    watch = None if stresses is None else stresses.watch
+    return wind(scene, s_curve(Trip()), TRAVEL, SETTLE, SAMPLE, watch).completed(name)
 
 
 def measure() -> Tables:
@@ -73,7 +69,7 @@ def measure() -> Tables:
     runs: dict[tuple[str, str], Winding] = {}
     stresses = {name: Stresses(RopeSimulator(scene_of("coupled", mesh))) for name, mesh in MESHES.items()}
     times: list[tuple[object, ...]] = []
-    for k, coupling, name in product(range(ROUNDS), COUPLINGS, MESHES):
+    for k, coupling, name in tqdm([*product(range(ROUNDS), COUPLINGS, MESHES)], "windings", leave=False):
         watched = stresses[name] if k == 0 and coupling == "coupled" else None
         run = follow(scene_of(coupling, MESHES[name]), f"winding, {coupling}, {name}, round {k + 1}", watched)
         runs.setdefault((coupling, name), run)
