@@ -1,6 +1,6 @@
 """A rope that brushes a thin divider while it runs past: force over time, its peak and its impulse.
 
-``python -m evidence.contact.brush`` measures them against step, mesh, stiffness and height; three minutes.
+They are measured against step, mesh, stiffness and height.
 """
 
 from __future__ import annotations
@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from evidence.errors import place_error
-from evidence.rendering import DOCS, number
 from evidence.ropes import at_rest, follow, moving
-from evidence.tables import Array, Table, records, table, write
+from evidence.tables import Array, Table, records, table
 from rope_model import EndMotion
 from rope_model.parameters import Mesh, Scene, Solver
 from rope_model.physics.contact_error import ContactSums
@@ -117,7 +116,6 @@ def brushes() -> Table:
     for elements, step, stiffness in CASES:
         x = brush(past(stiffness), equal(elements) if elements else FITTED, step)
         rows.append((elements, step, stiffness, x.peak, x.impulse, x.told[0]))
-        print(*map(number, rows[-1]), flush=True)
     return table(COLUMNS, rows)
 
 
@@ -140,7 +138,6 @@ def heights() -> Table:
         fine = brush(trip, equal(FINEST[0]), FINEST[1])
         for name, mesh in MESHES.items():
             rows.append((y, name, brush(trip, mesh).peak / fine.peak - 1.0))
-            print(*rows[-1], flush=True)
     return table(("y", "mesh", "peak off by"), rows)
 
 
@@ -156,7 +153,3 @@ def orders(t: Table) -> dict[str, float]:
             coarse, fine, exact = (rows[*key, STIFFNESS][name] for key in keys)
             found[f"{name}, {of}"] = math.log2(abs(coarse - exact) / abs(fine - exact))
     return found
-
-
-if __name__ == "__main__":
-    write({"brushes": brushes(), "heights": heights()}, DOCS / "data" / "contact")

@@ -7,7 +7,6 @@ so that a run that was cut goes on.  Cheap scenes come first.  Exits with 1 wher
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Sequence
@@ -16,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evidence.options import add_out
+from evidence.claims import text
 from evidence.pages import PAGES, publish
 from evidence.promise.judging import claims, completed, over_asked
 from evidence.promise.scenes import JUDGE, REQUESTED, SCENES, Sample, draw
@@ -34,29 +33,24 @@ SHOWN, WORST = ("end force", "end force, estimated", "loop [m]", "loop, estimate
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line; 1 where a target is missed."""
     parser = argparse.ArgumentParser("python -m evidence.promise", description=__doc__)
-    add_out(parser)
     parser.add_argument("--scenes", type=int, default=SCENES, metavar="N", help=f"of the seed ({SCENES})")
     parser.add_argument("--seed", type=int, default=JUDGE, help=f"another one than {JUDGE}, which judges: no page")
-    parser.add_argument("--minutes", type=float, default=np.inf, metavar="M", help="begin no scene after so many")
-    parser.add_argument("--workers", type=int, default=os.cpu_count(), metavar="N", help="processes (one per core)")
     options = parser.parse_args(arguments)
     folder = Path("build") / "promise" / f"{options.seed}-{text_hash(Path(__file__).parents[2] / 'rope_model')}"
     begun, samples = time.monotonic(), sorted(draw(options.seed, options.scenes), key=_cost)
-    with ProcessPoolExecutor(options.workers) as pool:
+    with ProcessPoolExecutor() as pool:
         rest = [s for s in samples if not (folder / f"{s.number:03d}.csv").exists()]
-        for number in pool.map(_keep, rest, [folder] * len(rest), [begun + 60 * options.minutes] * len(rest)):
+        for number in pool.map(_keep, rest, [folder] * len(rest)):
             print(f"scene {number}: {time.monotonic() - begun:.0f} s", flush=True)
     found = _together([*read(folder).values()])
-    is_page = options.seed == JUDGE
-    if is_page or options.out != DOCS:
-        write({"scenes": found}, options.out / "data" / PAGE.data)
-    if is_page:
-        for path in publish(PAGE, options.out):
+    if options.seed == JUDGE:
+        write({"scenes": found}, DOCS / "data" / PAGE.data)
+        for path in publish(PAGE):
             print(path)
     _print(found)
     told = claims(found)
     for claim in told:
-        print(f"{claim.what}: {claim.value:.3g}{'' if claim.holds else f', wanted {claim.relation} {claim.bound:.3g}'}")
+        print(f"{'' if claim.holds else 'MISSED '}{claim.what}: {text(claim)}")
     return int(not all(claim.holds for claim in told))
 
 
@@ -65,11 +59,10 @@ def _cost(sample: Sample) -> float:
     return (sample.trajectory.duration + SETTLE) * balance_rope(sample.scene).elements
 
 
-def _keep(sample: Sample, folder: Path, until: float) -> int:
+def _keep(sample: Sample, folder: Path) -> int:
     """Judge a scene and keep its rows; return its number."""
-    if time.monotonic() < until:
-        asked = [*REQUESTS] if sample.number < REQUESTED else [*REQUESTS][:1]
-        write({f"{sample.number:03d}": table(COLUMNS, judge(sample, asked))}, folder)
+    asked = [*REQUESTS] if sample.number < REQUESTED else [*REQUESTS][:1]
+    write({f"{sample.number:03d}": table(COLUMNS, judge(sample, asked))}, folder)
     return sample.number
 
 
@@ -86,7 +79,7 @@ def _print(found: Table) -> None:
         for k in (-over).argsort()[:WORST]:
             errors = ", ".join(f"{name} {t[name][k]:.2g}" for name in SHOWN)
             print(f"scene {t['scene'][k]:.0f}, {t['kind'][k]}: {over[k]:.2g} times what was asked; {errors}")
-    print("\n".join(sorted({str(x) for x in found["failure"] if str(x) not in ("", "nan")})), end="")
+    print("\n".join(sorted({*found["failure"].tolist()} - {""})), end="")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ def page(tables: Tables) -> str:
         "longest": done["length [m]"].max(),
         "shortest": done["length [m]"].min(),
         "factor": NEAR,
-        "failures": sorted({str(x) for x in t["failure"] if str(x) not in ("", "nan")}),
+        "failures": sorted({*t["failure"].tolist()} - {""}),
         "claims": [
             (c.what, number(c.value, ".3g"), f"{c.relation} {c.bound:.3g}", "yes" if c.holds else "**no**")
             for c in claims(t)

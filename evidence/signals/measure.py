@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from evidence.claims import text
 from evidence.signals import multirate
 from evidence.signals.sources import SIGNALS, Sample, Source, motion_of
 from evidence.tables import Array, Tables, table
@@ -114,7 +115,7 @@ def missed(recorded: Tables) -> Iterator[str]:
     """Yield the targets that are missed."""
     from evidence.signals.block import claims
 
-    return (f"{c.what} is {c.value:.3g}, wanted {c.relation} {c.bound:.3g}" for c in claims(recorded) if not c.holds)
+    return (f"{claim.what}: {text(claim)}" for claim in claims(recorded) if not claim.holds)
 
 
 MEASURES: dict[str, Callable[[], Tables]] = {"signals": tables, "multirate": multirate.tables}

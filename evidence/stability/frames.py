@@ -55,9 +55,7 @@ def tait_bryan() -> Finding:
         singular = yaw()
     return Finding(
         # the singularity is at 90 degrees: a wall that the loop, swinging, passes by a tenth at most
-        counterexample=(
-            below("loop yaw when the ends have turned by 180 deg, Tait-Bryan", singular, 99.0, "deg"),
-        ),
+        counterexample=(below("loop yaw when the ends have turned by 180 deg, Tait-Bryan", singular, 99.0, "deg"),),
         # the loop lags on the way and swings past the ends afterwards
         ours=(above("loop yaw when the ends have turned by 180 deg", ours, 170.0, "deg"),),
     )
