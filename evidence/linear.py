@@ -8,7 +8,6 @@ some 1 / SIGMA. In motion the response is the difference of two trips with the s
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -28,7 +27,7 @@ from hoist_demo.design.reduction import reduced
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from rope_model import EndMotion, Level
+from rope_model import EndMotion
 
 Complex = NDArray[np.complex128]
 
@@ -63,10 +62,9 @@ class Shaken:
     case: Case
     start: float  # m, height of the left conveyance
     H: float  # s, communication step
-    level: Level = "standard"
 
     def __post_init__(self) -> None:
-        scene = rope_data(self.case.rope, self.level)
+        scene = rope_data(self.case.rope)
         solver = replace(scene.solver, step_max=min(self.H / 2, scene.solver.step_max))
         self.rope = InProcessRope(scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional")))
         plant, travel = HoistPlant(self.case.hoist), self.case.hoist.shaft_travel
@@ -98,11 +96,11 @@ class Shaken:
         return self.held + hoist.sheave_radius * hoist.moving_mass * (speed / rise * push + error)
 
 
-def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0, level: Level = "standard") -> Complex:
+def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> Complex:
     """Transfer functions (s, SEEN) of the co-simulation from the torque's command."""
     rise, travel, steps = abs(speed) / _HARD, case.hoist.shaft_travel, round(_LASTS / s[0].real / H)
     before = speed * (rise / 2 + _SETTLES + _BEFORE) if speed else 0.0
-    run = Shaken(case, at * travel - before, H, level)
+    run = Shaken(case, at * travel - before, H)
     while speed and run.k * H < rise + _SETTLES:
         run.step(run.followed(speed, rise))
     begin, saved = run.k, (run.drive.save(), run.rope.save(), run.memory)
@@ -128,17 +126,14 @@ def errors(found: Complex, exact: Complex) -> tuple[Array, Array]:
     return np.abs(20 * np.log10(np.abs(ratio))).max(axis=0), np.abs(np.angle(ratio, deg=True)).max(axis=0)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
+def main() -> None:
     """Print the table of a few hoists."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("hoists", nargs="*", default=HOISTS)
     parser.add_argument("--at", type=float, nargs="+", default=HEIGHTS)
     parser.add_argument("--speed", type=float, default=0.0)
     parser.add_argument("--sigma", type=float, default=SIGMA)
-    parser.add_argument("--states", type=int, default=17)
-    parser.add_argument("--step", type=float, default=0.005)
-    parser.add_argument("--level", default="standard")
-    options = parser.parse_args(arguments)
+    options = parser.parse_args()
     grid: Complex = np.asarray(options.sigma + 1j * GRID.imag, dtype=np.complex128)
     print(
         f"{'hoist':>14}{'at':>5}{'s':>6}" + "".join(f"{name:>16}" for name in (*SEEN, "small, drive")) + "  dB/degrees"
@@ -147,11 +142,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         case = smooth(find_case(name))
         for at in options.at:
             begin = perf_counter()
-            (model,) = linearise(case, [at], level=options.level, speed=options.speed)
+            (model,) = linearise(case, [at], speed=options.speed)
             took = perf_counter() - begin
-            truth = shaken(case, at, grid, options.step, options.speed, options.level)
+            truth = shaken(case, at, grid, 0.005, options.speed)
             exact = model.selected(TORQUE, SEEN).response(grid)[:, :, 0]
-            small = reduced([model.selected(TORQUE, DRIVE[:3])], options.states).response(0, grid)[:, :, 0]
+            small = reduced([model.selected(TORQUE, DRIVE[:3])], 17).response(0, grid)[:, :, 0]
             decibels, degrees = errors(small, truth[:, :3])
             found = [*zip(*errors(exact, truth), strict=True), (decibels.max(), degrees.max())]
             print(

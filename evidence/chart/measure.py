@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from tqdm import tqdm
 from benchmarks.kinematic import wind
 from evidence.chart import depth
 from evidence.chart.front import pareto
-from evidence.chart.points import FAMILIES, SAMPLE, Point, Study, complete
+from evidence.chart.points import FINEST, SAMPLE, SETTLE, TRIP, Point, points
 from evidence.errors import force_error, place_error
 from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
@@ -21,6 +21,7 @@ from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh.partition import fit_mesh
 
+ROUNDS = 3
 #: families of which every point is repeated
 ALWAYS = ("levels", "fidelities")
 #: s of processor time; a longer run is not repeated
@@ -56,11 +57,11 @@ class Run:
         return float(np.median(self.costs)) if not self.failure else float("nan")
 
 
-def follow(point: Point, study: Study) -> Run:
+def follow(point: Point) -> Run:
     """One winding."""
     sample = round(SAMPLE / point.communication)
-    trip = s_curve(study.trip)
-    end = SAMPLE * math.ceil((trip.duration + study.settle) / SAMPLE)  # the same for every communication step
+    trip = s_curve(TRIP)
+    end = SAMPLE * math.ceil((trip.duration + SETTLE) / SAMPLE)  # the same for every communication step
     run = wind(point.scene, trip, TRAVEL, end - trip.duration, sample, interval=point.communication)
     if not run.t:
         return Run(*3 * (np.zeros((0, 2)),), "", "", 0, (0, 0, 0, 0), 0.0, [], run.status.message or "no sample")
@@ -92,23 +93,22 @@ def errors(run: Run, exact: Run, coupling: str) -> tuple[float, float, float]:
     return force_error(run.force, exact.force), place_error(run.bottom, exact.bottom), theta
 
 
-def measure(study: Study, families: Sequence[str] = FAMILIES) -> Tables:
-    """Every point of the families once, those on a front and those of ALWAYS again in each further round."""
-    exact = {c: study.reference(c) for c in COUPLINGS}
-    points = [p for p in study.points if p.family in families or p in exact.values()]
+def measure() -> Tables:
+    """Every point once, those on a front and those of ALWAYS again in each further round."""
+    exact = {p.coupling: p for p in points() if (p.family, p.name) == ("reference", FINEST)}
     runs: dict[tuple[Scene, float], Run] = {}
-    for p in tqdm(points, desc="round 1", unit="run", leave=False):
+    for p in tqdm(points(), desc="round 1", unit="run", leave=False):
         if _key(p) not in runs:
-            runs[_key(p)] = follow(p, study)
+            runs[_key(p)] = follow(p)
     failed = {c: runs[_key(p)].failure for c, p in exact.items() if runs[_key(p)].failure}
     if failed:
         raise RuntimeError(f"the reference solution fails: {failed}")
-    found = {p: (run := runs[_key(p)], errors(run, runs[_key(exact[p.coupling])], p.coupling)) for p in points}
+    found = {p: (run := runs[_key(p)], errors(run, runs[_key(exact[p.coupling])], p.coupling)) for p in points()}
     again = {_key(p): p for p in _worth_repeating(found)}
-    for k in range(2, study.rounds + 1):
+    for k in range(2, ROUNDS + 1):
         for key, p in tqdm(again.items(), desc=f"round {k}", unit="run", leave=False):
-            runs[key].costs += follow(p, study).costs
-    rows = [_row(p, runs[_key(p)], e) for p, (_, e) in found.items() if p.family in families]
+            runs[key].costs += follow(p).costs
+    rows = [_row(p, runs[_key(p)], e) for p, (_, e) in found.items()]
     return {"points": table(COLUMNS, rows), "machine": machine()}
 
 
@@ -150,4 +150,4 @@ def _describe(p: Point) -> str:
 
 
 #: what `python -m evidence --measure chart` measures
-MEASURES: dict[str, Callable[[], Tables]] = {"points": lambda: measure(complete()), "depth": depth.tables}
+MEASURES: dict[str, Callable[[], Tables]] = {"points": measure, "depth": depth.tables}

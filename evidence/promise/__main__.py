@@ -30,12 +30,12 @@ PAGE = PAGES["promise"]
 SHOWN, WORST = ("end force", "end force, estimated", "loop [m]", "loop, estimated [m]"), 10
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main() -> int:
     """The command line; 1 where a target is missed."""
     parser = argparse.ArgumentParser("python -m evidence.promise", description=__doc__)
     parser.add_argument("--scenes", type=int, default=SCENES, metavar="N", help=f"of the seed ({SCENES})")
     parser.add_argument("--seed", type=int, default=JUDGE, help=f"another one than {JUDGE}, which judges: no page")
-    options = parser.parse_args(arguments)
+    options = parser.parse_args()
     folder = Path("build") / "promise" / f"{options.seed}-{text_hash(Path(__file__).parents[2] / 'rope_model')}"
     begun, samples = time.monotonic(), sorted(draw(options.seed, options.scenes), key=_cost)
     with ProcessPoolExecutor() as pool:
