@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import astuple, dataclass, fields
 from typing import Literal
 
-from evidence.rendering import number
+from evidence.rendering import with_unit
 from evidence.tables import Table, table
 
 
@@ -38,8 +38,7 @@ def above(what: str, value: float, bound: float, unit: str = "1") -> Measurement
 
 def text(m: Measurement) -> str:
     """Return the value against its bound."""
-    unit = "" if m.unit == "1" else f" {m.unit}"
-    return f"{number(m.value, '.4g')}{unit} {m.relation} {number(m.bound, 'g')}{unit}"
+    return f"{with_unit(m.value, m.unit, '.4g')} {m.relation} {with_unit(m.bound, m.unit, 'g')}"
 
 
 def as_table(keys: Sequence[str], found: Iterable[tuple[Sequence[str], Measurement]]) -> Table:

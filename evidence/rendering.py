@@ -38,6 +38,11 @@ def quantity(x: float, unit: str, form: str = ".3g") -> str:
     return f"{number(SCALES[unit] * float(x), form)} {unit}"
 
 
+def with_unit(x: float, unit: str, form: str = ".3g") -> str:
+    """``x`` in its unit, or '1' without one."""
+    return number(x, form) if unit == "1" else f"{number(x, form)} {unit}"
+
+
 def markdown(rows: Iterable[Sequence[str]], *head: str) -> str:
     """A table."""
     lines = [f"| {' | '.join(cells)} |" for cells in (head, *rows)]

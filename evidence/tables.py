@@ -27,6 +27,11 @@ def rows(t: Table, **wanted: str | float | tuple[str, ...] | tuple[float, ...]) 
     kept = np.ones(len(next(iter(t.values()))), dtype=bool)
     for name, value in wanted.items():
         kept &= np.isin(t[name], value)
+    return where(t, kept)
+
+
+def where(t: Table, kept: NDArray[np.bool_]) -> Table:
+    """Return the rows that are ``kept``."""
     return {name: column[kept] for name, column in t.items()}
 
 

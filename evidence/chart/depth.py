@@ -7,7 +7,6 @@ the mesh differs.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -97,13 +96,13 @@ def savings(t: Table) -> list[Saving]:
 
 
 def reading(t: Table) -> list[dict[str, Any]]:
-    """Return the most that is saved of either coupling."""
-    found = savings(t)
-    return [_verdict_of(found, c) for c in COUPLINGS]
-
-
-def _verdict_of(found: Sequence[Saving], coupling: str) -> dict[str, Any]:
-    """Return the most that is saved at each length, and the part that the source states."""
-    mine = [s for s in found if s.coupling == coupling and np.isfinite(s.saved)]
-    most = {s.length: max(x.saved for x in mine if x.length == s.length) for s in mine}
-    return {"coupling": coupling, "asked": SOURCE_SAVED[coupling], "most": [(part, at) for at, part in most.items()]}
+    """Return, of either coupling, the most that is saved at each length, and the part that the source states."""
+    told = []
+    for coupling in COUPLINGS:
+        mine = [s for s in savings(t) if s.coupling == coupling and np.isfinite(s.saved)]
+        most = [
+            (max(x.saved for x in mine if x.length == length), length)
+            for length in dict.fromkeys(s.length for s in mine)
+        ]
+        told.append({"coupling": coupling, "asked": SOURCE_SAVED[coupling], "most": most})
+    return told

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.errors import place_error
+from evidence.errors import end_error, place_error
 from evidence.ropes import at_rest, follow, moving
 from evidence.tables import Array, Table, records, table
 from rope_model import EndMotion
@@ -91,9 +91,7 @@ def errors(coarse: Brush, fine: Brush) -> tuple[float, float, float]:
     """Errors of what ``told`` estimates."""
     presses = (coarse.pressure > 0.0) | (fine.pressure > 0.0)
     pressure = math.sqrt(np.square(coarse.pressure - fine.pressure)[presses].mean()) / fine.peak
-    off, force = ((x.reshape(-1, 2, 3)) for x in (coarse.forces - fine.forces, fine.forces))
-    ends = np.sqrt(np.square(off).sum(axis=2).mean(axis=0)).max() / np.linalg.norm(force, axis=2).max()
-    return pressure, float(ends), place_error(coarse.loop, fine.loop)
+    return pressure, end_error(coarse.forces, fine.forces), place_error(coarse.loop, fine.loop)
 
 
 def equal(elements: int) -> Mesh:

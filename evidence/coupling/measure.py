@@ -61,18 +61,14 @@ class Run:
     cause: str
 
 
-def wind(case: Case, scheme: str | Scheme, H: float) -> Run:
-    """Make one run; a scheme may be given that has no name."""
+def wind(case: Case, scheme: Scheme, H: float) -> Run:
+    """Make one run."""
     scene = CASES[case.name]
     data = rope_data(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))
-    coupling, unnamed = Coupling(step=H, sample=case.sample), None
-    if isinstance(scheme, str):
-        coupling = replace(coupling, scheme=scheme)
-    else:
-        unnamed = scheme
-    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains, scheme=unnamed)
+    coupling = Coupling(step=H, sample=case.sample)
+    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains, scheme=scheme)
     start = time.process_time()
     result: Result = host.run()
     spent = time.process_time() - start
@@ -87,7 +83,7 @@ def schemes() -> Tables:
     """Measure error and cost of every scheme on the hoist's first half metre."""
     exact, rows = wind(SHORT, CONVERGED, ROPE_STEP), []
     for name, given in tqdm(SCHEMES.items(), desc="schemes", unit="scheme", leave=False):
-        scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else name
+        scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else given
         for H in STEPS:
             run = wind(SHORT, scheme, H)
             error, cost = (math.inf, math.nan) if run.cause else (force_error(run.force, exact.force), run.processor)
@@ -104,7 +100,7 @@ def cases() -> Tables:
         winding = replace(setup.winding, travel=travel, settle=2.0)
         case = Case(name, winding, rope_step=CASE_REFERENCE, sample=CASE_STEP)
         exact = wind(case, CONVERGED, CASE_REFERENCE)
-        run = wind(replace(case, rope_step=None), Coupling().scheme, CASE_STEP)
+        run = wind(replace(case, rope_step=None), SCHEMES[Coupling().scheme], CASE_STEP)
         largest = float(np.max(np.abs(run.force - exact.force)) / np.max(np.abs(exact.force)))
         ratio = setup.hoist.tail_mass * setup.hoist.tail_rope_length / setup.hoist.conveyance_mass
         errors = force_error(run.force, exact.force), largest

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kinematic import ends_at
+from evidence.errors import end_error, place_error
 from evidence.promise.scenes import Sample
 from evidence.tables import Array
 from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
@@ -25,12 +26,11 @@ FINE: dict[str, Any] = {
 }
 FINE_STEP = 1.25e-3
 _SIGNALS = tuple(
-    [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")]
-    + ["loop.x", "loop.y", "loop.z", "left.mz", "right.mz", "left.swivel.angle", "right.swivel.angle"]
+    [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")] + ["loop.x", "loop.y", "loop.z"]
 )
 COLUMNS = (
     *("scene", "asked", "kind", "length [m]", "mass [kg/m]", "EI [N m2]", "left", "right", "speed [m/s]"),
-    *("interval [s]", "events", "end force", "horizontal force", "loop [m]", "clamp moment", "swivel angle [rad]"),
+    *("interval [s]", "events", "end force", "loop [m]"),
     *("end force, estimated", "loop, estimated [m]", "end force, of the fine run", "loop, of the fine run [m]"),
     *("work", "failure"),
 )
@@ -68,24 +68,13 @@ def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] 
     return Run(np.array(rows), force, loop, corrections * rope.elements, events)
 
 
-def errors(run: Run, fine: Run) -> tuple[float, ...]:
-    """Of end force, its horizontal part, place of the loop, clamp moment, swivel angle; see COLUMNS.
-
-    Forces and moments: root mean square of the worse end, relative to the largest.  Loop and angle: the largest.
-    """
+def errors(run: Run, fine: Run) -> tuple[float, float]:
+    """Of the end forces and of the loop's place (m)."""
     n = min(len(run.signals), len(fine.signals))
     if n == 0:
-        return (np.nan,) * 5
-    exact, off = fine.signals[:n], run.signals[:n] - fine.signals[:n]
-    force, side = exact[:, :6].reshape(n, 2, 3), off[:, :6].reshape(n, 2, 3)
-    largest = np.linalg.norm(force, axis=2).max()
-    return (
-        _rms(np.linalg.norm(side, axis=2)) / largest,
-        _rms(np.linalg.norm(side[:, :, ::2], axis=2)) / largest,
-        float(np.linalg.norm(off[:, 6:9], axis=1).max()),
-        _rms(off[:, 9:11]) / float(np.abs(exact[:, 9:11]).max()),
-        float(np.abs(off[:, 11:]).max()),
-    )
+        return np.nan, np.nan
+    told, exact = run.signals[:n], fine.signals[:n]
+    return end_error(told[:, :6], exact[:, :6]), place_error(told[:, 6:], exact[:, 6:])
 
 
 def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
@@ -102,8 +91,3 @@ def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
         told = run.end_force, run.loop, fine.end_force, fine.loop, run.work, failure
         rows.append((sample.number, request, *about, run.events, *errors(run, fine), *told))
     return rows
-
-
-def _rms(x: Array) -> float:
-    """Root mean square over time, of the worse end."""
-    return float(np.sqrt((x**2).mean(axis=0)).max())

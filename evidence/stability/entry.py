@@ -18,16 +18,6 @@ class Finding:
     ours: tuple[Measurement, ...]
     curves: Table | None = None
 
-    @property
-    def sides(self) -> dict[str, tuple[Measurement, ...]]:
-        """The claims by whom they are about."""
-        return {"counterexample": self.counterexample, "ours": self.ours}
-
-    @property
-    def holds(self) -> bool:
-        """Whether all claims are true."""
-        return all(m.holds for m in (*self.counterexample, *self.ours))
-
 
 @dataclass(frozen=True)
 class Entry:

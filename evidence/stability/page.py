@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from evidence.claims import recorded
 from evidence.coupling.page import cases, schemes
 from evidence.drawing import CURVES, figure
-from evidence.rendering import number, render
+from evidence.rendering import render, with_unit
 from evidence.stability.entry import Entry
 from evidence.stability.measure import CHAPTERS
 from evidence.tables import Table, Tables, rows
@@ -48,7 +48,7 @@ def _summary(t: Table, entry: Entry) -> tuple[str, ...]:
     """Return the first claim of either side, and how many of all hold."""
     claims = [(side, m) for (key, side), m in recorded(t) if key == entry.key]
     first = [next(m for side, m in claims if side == wanted) for wanted in ("counterexample", "ours")]
-    cells = [f"{m.what}: {number(m.value, '.4g')}{'' if m.unit == '1' else ' ' + m.unit}" for m in first]
+    cells = [f"{m.what}: {with_unit(m.value, m.unit, '.4g')}" for m in first]
     held = f"{sum(m.holds for _, m in claims)} of {len(claims)}"
     return f"[{entry.title}](#{anchor(entry.title)})", *cells, held
 
