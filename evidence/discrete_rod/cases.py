@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 
 import numpy as np
 
@@ -288,17 +289,15 @@ def cases() -> list[Case]:
     return [
         Case("rest, published coupling, 120 m", statics_ours, statics_rod, (600, 1200), rest),
         *(
-            Case(
-                f"frequencies, 120 m, {name}",
-                lambda n, name=name: modes_ours(name, n),  # type: ignore[misc]
-                lambda n, name=name: modes_rod(name, n),  # type: ignore[misc]
-                (600, 1200),
-                rest,
-            )
+            Case(f"frequencies, 120 m, {name}", partial(modes_ours, name), partial(modes_rod, name), (600, 1200), rest)
             for name in VIBRATIONS
         ),
-        Case("winding", lambda n: winding_ours(n, wound), lambda n: winding_rod(n, wound), (1, 2), edges),
+        Case("winding", partial(winding_ours, times=wound), partial(winding_rod, times=wound), (1, 2), edges),
         Case(
-            "release of a swivel", lambda n: release_ours(n, let_go), lambda n: release_rod(n, let_go), (80, 160), edges
+            "release of a swivel",
+            partial(release_ours, times=let_go),
+            partial(release_rod, times=let_go),
+            (80, 160),
+            edges,
         ),
     ]

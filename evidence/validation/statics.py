@@ -6,7 +6,9 @@ import numpy as np
 
 from evidence.stability.chain import StaticBoundary
 from evidence.tables import Array
-from rope_model.simulation.rope_system import ANGLE, RopeSystem
+from rope_model.parameters import Rope
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import ANGLE, RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
 
 
@@ -16,6 +18,13 @@ def clamped(q: Array) -> StaticBoundary:
     boundary.held[[0, -1]] = True
     boundary.held[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
     return boundary
+
+
+def clamped_rod(rope: Rope, gravity: float, q: Array) -> RopeSystem:
+    """``rope`` on equal elements, both ends of ``q`` (nodes, 7) held."""
+    elements = len(q) - 1
+    lengths = np.full(elements, rope.length / elements)
+    return RopeSystem(RopeKernels(elements), lengths, parameter_vector(rope, gravity), clamped(q), q)
 
 
 def turned(system: RopeSystem, q: Array, angle: float) -> Equilibrium:
