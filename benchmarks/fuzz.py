@@ -131,13 +131,11 @@ def _done(command: Sequence[str], folder: Path, env: Mapping[str, str] | None = 
 def main() -> None:
     parser = argparse.ArgumentParser(description="fuzz the native FMU's C entry points")
     parser.add_argument("--minutes", type=float, default=30.0, help="of each version")
-    parser.add_argument("--fmi", type=int, choices=(2, 3), help="one version only")
-    parser.add_argument("--folder", type=Path, default=ROOT / "build" / "fuzz", help="of build, corpus and findings")
     parser.add_argument("--csv", type=Path, help="write the table there")
     options = parser.parse_args()
-    versions = (options.fmi,) if options.fmi else (2, 3)
+    folder = ROOT / "build" / "fuzz"  # of build, corpus and findings
     with ThreadPoolExecutor() as pool:
-        outcomes = list(pool.map(lambda fmi: run(fmi, options.folder / f"fmi{fmi}", options.minutes), versions))
+        outcomes = list(pool.map(lambda fmi: run(fmi, folder / f"fmi{fmi}", options.minutes), (2, 3)))
     for outcome in outcomes:
         print(
             f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions of "
@@ -151,7 +149,7 @@ def main() -> None:
             table.writerow(Outcome._fields)
             table.writerows(outcomes)
     if any(outcome.findings for outcome in outcomes):
-        raise SystemExit(f"findings are in {options.folder}")
+        raise SystemExit(f"findings are in {folder}")
 
 
 if __name__ == "__main__":

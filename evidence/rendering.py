@@ -83,14 +83,6 @@ def render(template: str, data: Mapping[str, Any]) -> str:
     return _environment().get_template(template).render(data)
 
 
-def write_page(name: str, text: str, docs: Path = DOCS) -> Path:
-    """``text`` as ``name`` in ``docs``."""
-    path = docs / name
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
 def fill_block(text: str, mark: str, block: str) -> str:
     """A hand-written text with a new ``block`` between its marks <!-- mark --> and <!-- /mark -->."""
     begin, end = f"<!-- {mark} -->\n", f"<!-- /{mark} -->"

@@ -32,13 +32,13 @@ COLUMNS = (
     *("family", "name", "coupling", "fidelity", "kernels", "mesh", "elements"),
     *("largest step [s]", "communication step [s]"),
     *("rounds", COST, *ERRORS),
-    *("steps", "newton iterations", "rejections", "transformations", "failure"),
+    "failure",
 )
 
 
 @dataclass
 class Run:
-    """What is kept of a winding: records at the samples, work, and s of processor time per simulated second."""
+    """What is kept of a winding: records at the samples, and s of processor time per simulated second."""
 
     force: Array  # (samples, 2), N
     bottom: Array  # (samples, 3), m
@@ -46,7 +46,6 @@ class Run:
     fidelity: str
     kernels: str
     elements: int
-    work: tuple[int, int, int, int]  # steps, Newton iterations, rejections, transformations
     simulated: float  # s
     costs: list[float]  # one per round
     failure: str
@@ -64,9 +63,8 @@ def follow(point: Point) -> Run:
     end = SAMPLE * math.ceil((trip.duration + SETTLE) / SAMPLE)  # the same for every communication step
     run = wind(point.scene, trip, TRAVEL, end - trip.duration, sample, interval=point.communication)
     if not run.t:
-        return Run(*3 * (np.zeros((0, 2)),), "", "", 0, (0, 0, 0, 0), 0.0, [], run.status.message or "no sample")
+        return Run(*3 * (np.zeros((0, 2)),), "", "", 0, 0.0, [], run.status.message or "no sample")
     state = run.rope.state
-    c = state.counts
     return Run(
         np.array(run.force),
         np.array(run.bottom),
@@ -74,7 +72,6 @@ def follow(point: Point) -> Run:
         state.fidelity,
         run.rope.form,
         state.partition.lengths.size,
-        (c.steps, c.newton, c.rejections, c.transformations),
         run.simulated,
         [run.cpu / run.simulated],
         run.status.message,
@@ -136,7 +133,6 @@ def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object
         *(p.family, p.name, p.coupling, run.fidelity, run.kernels, _describe(p), run.elements),
         *(p.solver.step_max, p.communication, len(run.costs), run.cost),
         *errors,
-        *run.work,
         run.failure,
     )
 

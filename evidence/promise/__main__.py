@@ -17,7 +17,7 @@ import numpy as np
 
 from evidence.claims import text
 from evidence.pages import PAGES, publish
-from evidence.promise.judging import claims, completed, over_asked
+from evidence.promise.judging import claims
 from evidence.promise.scenes import JUDGE, REQUESTED, SCENES, Sample, draw
 from evidence.promise.wind import COLUMNS, REQUESTS, SETTLE, judge
 from evidence.rendering import DOCS
@@ -26,8 +26,6 @@ from rope_model import balance_rope
 from rope_model.codegen.platforms import text_hash
 
 PAGE = PAGES["promise"]
-#: columns that are printed of the worst scenes, and how many of these
-SHOWN, WORST = ("end force", "end force, estimated", "loop [m]", "loop, estimated [m]"), 10
 
 
 def main() -> int:
@@ -47,7 +45,6 @@ def main() -> int:
         write({"scenes": found}, DOCS / "data" / PAGE.data)
         for path in publish(PAGE):
             print(path)
-    _print(found)
     told = claims(found)
     for claim in told:
         print(f"{'' if claim.holds else 'MISSED '}{claim.what}: {text(claim)}")
@@ -68,18 +65,6 @@ def _keep(sample: Sample, folder: Path) -> int:
 
 def _together(parts: Sequence[Table]) -> Table:
     return {name: np.concatenate([t[name] for t in parts]) for name in COLUMNS}
-
-
-def _print(found: Table) -> None:
-    """The worst scenes, and all that did not complete."""
-    for asked in REQUESTS:
-        t = completed(found, asked)
-        over = over_asked(t, asked)
-        print(f"{asked}: {len(over)} scenes")
-        for k in (-over).argsort()[:WORST]:
-            errors = ", ".join(f"{name} {t[name][k]:.2g}" for name in SHOWN)
-            print(f"scene {t['scene'][k]:.0f}, {t['kind'][k]}: {over[k]:.2g} times what was asked; {errors}")
-    print("\n".join(sorted({*found["failure"].tolist()} - {""})), end="")
 
 
 if __name__ == "__main__":

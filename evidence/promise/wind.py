@@ -29,7 +29,7 @@ _SIGNALS = tuple(
     [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")] + ["loop.x", "loop.y", "loop.z"]
 )
 COLUMNS = (
-    *("scene", "asked", "kind", "length [m]", "mass [kg/m]", "EI [N m2]", "left", "right", "speed [m/s]"),
+    *("scene", "asked", "kind", "length [m]", "EI [N m2]"),
     *("interval [s]", "events", "end force", "loop [m]"),
     *("end force, estimated", "loop, estimated [m]", "end force, of the fine run", "loop, of the fine run [m]"),
     *("work", "failure"),
@@ -80,10 +80,7 @@ def errors(run: Run, fine: Run) -> tuple[float, float]:
 def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
     """Rows of COLUMNS, one for each of the requests."""
     fine, scene = wind(sample, FINE_STEP, **FINE), sample.scene
-    about = (
-        *(sample.kind, scene.rope.length, scene.rope.mass_per_length, scene.rope.EI, scene.left.mode, scene.right.mode),
-        *(sample.trajectory.peak_speed, sample.interval),
-    )
+    about = sample.kind, scene.rope.length, scene.rope.EI, sample.interval
     rows = []
     for request in asked:
         run = wind(sample, sample.interval, accuracy=REQUESTS[request])

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from evidence.claims import Measurement
-from evidence.rendering import with_unit
 from evidence.tables import Tables
 
 
@@ -22,17 +21,6 @@ class Claim:
     def holds(self) -> bool:
         """Whether ours shows what the source states."""
         return self.measured.holds
-
-    @property
-    def number(self) -> str:
-        """Value with unit."""
-        return with_unit(self.measured.value, self.measured.unit)
-
-    @property
-    def bound(self) -> str:
-        """Relation and bound with unit."""
-        words = {"<": "below", ">": "above"}[self.measured.relation]
-        return f"{words} {with_unit(self.measured.bound, self.measured.unit)}"
 
 
 @dataclass(frozen=True)
