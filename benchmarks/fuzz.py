@@ -37,14 +37,10 @@ MEASURED = ("-fprofile-instr-generate", "-fcoverage-mapping")
 FOLLOWED = "-fsanitize=fuzzer"
 
 
-#: of an execution
-ROPES = 2
-
-
 class Outcome(NamedTuple):
     """``covered`` of ``lines``, by ``inputs`` that are kept; ``findings`` are files that reproduce a failure.
 
-    An execution is two ropes of a drawn mesh in shafts of drawn bodies, through up to 64 calls: ``scenes`` are ropes.
+    An execution is two ropes of a drawn mesh in shafts of drawn bodies, through up to 64 calls.
     """
 
     fmi: int
@@ -54,7 +50,6 @@ class Outcome(NamedTuple):
     covered: int
     lines: int
     findings: int
-    scenes: int
     commit: str
 
 
@@ -91,7 +86,7 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
     executions, seconds = map(int, last[-1]) if last else (0, 0)
     inputs = len(list((folder / "corpus").iterdir()))
     lines = coverage(fmi, folder)
-    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *lines, len(found), ROPES * executions, commit())
+    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *lines, len(found), commit())
 
 
 def commit() -> str:
@@ -138,8 +133,7 @@ def main() -> None:
         outcomes = list(pool.map(lambda fmi: run(fmi, folder / f"fmi{fmi}", options.minutes), (2, 3)))
     for outcome in outcomes:
         print(
-            f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions of "
-            f"{ROPES} ropes, "
+            f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions, "
             f"{outcome.inputs} inputs kept, which run {outcome.covered} of {outcome.lines} lines; "
             f"{outcome.findings} findings"
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 Table = Mapping[str, NDArray[Any]]
 #: tables by the name of their file
 Tables = Mapping[str, Table]
+#: what measures the tables of a room, by the name of the part
+Measures = Mapping[str, Callable[[], Tables]]
 
 
 def table(names: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:

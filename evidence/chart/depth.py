@@ -20,7 +20,7 @@ from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model.parameters import Mesh, Scene
+from rope_model.parameters import Mesh
 
 TRIPS = (
     ("rope-120", Trip(travel=90.0, speed=8.0)),
@@ -51,19 +51,15 @@ def tables() -> Tables:
         fitted = [Mesh("auto", loop_error=e) for e in LOOP_ERRORS]
         exact: Winding | None = None
         for mesh in tqdm([*equal, *fitted], desc=f"depth, {rope}, {coupling}", unit="run", leave=False):
-            runs = [_run(scene, mesh, trip) for _ in range(ROUNDS if mesh.kind == "auto" else 1)]
-            run = runs[0]
+            case = scene.with_(mesh=mesh), s_curve(trip), trip.travel, SETTLE, SAMPLE
+            runs = [wind(*case, interval=STEP) for _ in range(ROUNDS if mesh.kind == "auto" else 1)]
+            run = runs[0].completed(str(mesh))
             exact = exact or run
             kind, wanted = ("TMN-ETM", mesh.loop_error) if mesh.kind == "auto" else ("EEM", 0.0)
             what = rope, length, trip.travel, trip.speed, coupling, kind, wanted, run.rope.elements
             cost = float(np.median([x.cpu / x.simulated for x in runs]))
             rows.append((*what, cost, force_error(run.force, exact.force), place_error(run.bottom, exact.bottom)))
     return {"depth": table((*COLUMNS, *ERRORS), rows)}
-
-
-def _run(scene: Scene, mesh: Mesh, trip: Trip) -> Winding:
-    run = wind(scene.with_(mesh=mesh), s_curve(trip), trip.travel, SETTLE, SAMPLE, interval=STEP)
-    return run.completed(str(mesh))
 
 
 class Saving(NamedTuple):

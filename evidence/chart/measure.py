@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,7 @@ from evidence.chart.points import FINEST, SAMPLE, SETTLE, TRIP, Point, points
 from evidence.errors import force_error, place_error
 from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
-from evidence.tables import Array, Tables, table
+from evidence.tables import Array, Measures, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh.partition import fit_mesh
@@ -146,4 +145,4 @@ def _describe(p: Point) -> str:
 
 
 #: what `python -m evidence --measure chart` measures
-MEASURES: dict[str, Callable[[], Tables]] = {"points": measure, "depth": depth.tables}
+MEASURES: Measures = {"points": measure, "depth": depth.tables}

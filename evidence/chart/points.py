@@ -50,14 +50,9 @@ class Point:
         return scene_of(self.coupling, self.mesh).with_(solver=self.solver, model=self.model, accuracy=self.accuracy)
 
 
-def milliseconds(step: float) -> str:
-    """A step as it is written."""
-    return f"{1e3 * step:g} ms"
-
-
 def eem_name(elements: int, step: float) -> str:
     """Name of a point of equal elements."""
-    return f"{elements}, {milliseconds(step)}"
+    return f"{elements}, {1e3 * step:g} ms"
 
 
 #: the reference solution's
@@ -77,15 +72,10 @@ def _all(coupling: str) -> Iterator[Point]:
         if n > EEM_LARGEST and h == max(STEPS):
             continue
         yield Point("eem", eem_name(n, h), coupling, Mesh("eem", elements=n), fixed_steps(h))
-    for (name, mesh), h in product(tmn_meshes().items(), STEPS):
-        yield Point("tmn", f"{name}, {milliseconds(h)}", coupling, mesh, fixed_steps(h))
+    chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS} | {"published": Mesh(end_levels=0)}
+    for (name, mesh), h in product(chosen.items(), STEPS):
+        yield Point("tmn", f"{name}, {1e3 * h:g} ms", coupling, mesh, fixed_steps(h))
     yield from _fidelities(coupling)
-
-
-def tmn_meshes() -> dict[str, Mesh]:
-    """Meshes of TMN-ETM by name."""
-    chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS}
-    return chosen | {"published": Mesh(end_levels=0)}
 
 
 def _levels(coupling: str) -> Iterator[Point]:

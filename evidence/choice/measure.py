@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
 from evidence.errors import force_error
-from evidence.tables import Tables, table
+from evidence.tables import Measures, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel
@@ -56,4 +56,4 @@ def estimates() -> Tables:
     return {"estimates": table(names, [estimate(*x) for x in tqdm([*windings()], unit="winding", leave=False)])}
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"estimates": estimates}
+MEASURES: Measures = {"estimates": estimates}

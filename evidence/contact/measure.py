@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from tqdm import tqdm
 
 from evidence import claims
 from evidence.contact.brush import brushes, heights
 from evidence.contact.checks import CASES
-from evidence.tables import Tables
+from evidence.tables import Measures, Tables
 
 
 def checks() -> Tables:
@@ -23,7 +23,4 @@ def missed(tables: Tables) -> Iterator[str]:
     return claims.missed(tables["checks"])
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {
-    "checks": checks,
-    "brushes": lambda: {"brushes": brushes(), "heights": heights()},
-}
+MEASURES: Measures = {"checks": checks, "brushes": lambda: {"brushes": brushes(), "heights": heights()}}

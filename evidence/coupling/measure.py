@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from tqdm import tqdm
 
 from evidence.errors import force_error
-from evidence.tables import Tables, table
+from evidence.tables import Measures, Tables, table
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
@@ -112,4 +111,4 @@ def cases() -> Tables:
     return {"cases": table(names, rows)}
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"schemes": schemes, "cases": cases}
+MEASURES: Measures = {"schemes": schemes, "cases": cases}

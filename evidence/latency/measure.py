@@ -35,7 +35,7 @@ from tqdm import tqdm
 from benchmarks.kinematic import ends_at
 from evidence.machine import machine
 from evidence.ropes import at_rest
-from evidence.tables import Array, Tables, table
+from evidence.tables import Array, Measures, Tables, table
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from hoist_demo.cases.table import find_case
@@ -196,4 +196,4 @@ def tables() -> Tables:
     return {"steps": table(STEPS, rows), "causes": named, "machine": machine()}
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"latency": tables}
+MEASURES: Measures = {"latency": tables}

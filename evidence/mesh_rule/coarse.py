@@ -7,7 +7,6 @@ the nodes: on ropes of the seed that the constants of physics.accuracy come from
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
@@ -67,11 +66,11 @@ def measure(scene: Scene, x: float) -> Off:
     return Off(fine / w, float(locking_error(scene, fine)), float(place), float(yaw))
 
 
-def rows(seed: int, number: int = ROPES, lengths: Iterable[float] = LENGTHS) -> list[list[Off]]:
+def rows(seed: int) -> list[list[Off]]:
     """By the length of the elements, of ropes that are long enough for them, in their plane and out of it."""
-    ropes = list(islice((s for s in draw(seed, 20 * number) if SHORTEST * s.w < s.rope.length < LONGEST), number))
+    ropes = list(islice((s for s in draw(seed, 20 * ROPES) if SHORTEST * s.w < s.rope.length < LONGEST), ROPES))
     scenes = [scene for s in ropes for scene in (Scene(s.rope, s.layout, model=Model("planar")), coupled(s))]
-    return [[measure(scene, x) for scene in scenes] for x in lengths]
+    return [[measure(scene, x) for scene in scenes] for x in LENGTHS]
 
 
 def main() -> None:

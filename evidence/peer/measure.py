@@ -13,7 +13,7 @@ from evidence.peer.elements import ELEMENTS
 from evidence.peer.exudyn_rope import Method, PeerRope
 from evidence.peer.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 from evidence.ropes import require
-from evidence.tables import Tables, table
+from evidence.tables import Measures, Tables, table
 from rope_model.parameters import Mesh, Model
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.outputs.modal import natural_modes
@@ -89,4 +89,4 @@ def our_modes(height: float) -> list[float]:
     return [float(f) for f in modes.frequencies[modes.out_of_plane < 0.5][:MODES]]
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"frequencies": frequencies, "winding": winding}
+MEASURES: Measures = {"frequencies": frequencies, "winding": winding}

@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -21,7 +20,7 @@ from evidence.promise.judging import claims
 from evidence.promise.scenes import JUDGE, REQUESTED, SCENES, Sample, draw
 from evidence.promise.wind import COLUMNS, REQUESTS, SETTLE, judge
 from evidence.rendering import DOCS
-from evidence.tables import Table, read, table, write
+from evidence.tables import read, table, write
 from rope_model import balance_rope
 from rope_model.codegen.platforms import text_hash
 
@@ -35,12 +34,14 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=JUDGE, help=f"another one than {JUDGE}, which judges: no page")
     options = parser.parse_args()
     folder = Path("build") / "promise" / f"{options.seed}-{text_hash(Path(__file__).parents[2] / 'rope_model')}"
-    begun, samples = time.monotonic(), sorted(draw(options.seed, options.scenes), key=_cost)
+    begun, samples = time.monotonic(), draw(options.seed, options.scenes)
+    cheap_first = sorted(samples, key=lambda s: (s.trajectory.duration + SETTLE) * balance_rope(s.scene).elements)
     with ProcessPoolExecutor() as pool:
-        rest = [s for s in samples if not (folder / f"{s.number:03d}.csv").exists()]
+        rest = [s for s in cheap_first if not (folder / f"{s.number:03d}.csv").exists()]
         for number in pool.map(_keep, rest, [folder] * len(rest)):
             print(f"scene {number}: {time.monotonic() - begun:.0f} s", flush=True)
-    found = _together([*read(folder).values()])
+    parts = read(folder).values()
+    found = {name: np.concatenate([t[name] for t in parts]) for name in COLUMNS}
     if options.seed == JUDGE:
         write({"scenes": found}, DOCS / "data" / PAGE.data)
         for path in publish(PAGE):
@@ -51,20 +52,11 @@ def main() -> int:
     return int(not all(claim.holds for claim in told))
 
 
-def _cost(sample: Sample) -> float:
-    """Return about how long a scene takes."""
-    return (sample.trajectory.duration + SETTLE) * balance_rope(sample.scene).elements
-
-
 def _keep(sample: Sample, folder: Path) -> int:
     """Judge a scene and keep its rows; return its number."""
     asked = [*REQUESTS] if sample.number < REQUESTED else [*REQUESTS][:1]
     write({f"{sample.number:03d}": table(COLUMNS, judge(sample, asked))}, folder)
     return sample.number
-
-
-def _together(parts: Sequence[Table]) -> Table:
-    return {name: np.concatenate([t[name] for t in parts]) for name in COLUMNS}
 
 
 if __name__ == "__main__":

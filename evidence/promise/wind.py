@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from benchmarks.kinematic import ends_at
 from evidence.errors import end_error, place_error
 from evidence.promise.scenes import Sample
 from evidence.tables import Array
-from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
+from rope_model import Accuracy, Mesh, Scene, Solver, balance_rope
 
 #: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely
 SETTLE, EVERY = 3.0, 0.02
@@ -48,10 +48,10 @@ class Run:
     failure: str = ""
 
 
-def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] = balance_rope, **changes: Any) -> Run:
+def wind(sample: Sample, interval: float, **changes: Any) -> Run:
     """The scene on its trip, with parts of it changed."""
     scene: Scene = sample.scene.with_(**changes)
-    trip, rope = sample.trajectory, build(scene)
+    trip, rope = sample.trajectory, balance_rope(scene)
     every = max(round(max(EVERY, sample.interval) / interval), 1)
     status = rope.initialize(0.0, *ends_at(trip, sample.trip.travel, 0.0))
     read, rows = rope.reader(_SIGNALS), []

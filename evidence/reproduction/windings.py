@@ -78,7 +78,8 @@ def measure() -> Tables:
         times.append((coupling, name, elements, k + 1, run.cpu, counts.steps, counts.newton, counts.rejections))
     names = ("coupling", "mesh", "elements", "round", "processor time [s]", "steps", "Newton iterations", "rejections")
     tables = {f"winding-{c}": _observations({name: runs[c, name] for name in MESHES}) for c in COUPLINGS}
-    changes = [(c, *row) for c in COUPLINGS for row in _transformations(runs[c, "TMN-ETM"])]
+    events = [(c, event) for c in COUPLINGS for event in runs[c, "TMN-ETM"].events]
+    changes = [(c, e.t, e.kinetic) for c, e in events if e.what == "transformation"]
     t = np.array(runs["coupled", "EEM"].t)
     return {
         "times": table(names, times),
@@ -105,10 +106,6 @@ def _observations(runs: dict[str, Winding]) -> Table:
         # six digits of a large number are too few for a small difference
         columns[name.replace(first, "difference", 1)] = columns[name] - columns[name.replace(first, second, 1)]
     return columns
-
-
-def _transformations(run: Winding) -> list[tuple[float, float]]:
-    return [(e.t, e.kinetic) for e in run.events if e.what == "transformation"]
 
 
 def _places(name: str, stresses: Stresses) -> Iterator[tuple[str, Array]]:

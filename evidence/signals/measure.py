@@ -13,7 +13,7 @@ import numpy as np
 from evidence.claims import text
 from evidence.signals import multirate
 from evidence.signals.sources import SIGNALS, Sample, Source, motion_of
-from evidence.tables import Array, Tables, table
+from evidence.tables import Array, Measures, Tables, table
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Level, Scene, at_level, balance_rope, rope, rope_120
@@ -118,4 +118,4 @@ def missed(recorded: Tables) -> Iterator[str]:
     return (f"{claim.what}: {text(claim)}" for claim in claims(recorded) if not claim.holds)
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"signals": tables, "multirate": multirate.tables}
+MEASURES: Measures = {"signals": tables, "multirate": multirate.tables}

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from tqdm import tqdm
 
 from evidence import claims
 from evidence.stability import discretisation, frames, motion, swivel
 from evidence.stability.entry import Entry
-from evidence.tables import Tables
+from evidence.tables import Measures, Tables
 
 CHAPTERS: dict[str, tuple[Entry, ...]] = {
     "Elements and meshes": discretisation.ENTRIES,
@@ -36,4 +36,4 @@ def missed(tables: Tables) -> Iterator[str]:
     return claims.missed(tables["claims"])
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"entries": tables}
+MEASURES: Measures = {"entries": tables}
