@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from evidence.stability.chain import is_stable
 from evidence.tables import Array, Table, table
-from evidence.validation.statics import clamped, clamped_rod
+from evidence.validation.statics import clamped, rod
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
 
@@ -36,7 +36,7 @@ def straight_rod(elements: int, length: float) -> tuple[RopeSystem, Array]:
     s = np.linspace(0.0, length, elements + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, 3] = s * (1 + TENSION / AXIAL), 1 + TENSION / AXIAL
-    return clamped_rod(rope, 0.0, q), q
+    return rod(rope, 0.0, q, clamped(q)), q
 
 
 def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem, Array]:

@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from evidence.stability.chain import StaticBoundary
 from evidence.tables import Array, Table, read, rows, table
-from evidence.validation.statics import clamped_rod
+from evidence.validation.statics import rod
 from evidence.validation.wires import GRAVITY, WIRES, Wire
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.simulation.stepping.statics import find_equilibrium
@@ -62,7 +62,7 @@ def shape(wire: Wire, EI: float, GJ: float, pose: Pose) -> Array:
     s = np.linspace(0.0, 1.0, ELEMENTS + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, SLOPE] = LENGTH * s, (1.0, 0.0, 0.0)
-    system = clamped_rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q)
+    system = rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, _clamped(q))
     for part in np.arange(1, MOVES + 1) / MOVES:
         hand = HAND * Rotation.from_rotvec(part * np.array(pose.tilt), degrees=True)
         q[0, POSITION] = OURS @ (part * np.array(pose.way))

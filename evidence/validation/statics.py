@@ -20,11 +20,11 @@ def clamped(q: Array) -> StaticBoundary:
     return boundary
 
 
-def clamped_rod(rope: Rope, gravity: float, q: Array) -> RopeSystem:
-    """``rope`` on equal elements, both ends of ``q`` (nodes, 7) held."""
+def rod(rope: Rope, gravity: float, q: Array, boundary: StaticBoundary) -> RopeSystem:
+    """``rope`` on equal elements, near the shape ``q`` (nodes, 7)."""
     elements = len(q) - 1
     lengths = np.full(elements, rope.length / elements)
-    return RopeSystem(RopeKernels(elements), lengths, parameter_vector(rope, gravity), clamped(q), q)
+    return RopeSystem(RopeKernels(elements), lengths, parameter_vector(rope, gravity), boundary, q)
 
 
 def turned(system: RopeSystem, q: Array, angle: float) -> Equilibrium:

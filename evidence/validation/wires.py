@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evidence.tables import Array, Table, rows, table
-from evidence.validation.statics import clamped_rod, turned
+from evidence.validation.statics import clamped, rod, turned
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
@@ -81,7 +81,7 @@ def ring(wire: Wire, EI: float, GJ: float, gap: float, elements: int) -> tuple[R
     q[:, 0] = gap * (s - 0.5) - radius * np.sin(turn)
     q[:, 1] = -radius * (1 - np.cos(turn))
     q[:, SLOPE] = np.column_stack((-np.cos(turn), -np.sin(turn), np.zeros(s.size)))
-    return clamped_rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q), q
+    return rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, clamped(q)), q
 
 
 def thrown(wire: Wire, EI: float, GJ: float, gap: float, elements: int = 80) -> float:
