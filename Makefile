@@ -64,7 +64,7 @@ validate: $(READY)  ## hold the model against measurement, theory and other code
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.linear
 
 contact: $(READY)  ## check contact against exact cases (3 minutes)
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.contact
+	$(MEASURE) contact:checks -- contact
 
 signals: $(READY)  ## wind with motions that tables, rounding and repetition give (5 minutes)
 	$(MEASURE) signals -- signals

@@ -37,14 +37,10 @@ MEASURED = ("-fprofile-instr-generate", "-fcoverage-mapping")
 FOLLOWED = "-fsanitize=fuzzer"
 
 
-#: of an execution
-ROPES = 2
-
-
 class Outcome(NamedTuple):
     """``covered`` of ``lines``, by ``inputs`` that are kept; ``findings`` are files that reproduce a failure.
 
-    An execution is two ropes of a drawn mesh in shafts of drawn bodies, through up to 64 calls: ``scenes`` are ropes.
+    An execution is two ropes of a drawn mesh in shafts of drawn bodies, through up to 64 calls.
     """
 
     fmi: int
@@ -54,7 +50,6 @@ class Outcome(NamedTuple):
     covered: int
     lines: int
     findings: int
-    scenes: int
     commit: str
 
 
@@ -91,7 +86,7 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
     executions, seconds = map(int, last[-1]) if last else (0, 0)
     inputs = len(list((folder / "corpus").iterdir()))
     lines = coverage(fmi, folder)
-    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *lines, len(found), ROPES * executions, commit())
+    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *lines, len(found), commit())
 
 
 def commit() -> str:
@@ -131,17 +126,14 @@ def _done(command: Sequence[str], folder: Path, env: Mapping[str, str] | None = 
 def main() -> None:
     parser = argparse.ArgumentParser(description="fuzz the native FMU's C entry points")
     parser.add_argument("--minutes", type=float, default=30.0, help="of each version")
-    parser.add_argument("--fmi", type=int, choices=(2, 3), help="one version only")
-    parser.add_argument("--folder", type=Path, default=ROOT / "build" / "fuzz", help="of build, corpus and findings")
     parser.add_argument("--csv", type=Path, help="write the table there")
     options = parser.parse_args()
-    versions = (options.fmi,) if options.fmi else (2, 3)
+    folder = ROOT / "build" / "fuzz"  # of build, corpus and findings
     with ThreadPoolExecutor() as pool:
-        outcomes = list(pool.map(lambda fmi: run(fmi, options.folder / f"fmi{fmi}", options.minutes), versions))
+        outcomes = list(pool.map(lambda fmi: run(fmi, folder / f"fmi{fmi}", options.minutes), (2, 3)))
     for outcome in outcomes:
         print(
-            f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions of "
-            f"{ROPES} ropes, "
+            f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions, "
             f"{outcome.inputs} inputs kept, which run {outcome.covered} of {outcome.lines} lines; "
             f"{outcome.findings} findings"
         )
@@ -151,7 +143,7 @@ def main() -> None:
             table.writerow(Outcome._fields)
             table.writerows(outcomes)
     if any(outcome.findings for outcome in outcomes):
-        raise SystemExit(f"findings are in {options.folder}")
+        raise SystemExit(f"findings are in {folder}")
 
 
 if __name__ == "__main__":

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
@@ -43,6 +41,12 @@ class Winding:
     simulated: float = 0.0  # s
     cpu: float = 0.0  # s, of the steps alone
 
+    def completed(self, what: str = "the winding") -> Winding:
+        """Return the run; RuntimeError where it failed."""
+        if not self.status.valid:
+            raise RuntimeError(f"{what}: {self.status.message}")
+        return self
+
 
 def scene_of(rope: str, coupling: str) -> Scene:
     """The rope of a case between locked ends; uncoupled it is planar, which then leaves nothing out."""
@@ -74,15 +78,15 @@ def wind(
     travel: float,
     settle: float = 3.0,
     sample: int = 5,
-    progress: Callable[[float], None] | None = None,
     watch: Callable[[BalanceRope], None] | None = None,
     interval: float = H,
+    build: Callable[[Scene], BalanceRope] = balance_rope,
 ) -> Winding:
     """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``.
 
     ``watch`` sees the rope at every record.
     """
-    rope = balance_rope(scene)
+    rope = build(scene)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
         return run
@@ -105,18 +109,4 @@ def wind(
             run.kinetic.append(state.energy_balance.kinetic)
             if watch is not None:
                 watch(rope)
-        if progress is not None:
-            progress(run.simulated)
     return run
-
-
-@contextmanager
-def progress_bar(name: str, duration: float) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr for a run of ``duration`` (s of simulated time); the function given tells how far it is."""
-    with tqdm(total=round(duration), desc=name, unit="s", leave=False) as bar:
-
-        def advance(t: float) -> None:
-            if int(t) > bar.n:
-                bar.update(int(t) - bar.n)
-
-        yield advance

@@ -2,7 +2,7 @@
 
 ``python -m evidence`` writes all, ``python -m evidence accuracy levels`` these.  ``--measure chart`` measures a room
 anew before that, ``--measure chart:depth`` a part of it; the exit code is 1 where a claim about it is missed.
-The texts are the templates *.md.j2 of the rooms.  Contact and promise have commands of their own.
+The texts are the templates *.md.j2 of the rooms.  ``python -m evidence.promise`` is apart.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from evidence.tables import read, write
 
 #: rooms that ``--measure`` knows: the module ``measure`` of each has MEASURES, and may have ``missed``
 ROOMS = (
-    *("chart", "choice", "coupling", "discrete_rod", "knowledge"),
+    *("chart", "choice", "contact", "coupling", "discrete_rod", "knowledge"),
     *("latency", "peer", "reproduction", "signals", "stability", "validation"),
 )
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import astuple, dataclass, fields
 from typing import Literal
 
-from evidence.rendering import number
+from evidence.rendering import with_unit
+from evidence.tables import Table, table
 
 
 @dataclass(frozen=True)
@@ -36,5 +38,22 @@ def above(what: str, value: float, bound: float, unit: str = "1") -> Measurement
 
 def text(m: Measurement) -> str:
     """Return the value against its bound."""
-    unit = "" if m.unit == "1" else f" {m.unit}"
-    return f"{number(m.value, '.4g')}{unit} {m.relation} {number(m.bound, 'g')}{unit}"
+    return f"{with_unit(m.value, m.unit, '.4g')} {m.relation} {with_unit(m.bound, m.unit, 'g')}"
+
+
+def as_table(keys: Sequence[str], found: Iterable[tuple[Sequence[str], Measurement]]) -> Table:
+    """Return claims as a table; ``keys`` are the columns that tell what each is about."""
+    names = [field.name for field in fields(Measurement)]
+    return table((*keys, *names), [(*about, *astuple(m)) for about, m in found])
+
+
+def recorded(t: Table) -> list[tuple[tuple[str, ...], Measurement]]:
+    """Return the claims of a table, each with what it is about."""
+    size = len(fields(Measurement))
+    rows = zip(*(column.tolist() for column in t.values()), strict=True)
+    return [(row[:-size], Measurement(*row[-size:])) for row in rows]
+
+
+def missed(t: Table) -> Iterator[str]:
+    """Yield the claims of a table that do not hold."""
+    return (f"{', '.join(about)}: {m.what} {text(m)}" for about, m in recorded(t) if not m.holds)

@@ -7,32 +7,24 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evidence.tables import Tables
-from hoist_demo.report.figures import ACCENTS, COLOURS, REFERENCE
+from hoist_demo.report.figures import ACCENTS, COLOURS, REFERENCE, STYLE
 
-__all__ = ["ACCENTS", "COLOURS", "CURVES", "REFERENCE", "draw_to", "figure", "mark_instants"]
+__all__ = ["ACCENTS", "COLOURS", "CURVES", "REFERENCE", "draw_to", "figure"]
 
 #: four curves told apart by hue and lightness
 CURVES = (COLOURS["left"], COLOURS["right"], ACCENTS[0], ACCENTS[1])
 
+#: that of the reports, larger
 _STYLE: dict[Any, Any] = {
+    **STYLE,
     "font.size": 9.5,
     "axes.titlesize": 10,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#e3e3e3",
-    "grid.linewidth": 0.6,
+    "axes.titleweight": "normal",
     "lines.linewidth": 1.3,
-    "legend.frameon": False,
     "legend.fontsize": 9.0,
-    "figure.constrained_layout.use": True,
-    "axes.formatter.useoffset": False,
 }
 
 
@@ -47,9 +39,3 @@ def draw_to(path: Path, draw: Callable[[Tables], Figure], tables: Tables) -> Non
     path.parent.mkdir(parents=True, exist_ok=True)
     with matplotlib.rc_context(_STYLE):
         draw(tables).savefig(path, dpi=110, metadata={"Software": None})
-
-
-def mark_instants(ax: Axes, times: Any, label: str = "") -> None:
-    """Thin vertical lines."""
-    for k, t in enumerate(times):
-        ax.axvline(t, color="#c0392b", lw=0.6, alpha=0.7, label=label if k == 0 else None, zorder=0.5)

@@ -8,13 +8,14 @@ some 1 / SIGMA. In motion the response is the difference of two trips with the s
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from evidence.ropes import require, smooth_step
+from evidence.tables import Array
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
@@ -26,9 +27,8 @@ from hoist_demo.design.reduction import reduced
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from rope_model import EndMotion, Level
+from rope_model import EndMotion
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 TORQUE = ("torque_command",)
@@ -62,17 +62,14 @@ class Shaken:
     case: Case
     start: float  # m, height of the left conveyance
     H: float  # s, communication step
-    level: Level = "standard"
 
     def __post_init__(self) -> None:
-        scene = rope_data(self.case.rope, self.level)
+        scene = rope_data(self.case.rope)
         solver = replace(scene.solver, step_max=min(self.H / 2, scene.solver.step_max))
         self.rope = InProcessRope(scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional")))
         plant, travel = HoistPlant(self.case.hoist), self.case.hoist.shaft_travel
         heights = self.start, travel - self.start
-        status = self.rope.initialize(0.0, *(EndMotion(y=y) for y in heights))
-        if not status.valid:
-            raise ValueError(status.message)
+        require(self.rope.initialize(0.0, *(EndMotion(y=y) for y in heights)))
         forces = self.rope.reader(ROPE_FORCES)()[:2]
         state, u = plant.equilibrium(*heights, *forces.tolist()), np.zeros(len(INPUT_NAMES))
         u[0], u[1:3] = state.x[0], forces
@@ -94,17 +91,16 @@ class Shaken:
 
     def followed(self, speed: float, rise: float) -> float:
         """Torque that takes the hoist to the speed [m/s] within so many seconds and keeps it there."""
-        hoist, x = self.case.hoist, min(self.k * self.H / rise, 1.0)
-        wanted, push = speed * x**3 * (10 - 15 * x + 6 * x**2), speed / rise * 30 * (x * (1 - x)) ** 2
-        error = wanted - hoist.sheave_radius * float(self.drive.outputs[SHOWN["rate"]])
-        return self.held + hoist.sheave_radius * hoist.moving_mass * (push + error)
+        hoist, (_, wanted, push, _) = self.case.hoist, smooth_step(self.k * self.H / rise)
+        error = speed * wanted - hoist.sheave_radius * float(self.drive.outputs[SHOWN["rate"]])
+        return self.held + hoist.sheave_radius * hoist.moving_mass * (speed / rise * push + error)
 
 
-def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0, level: Level = "standard") -> Complex:
+def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> Complex:
     """Transfer functions (s, SEEN) of the co-simulation from the torque's command."""
     rise, travel, steps = abs(speed) / _HARD, case.hoist.shaft_travel, round(_LASTS / s[0].real / H)
     before = speed * (rise / 2 + _SETTLES + _BEFORE) if speed else 0.0
-    run = Shaken(case, at * travel - before, H, level)
+    run = Shaken(case, at * travel - before, H)
     while speed and run.k * H < rise + _SETTLES:
         run.step(run.followed(speed, rise))
     begin, saved = run.k, (run.drive.save(), run.rope.save(), run.memory)
@@ -130,17 +126,14 @@ def errors(found: Complex, exact: Complex) -> tuple[Array, Array]:
     return np.abs(20 * np.log10(np.abs(ratio))).max(axis=0), np.abs(np.angle(ratio, deg=True)).max(axis=0)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
+def main() -> None:
     """Print the table of a few hoists."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("hoists", nargs="*", default=HOISTS)
     parser.add_argument("--at", type=float, nargs="+", default=HEIGHTS)
     parser.add_argument("--speed", type=float, default=0.0)
     parser.add_argument("--sigma", type=float, default=SIGMA)
-    parser.add_argument("--states", type=int, default=17)
-    parser.add_argument("--step", type=float, default=0.005)
-    parser.add_argument("--level", default="standard")
-    options = parser.parse_args(arguments)
+    options = parser.parse_args()
     grid: Complex = np.asarray(options.sigma + 1j * GRID.imag, dtype=np.complex128)
     print(
         f"{'hoist':>14}{'at':>5}{'s':>6}" + "".join(f"{name:>16}" for name in (*SEEN, "small, drive")) + "  dB/degrees"
@@ -149,11 +142,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         case = smooth(find_case(name))
         for at in options.at:
             begin = perf_counter()
-            (model,) = linearise(case, [at], level=options.level, speed=options.speed)
+            (model,) = linearise(case, [at], speed=options.speed)
             took = perf_counter() - begin
-            truth = shaken(case, at, grid, options.step, options.speed, options.level)
+            truth = shaken(case, at, grid, 0.005, options.speed)
             exact = model.selected(TORQUE, SEEN).response(grid)[:, :, 0]
-            small = reduced([model.selected(TORQUE, DRIVE[:3])], options.states).response(0, grid)[:, :, 0]
+            small = reduced([model.selected(TORQUE, DRIVE[:3])], 17).response(0, grid)[:, :, 0]
             decibels, degrees = errors(small, truth[:, :3])
             found = [*zip(*errors(exact, truth), strict=True), (decibels.max(), degrees.max())]
             print(

@@ -21,11 +21,6 @@ def machine() -> Table:
     return table(("what", "value"), rows)
 
 
-def facts(t: Table) -> dict[str, str]:
-    """The table ``machine`` by what it tells."""
-    return dict(zip(t["what"].tolist(), t["value"].tolist(), strict=True))
-
-
 def _processor() -> str:
     """The processor's model where the system tells, or its architecture."""
     info = Path("/proc/cpuinfo")

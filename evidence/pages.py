@@ -20,7 +20,7 @@ from evidence.knowledge.catalogue import catalogue
 from evidence.knowledge.page import page as data_page
 from evidence.promise.page import FIGURES as PROMISE
 from evidence.promise.page import page as promise_page
-from evidence.rendering import DOCS, fill_block, markdown, write_page
+from evidence.rendering import DOCS, fill_block, markdown
 from evidence.reproduction.page import FIGURES as REPRODUCTION
 from evidence.reproduction.page import page as reproduction_page
 from evidence.signals.block import block as signals
@@ -126,7 +126,8 @@ def fill(block: Block, docs: Path = DOCS) -> Path:
 
 def publish(page: Page, docs: Path = DOCS) -> list[Path]:
     """Write text and figures from the data in ``docs``; return the files written."""
-    tables, written = page.tables(docs), [write_page(page.file, page_text(page, docs), docs)]
+    tables, written = page.tables(docs), [docs / page.file]
+    written[0].write_text(page_text(page, docs), encoding="utf-8")
     for name, draw in page.figures.items():
         written.append(docs / "images" / page.data / f"{name}.png")
         draw_to(written[-1], draw, tables)

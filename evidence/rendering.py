@@ -38,6 +38,11 @@ def quantity(x: float, unit: str, form: str = ".3g") -> str:
     return f"{number(SCALES[unit] * float(x), form)} {unit}"
 
 
+def with_unit(x: float, unit: str, form: str = ".3g") -> str:
+    """``x`` in its unit, or '1' without one."""
+    return number(x, form) if unit == "1" else f"{number(x, form)} {unit}"
+
+
 def markdown(rows: Iterable[Sequence[str]], *head: str) -> str:
     """A table."""
     lines = [f"| {' | '.join(cells)} |" for cells in (head, *rows)]
@@ -76,14 +81,6 @@ def _environment() -> Environment:
 def render(template: str, data: Mapping[str, Any]) -> str:
     """The page; ``template`` is a path in this room."""
     return _environment().get_template(template).render(data)
-
-
-def write_page(name: str, text: str, docs: Path = DOCS) -> Path:
-    """``text`` as ``name`` in ``docs``."""
-    path = docs / name
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def fill_block(text: str, mark: str, block: str) -> str:

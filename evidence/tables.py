@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 #: columns by name with their unit; numbers, or text
 Table = Mapping[str, NDArray[Any]]
 #: tables by the name of their file
 Tables = Mapping[str, Table]
+#: what measures the tables of a room, by the name of the part
+Measures = Mapping[str, Callable[[], Tables]]
 
 
 def table(names: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
@@ -26,6 +29,11 @@ def rows(t: Table, **wanted: str | float | tuple[str, ...] | tuple[float, ...]) 
     kept = np.ones(len(next(iter(t.values()))), dtype=bool)
     for name, value in wanted.items():
         kept &= np.isin(t[name], value)
+    return where(t, kept)
+
+
+def where(t: Table, kept: NDArray[np.bool_]) -> Table:
+    """Return the rows that are ``kept``."""
     return {name: column[kept] for name, column in t.items()}
 
 

@@ -7,7 +7,6 @@ the mesh differs.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -21,7 +20,7 @@ from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model.parameters import Mesh, Scene
+from rope_model.parameters import Mesh
 
 TRIPS = (
     ("rope-120", Trip(travel=90.0, speed=8.0)),
@@ -52,21 +51,15 @@ def tables() -> Tables:
         fitted = [Mesh("auto", loop_error=e) for e in LOOP_ERRORS]
         exact: Winding | None = None
         for mesh in tqdm([*equal, *fitted], desc=f"depth, {rope}, {coupling}", unit="run", leave=False):
-            runs = [_run(scene, mesh, trip) for _ in range(ROUNDS if mesh.kind == "auto" else 1)]
-            run = runs[0]
+            case = scene.with_(mesh=mesh), s_curve(trip), trip.travel, SETTLE, SAMPLE
+            runs = [wind(*case, interval=STEP) for _ in range(ROUNDS if mesh.kind == "auto" else 1)]
+            run = runs[0].completed(str(mesh))
             exact = exact or run
             kind, wanted = ("TMN-ETM", mesh.loop_error) if mesh.kind == "auto" else ("EEM", 0.0)
             what = rope, length, trip.travel, trip.speed, coupling, kind, wanted, run.rope.elements
             cost = float(np.median([x.cpu / x.simulated for x in runs]))
             rows.append((*what, cost, force_error(run.force, exact.force), place_error(run.bottom, exact.bottom)))
     return {"depth": table((*COLUMNS, *ERRORS), rows)}
-
-
-def _run(scene: Scene, mesh: Mesh, trip: Trip) -> Winding:
-    run = wind(scene.with_(mesh=mesh), s_curve(trip), trip.travel, SETTLE, SAMPLE, interval=STEP)
-    if not run.status.valid:
-        raise RuntimeError(f"{mesh}: {run.status.message}")
-    return run
 
 
 class Saving(NamedTuple):
@@ -99,13 +92,13 @@ def savings(t: Table) -> list[Saving]:
 
 
 def reading(t: Table) -> list[dict[str, Any]]:
-    """Return the most that is saved of either coupling."""
-    found = savings(t)
-    return [_verdict_of(found, c) for c in COUPLINGS]
-
-
-def _verdict_of(found: Sequence[Saving], coupling: str) -> dict[str, Any]:
-    """Return the most that is saved at each length, and the part that the source states."""
-    mine = [s for s in found if s.coupling == coupling and np.isfinite(s.saved)]
-    most = {s.length: max(x.saved for x in mine if x.length == s.length) for s in mine}
-    return {"coupling": coupling, "asked": SOURCE_SAVED[coupling], "most": [(part, at) for at, part in most.items()]}
+    """Return, of either coupling, the most that is saved at each length, and the part that the source states."""
+    told = []
+    for coupling in COUPLINGS:
+        mine = [s for s in savings(t) if s.coupling == coupling and np.isfinite(s.saved)]
+        most = [
+            (max(x.saved for x in mine if x.length == length), length)
+            for length in dict.fromkeys(s.length for s in mine)
+        ]
+        told.append({"coupling": coupling, "asked": SOURCE_SAVED[coupling], "most": most})
+    return told

@@ -10,13 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from evidence.chart.front import pareto
 from evidence.chart.measure import COST
 from evidence.chart.reading import FORCE, LOOP, limit
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
-from evidence.tables import Table, Tables, rows
+from evidence.tables import Table, Tables, rows, where
 
 LABELS = {FORCE: "RMS error of the end forces / largest force", LOOP: "largest error of the loop's lowest point [m]"}
 SHORT = {FORCE: "end forces", LOOP: "loop's lowest point"}
@@ -47,8 +46,8 @@ def kinds(t: Table) -> list[tuple[Look, Table]]:
     published = np.char.startswith(tmn["name"].astype(str), "published")
     return [
         (EEM, rows(t, family="eem")),
-        (TMN, _where(tmn, ~published)),
-        (PUBLISHED, _where(tmn, published)),
+        (TMN, where(tmn, ~published)),
+        (PUBLISHED, where(tmn, published)),
         (FIDELITIES, rows(t, family="fidelities")),
     ]
 
@@ -83,10 +82,6 @@ def work_precision(tables: Tables, coupling: str, error: str) -> Figure:
     made.legend(handles=handles, loc="outside lower left", ncols=3)
     ax.legend(handles=sizes, loc="upper right", title="largest step", frameon=True, framealpha=0.9, edgecolor="none")
     return made
-
-
-def _where(t: Table, kept: NDArray[np.bool_]) -> Table:
-    return {name: column[kept] for name, column in t.items()}
 
 
 def _fronts(ax: Axes, t: Table, error: str) -> list[Line2D]:

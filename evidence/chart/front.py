@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from evidence.tables import Array
 
 
 def pareto(cost: Array, error: Array) -> NDArray[np.intp]:

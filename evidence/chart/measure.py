@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
 from evidence.chart import depth
 from evidence.chart.front import pareto
-from evidence.chart.points import FAMILIES, SAMPLE, Point, Study, complete
+from evidence.chart.points import FINEST, SAMPLE, SETTLE, TRIP, Point, points
 from evidence.errors import force_error, place_error
 from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
-from evidence.tables import Tables, table
+from evidence.tables import Array, Measures, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh.partition import fit_mesh
 
-Array = NDArray[np.float64]
-
+ROUNDS = 3
 #: families of which every point is repeated
 ALWAYS = ("levels", "fidelities")
 #: s of processor time; a longer run is not repeated
@@ -34,13 +31,13 @@ COLUMNS = (
     *("family", "name", "coupling", "fidelity", "kernels", "mesh", "elements"),
     *("largest step [s]", "communication step [s]"),
     *("rounds", COST, *ERRORS),
-    *("steps", "newton iterations", "rejections", "transformations", "failure"),
+    "failure",
 )
 
 
 @dataclass
 class Run:
-    """What is kept of a winding: records at the samples, work, and s of processor time per simulated second."""
+    """What is kept of a winding: records at the samples, and s of processor time per simulated second."""
 
     force: Array  # (samples, 2), N
     bottom: Array  # (samples, 3), m
@@ -48,7 +45,6 @@ class Run:
     fidelity: str
     kernels: str
     elements: int
-    work: tuple[int, int, int, int]  # steps, Newton iterations, rejections, transformations
     simulated: float  # s
     costs: list[float]  # one per round
     failure: str
@@ -59,16 +55,15 @@ class Run:
         return float(np.median(self.costs)) if not self.failure else float("nan")
 
 
-def follow(point: Point, study: Study) -> Run:
+def follow(point: Point) -> Run:
     """One winding."""
     sample = round(SAMPLE / point.communication)
-    trip = s_curve(study.trip)
-    end = SAMPLE * math.ceil((trip.duration + study.settle) / SAMPLE)  # the same for every communication step
+    trip = s_curve(TRIP)
+    end = SAMPLE * math.ceil((trip.duration + SETTLE) / SAMPLE)  # the same for every communication step
     run = wind(point.scene, trip, TRAVEL, end - trip.duration, sample, interval=point.communication)
     if not run.t:
-        return Run(*3 * (np.zeros((0, 2)),), "", "", 0, (0, 0, 0, 0), 0.0, [], run.status.message or "no sample")
+        return Run(*3 * (np.zeros((0, 2)),), "", "", 0, 0.0, [], run.status.message or "no sample")
     state = run.rope.state
-    c = state.counts
     return Run(
         np.array(run.force),
         np.array(run.bottom),
@@ -76,7 +71,6 @@ def follow(point: Point, study: Study) -> Run:
         state.fidelity,
         run.rope.form,
         state.partition.lengths.size,
-        (c.steps, c.newton, c.rejections, c.transformations),
         run.simulated,
         [run.cpu / run.simulated],
         run.status.message,
@@ -95,23 +89,22 @@ def errors(run: Run, exact: Run, coupling: str) -> tuple[float, float, float]:
     return force_error(run.force, exact.force), place_error(run.bottom, exact.bottom), theta
 
 
-def measure(study: Study, families: Sequence[str] = FAMILIES) -> Tables:
-    """Every point of the families once, those on a front and those of ALWAYS again in each further round."""
-    exact = {c: study.reference(c) for c in COUPLINGS}
-    points = [p for p in study.points if p.family in families or p in exact.values()]
+def measure() -> Tables:
+    """Every point once, those on a front and those of ALWAYS again in each further round."""
+    exact = {p.coupling: p for p in points() if (p.family, p.name) == ("reference", FINEST)}
     runs: dict[tuple[Scene, float], Run] = {}
-    for p in tqdm(points, desc="round 1", unit="run", leave=False):
+    for p in tqdm(points(), desc="round 1", unit="run", leave=False):
         if _key(p) not in runs:
-            runs[_key(p)] = follow(p, study)
+            runs[_key(p)] = follow(p)
     failed = {c: runs[_key(p)].failure for c, p in exact.items() if runs[_key(p)].failure}
     if failed:
         raise RuntimeError(f"the reference solution fails: {failed}")
-    found = {p: (run := runs[_key(p)], errors(run, runs[_key(exact[p.coupling])], p.coupling)) for p in points}
+    found = {p: (run := runs[_key(p)], errors(run, runs[_key(exact[p.coupling])], p.coupling)) for p in points()}
     again = {_key(p): p for p in _worth_repeating(found)}
-    for k in range(2, study.rounds + 1):
+    for k in range(2, ROUNDS + 1):
         for key, p in tqdm(again.items(), desc=f"round {k}", unit="run", leave=False):
-            runs[key].costs += follow(p, study).costs
-    rows = [_row(p, runs[_key(p)], e) for p, (_, e) in found.items() if p.family in families]
+            runs[key].costs += follow(p).costs
+    rows = [_row(p, runs[_key(p)], e) for p, (_, e) in found.items()]
     return {"points": table(COLUMNS, rows), "machine": machine()}
 
 
@@ -139,7 +132,6 @@ def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object
         *(p.family, p.name, p.coupling, run.fidelity, run.kernels, _describe(p), run.elements),
         *(p.solver.step_max, p.communication, len(run.costs), run.cost),
         *errors,
-        *run.work,
         run.failure,
     )
 
@@ -153,4 +145,4 @@ def _describe(p: Point) -> str:
 
 
 #: what `python -m evidence --measure chart` measures
-MEASURES: dict[str, Callable[[], Tables]] = {"points": lambda: measure(complete()), "depth": depth.tables}
+MEASURES: Measures = {"points": measure, "depth": depth.tables}

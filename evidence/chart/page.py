@@ -12,7 +12,6 @@ from evidence.chart.levels import levels
 from evidence.chart.measure import COST
 from evidence.chart.reading import FORCE, LOOP, finest, limit, the
 from evidence.latency.page import latencies
-from evidence.machine import facts
 from evidence.promise.judging import ESTIMATES, completed, near, over_asked
 from evidence.promise.scenes import JUDGE
 from evidence.rendering import number, quantity, render
@@ -31,7 +30,7 @@ def page(tables: Tables) -> str:
     """Return the whole page."""
     t = tables["points"]
     data = {
-        "machine": facts(tables["machine"]),
+        "machine": dict(zip(*tables["machine"].values(), strict=True)),
         "levels": levels(tables),
         "promise": _promise(tables["promise/scenes"]),
         "own": [{"coupling": c, "force": limit(t, c, FORCE), "loop": limit(t, c, LOOP)} for c in COUPLINGS],

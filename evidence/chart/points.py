@@ -22,7 +22,8 @@ TMN_ERRORS = (0.05, 0.01, 5e-3, 2e-3, 1e-3, 3e-4, 1e-4)  # m, loop_error
 #: the last of each is the reference solution
 REFERENCE_ELEMENTS = (200, 400, 800)
 REFERENCE_STEPS = (10e-3, 5e-3, 2.5e-3)  # s
-FAMILIES = ("reference", "levels", "eem", "tmn", "fidelities")
+#: the trip, and rest after it (s)
+TRIP, SETTLE = Trip(), 3.0
 
 
 @dataclass(frozen=True)
@@ -49,43 +50,18 @@ class Point:
         return scene_of(self.coupling, self.mesh).with_(solver=self.solver, model=self.model, accuracy=self.accuracy)
 
 
-@dataclass(frozen=True)
-class Study:
-    """Points in the order of their measurement, on one trip of the conveyances."""
-
-    points: tuple[Point, ...]
-    trip: Trip
-    settle: float  # s
-    rounds: int
-
-    def reference(self, coupling: str) -> Point:
-        """The reference solution."""
-        return next(p for p in self.of("reference", coupling) if p.name == self.finest)
-
-    @property
-    def finest(self) -> str:
-        """Name of the reference solution."""
-        return eem_name(REFERENCE_ELEMENTS[-1], REFERENCE_STEPS[-1])
-
-    def of(self, family: str, coupling: str) -> list[Point]:
-        """The points of one family."""
-        return [p for p in self.points if (p.family, p.coupling) == (family, coupling)]
-
-
-def milliseconds(step: float) -> str:
-    """A step as it is written."""
-    return f"{1e3 * step:g} ms"
-
-
 def eem_name(elements: int, step: float) -> str:
     """Name of a point of equal elements."""
-    return f"{elements}, {milliseconds(step)}"
+    return f"{elements}, {1e3 * step:g} ms"
 
 
-def complete() -> Study:
-    """Everything, on the winding of 90 m."""
-    points = [p for c in COUPLINGS for p in _all(c)]
-    return Study(tuple(points), Trip(), settle=3.0, rounds=3)
+#: the reference solution's
+FINEST = eem_name(REFERENCE_ELEMENTS[-1], REFERENCE_STEPS[-1])
+
+
+def points() -> list[Point]:
+    """Return everything, in the order of its measurement."""
+    return [p for c in COUPLINGS for p in _all(c)]
 
 
 def _all(coupling: str) -> Iterator[Point]:
@@ -96,15 +72,10 @@ def _all(coupling: str) -> Iterator[Point]:
         if n > EEM_LARGEST and h == max(STEPS):
             continue
         yield Point("eem", eem_name(n, h), coupling, Mesh("eem", elements=n), fixed_steps(h))
-    for (name, mesh), h in product(tmn_meshes().items(), STEPS):
-        yield Point("tmn", f"{name}, {milliseconds(h)}", coupling, mesh, fixed_steps(h))
+    chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS} | {"published": Mesh(end_levels=0)}
+    for (name, mesh), h in product(chosen.items(), STEPS):
+        yield Point("tmn", f"{name}, {1e3 * h:g} ms", coupling, mesh, fixed_steps(h))
     yield from _fidelities(coupling)
-
-
-def tmn_meshes() -> dict[str, Mesh]:
-    """Meshes of TMN-ETM by name."""
-    chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS}
-    return chosen | {"published": Mesh(end_levels=0)}
 
 
 def _levels(coupling: str) -> Iterator[Point]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.chart.measure import ERRORS
-from evidence.tables import Table, rows
+from evidence.tables import Array, Table, rows
 
 FORCE, LOOP, TWIST = ERRORS
-Array = NDArray[np.float64]
 
 
 def the(t: Table, name: str, column: str, **wanted: str) -> float:

@@ -6,5 +6,6 @@ wall       a leg that swings against a wall, against a chain of its own
 rebound    a rope that strikes a floor flat
 turned     legs that are turned about each other
 plectoneme a rod in tension that winds up, against its closed form
-page       the checks, and what the page contact.md.j2 says
+measure    the checks, and the tables of brush
+page       what the page contact.md.j2 says
 """

@@ -1,6 +1,6 @@
 """A rope that brushes a thin divider while it runs past: force over time, its peak and its impulse.
 
-``python -m evidence.contact.brush`` measures them against step, mesh, stiffness and height; three minutes.
+They are measured against step, mesh, stiffness and height.
 """
 
 from __future__ import annotations
@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.contact.scenes import Array, follow, made, moving
-from evidence.errors import place_error
-from evidence.rendering import DOCS, number
-from evidence.tables import Table, records, table, write
+from evidence.errors import end_error, place_error
+from evidence.ropes import at_rest, follow, moving
+from evidence.tables import Array, Table, records, table
 from rope_model import EndMotion
 from rope_model.parameters import Mesh, Scene, Solver
 from rope_model.physics.contact_error import ContactSums
@@ -74,7 +73,7 @@ def past(stiffness: float = STIFFNESS, y: float = -25.0) -> Trip:
 def brush(trip: Trip, mesh: Mesh = FITTED, step: float = 0.0) -> Brush:
     """The trip on this mesh, with steps of this length; 0: as the default accuracy asks for."""
     solver = Solver(step_max=step, tolerance=1e3) if step else Solver()
-    rope = made(trip.scene.with_(mesh=mesh, solver=solver))
+    rope = at_rest(trip.scene.with_(mesh=mesh, solver=solver))
     rows = follow(rope, 1e-2, trip.stop, trip.ends, rope.reader(_SIGNALS))
     impulse, pressure, force, place = rope.signals(_TOLD).values()
     gaps = int(np.count_nonzero((rows[:, 1] < -INSIDE) & (rows[:, 0] == 0.0)))
@@ -82,19 +81,17 @@ def brush(trip: Trip, mesh: Mesh = FITTED, step: float = 0.0) -> Brush:
     return Brush(rows[:, 0], impulse, told, gaps, rows[:, 2:8], rows[:, 8:], sums)
 
 
-def at_rest(mesh: Mesh) -> float:
+def leaning(mesh: Mesh) -> float:
     """Force (N) of a thin divider that the default rope leans on at rest."""
     shaft = Shaft(divider_1=Divider(size=0.1, y=-25.0, offset=1.03))
-    return made(Scene(mesh=mesh, shaft=shaft)).signals(["contact.divider"])["contact.divider"]
+    return at_rest(Scene(mesh=mesh, shaft=shaft)).signals(["contact.divider"])["contact.divider"]
 
 
 def errors(coarse: Brush, fine: Brush) -> tuple[float, float, float]:
     """Errors of what ``told`` estimates."""
     presses = (coarse.pressure > 0.0) | (fine.pressure > 0.0)
     pressure = math.sqrt(np.square(coarse.pressure - fine.pressure)[presses].mean()) / fine.peak
-    off, force = ((x.reshape(-1, 2, 3)) for x in (coarse.forces - fine.forces, fine.forces))
-    ends = np.sqrt(np.square(off).sum(axis=2).mean(axis=0)).max() / np.linalg.norm(force, axis=2).max()
-    return pressure, float(ends), place_error(coarse.loop, fine.loop)
+    return pressure, end_error(coarse.forces, fine.forces), place_error(coarse.loop, fine.loop)
 
 
 def equal(elements: int) -> Mesh:
@@ -117,7 +114,6 @@ def brushes() -> Table:
     for elements, step, stiffness in CASES:
         x = brush(past(stiffness), equal(elements) if elements else FITTED, step)
         rows.append((elements, step, stiffness, x.peak, x.impulse, x.told[0]))
-        print(*map(number, rows[-1]), flush=True)
     return table(COLUMNS, rows)
 
 
@@ -140,7 +136,6 @@ def heights() -> Table:
         fine = brush(trip, equal(FINEST[0]), FINEST[1])
         for name, mesh in MESHES.items():
             rows.append((y, name, brush(trip, mesh).peak / fine.peak - 1.0))
-            print(*rows[-1], flush=True)
     return table(("y", "mesh", "peak off by"), rows)
 
 
@@ -156,7 +151,3 @@ def orders(t: Table) -> dict[str, float]:
             coarse, fine, exact = (rows[*key, STIFFNESS][name] for key in keys)
             found[f"{name}, {of}"] = math.log2(abs(coarse - exact) / abs(fine - exact))
     return found
-
-
-if __name__ == "__main__":
-    write({"brushes": brushes(), "heights": heights()}, DOCS / "data" / "contact")

@@ -10,7 +10,7 @@ import numpy as np
 
 from evidence.claims import Measurement, above, below
 from evidence.contact import wall
-from evidence.contact.brush import FINE, FITTED, at_rest, brush, equal, errors, past
+from evidence.contact.brush import FINE, FITTED, brush, equal, errors, leaning, past
 from evidence.contact.plectoneme import grown, soft_rod
 from evidence.contact.rebound import exact_speed, rebound
 from evidence.contact.scenes import fallen, let_down, pulled, touch_down
@@ -39,7 +39,7 @@ def _pulled() -> Iterator[Measurement]:
 
 
 def _leaning() -> Iterator[Measurement]:
-    off = at_rest(FITTED) / at_rest(equal(1000)) - 1.0
+    off = leaning(FITTED) / leaning(equal(1000)) - 1.0
     yield below("force at rest, off that of 1000 elements by", abs(off), 0.01)
 
 

@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-from evidence.claims import Measurement
+from evidence.claims import recorded
 from evidence.contact import wall
 from evidence.contact.brush import FINEST, HEIGHTS, MESHES, STIFFNESS, orders, past
 from evidence.rendering import number, quantity, render
-from evidence.tables import Table, Tables, records, table
+from evidence.tables import Table, Tables, records
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Shaft
 from rope_model.simulation.mesh import mesh_fit, mesh_pattern
 from rope_model.simulation.mesh.partition import faced_by, fit_mesh, mesh_elements, partition
 
-_COLUMNS = ("case", "what", "value", "unit", "relation", "bound")
-
-
-def as_table(found: list[tuple[str, Measurement]]) -> Table:
-    """One row per check."""
-    return table(_COLUMNS, [(case, m.what, m.value, m.unit, m.relation, m.bound) for case, m in found])
-
 
 def page(tables: Tables) -> str:
     """The whole page."""
-    checks = records(tables["checks"])
+    checks = recorded(tables["checks"])
     brushes = {(r["elements"], r["step"], r["stiffness"]): r for r in records(tables["brushes"])}
     data = {
-        "cases": len({r.pop("case") for r in checks}),
+        "cases": len({about for about, _ in checks}),
         "checks": len(checks),
-        "held": sum(Measurement(**r).holds for r in checks),
+        "held": sum(m.holds for _, m in checks),
         "fitted": brushes[0, 2e-3, STIFFNESS],
         "fine": brushes[480, 2e-3, STIFFNESS],
         "base": brushes[480, 5e-3, STIFFNESS],

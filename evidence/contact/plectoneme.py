@@ -31,8 +31,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.contact.scenes import GRAVITY, follow, made, smooth_step
+from evidence.contact.scenes import GRAVITY
 from evidence.contact.turned import helix
+from evidence.ropes import at_rest, follow, smooth_step
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.rope_on_rope import rope_touch
@@ -104,7 +105,7 @@ class Grown(NamedTuple):
 @cache
 def grown() -> Grown:
     """Ours, wound up and drawn, at rest before and after it grows."""
-    rope = made(
+    rope = at_rest(
         Scene(
             Rope(LENGTH, MASS, AXIAL, 0.0, 0.0, TORSION, EI=BEND, diameter=DIAMETER),
             Layout(SPACING),

@@ -3,62 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rope_model import BalanceRope, EndMotion, balance_rope
+from evidence.ropes import at_rest, follow, moving, smooth_step
+from rope_model import BalanceRope, EndMotion
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 
-Array = NDArray[np.float64]
 GRAVITY = Layout().gravity
 WEIGHT = Rope().mass_per_length * GRAVITY  # N/m
 PLANAR = Model(fidelity="planar")
-
-
-def made(scene: Scene) -> BalanceRope:
-    """The native rope of ``scene`` at rest."""
-    rope = balance_rope(scene, "native")
-    status = rope.initialize(0.0, EndMotion(), EndMotion())
-    if not status.valid:
-        raise RuntimeError(status.message)
-    return rope
-
-
-def follow(
-    rope: BalanceRope,
-    h: float,
-    stop: float,
-    ends: Callable[[float], tuple[EndMotion, EndMotion]],
-    read: Callable[[], Any] = tuple,
-) -> Array:
-    """What is read after every ``h`` (s) until ``stop`` (s) while the ends move so."""
-    rows = []
-    for k in range(1, round(stop / h) + 1):
-        status = rope.advance_to(k * h, *ends(k * h))
-        if not status.valid:
-            raise RuntimeError(status.message)
-        rows.append(read())
-    return np.array(rows)
-
-
-def smooth_step(s: float) -> tuple[float, float, float, float]:
-    """Integral, value and two rates of a smooth step from 0 to 1 while ``s`` does so."""
-    if s >= 1.0:
-        return s - 0.5, 1.0, 0.0, 0.0
-    s = max(s, 0.0)
-    value, rate = s**3 * (10 - 15 * s + 6 * s * s), 30 * (s * (1 - s)) ** 2
-    return s**4 * (2.5 - 3 * s + s * s), value, rate, 60 * s * (1 - s) * (1 - 2 * s)
-
-
-def moving(way: float, t: float, time: float, **axes: float) -> EndMotion:
-    """An end that moves by ``way`` (m) within ``time`` (s), along the axes times their factors."""
-    _, value, rate, second = smooth_step(t / time)
-    motion = {"": way * value, "v": way * rate / time, "a": way * second / time**2}
-    return EndMotion(**{name + axis: part * x for axis, part in axes.items() for name, x in motion.items()})
 
 
 class TouchDown(NamedTuple):
@@ -79,7 +35,7 @@ def touch_down(EI: float, element: float, stiffness: float) -> TouchDown:
     rope = Rope(length=length, EI=EI, Qb=0.0, Qc=0.0)
     sunk = math.sqrt(2.0 * 0.05 * rope.diameter * WEIGHT / stiffness)
     shaft, mesh = Shaft(sump=Sump(level=level), contact=Contact(stiffness=stiffness)), round(length / element)
-    found = made(Scene(rope, Layout(spacing=20.0), mesh=Mesh("eem", elements=mesh), model=PLANAR, shaft=shaft))
+    found = at_rest(Scene(rope, Layout(spacing=20.0), mesh=Mesh("eem", elements=mesh), model=PLANAR, shaft=shaft))
     T0, V, floor = found.signals(["left.fx", "left.fy", "contact.floor"]).values()
     b, s = math.sqrt(EI / T0), found.state.partition.nodes_s
     up = found.state.motion.q[:, 1] - (level + 0.5 * rope.diameter - sunk)
@@ -108,8 +64,8 @@ def fallen(EI: float, element: float, stop: float) -> float:
         model=PLANAR,
         solver=Solver(step_max=H, tolerance=100.0),
     )
-    bottom = made(scene).signals(["loop.y"])["loop.y"]
-    found = made(scene.with_(shaft=Shaft(sump=Sump(level=bottom - 0.5 * scene.rope.diameter))))
+    bottom = at_rest(scene).signals(["loop.y"])["loop.y"]
+    found = at_rest(scene.with_(shaft=Shaft(sump=Sump(level=bottom - 0.5 * scene.rope.diameter))))
     read = found.reader(("contact.floor",))
     follow(found, H, stop, lambda t: 2 * (EndMotion(y=-0.5 * GRAVITY * t * t, vy=-GRAVITY * t, ay=-GRAVITY),), read)
     impulse = found.signals(["contact.floor.impulse"])["contact.floor.impulse"]
@@ -146,7 +102,7 @@ def pulled(friction: float, element: float, speed: float = 0.2) -> float:
         left, right = ([a + sign * b for a, b in zip(rise, slide, strict=True)] for sign in (-1.0, 1.0))
         return EndMotion(y=left[0], vy=left[1], ay=left[2]), EndMotion(y=right[0], vy=right[1], ay=right[2])
 
-    found = made(scene)
+    found = at_rest(scene)
     forces = follow(found, 5e-3, 3.0 * ramp, ends, found.reader(("left.fy", "right.fy")))
     t = 5e-3 * np.arange(1, len(forces) + 1)
     slides = np.array([speed * ramp * smooth_step(x / ramp - 1.0)[0] for x in t])
@@ -170,7 +126,7 @@ def let_down(stiffness: float) -> float:
             contact=Contact(stiffness=stiffness),
         ),
     )
-    found = made(scene)
+    found = at_rest(scene)
     follow(found, 1e-2, 3.0, lambda t: (moving(-1.5, t, 2.0, y=1.0), moving(-0.3, t, 2.0, y=1.0)))
     return unexplained(found)
 

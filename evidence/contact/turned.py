@@ -17,11 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.contact.scenes import WEIGHT, Array, follow, made, unexplained
+from evidence.contact.scenes import WEIGHT, unexplained
+from evidence.ropes import at_rest, follow
+from evidence.tables import Array
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel
-from rope_model.physics.hermite import interpolate
 from rope_model.shaft_parameters import Air, Contact, Shaft
+from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.simulation.rope_system import arc_lengths
 
 #: m, m, elements; s that the ends turn, by how many turns each, and s, half of that where the legs strike each other
 LENGTH, SPACING, ELEMENTS, TIME, TURNS, FAST = 10.0, 0.5, 40, 60.0, 4.0, 4.0
@@ -47,7 +50,7 @@ def turned(friction: float) -> Turned:
     """The rope turned by ``TURNS`` at either end."""
     contact = Contact(rope_stiffness=1e7, friction=friction)
     scene = _scene(Shaft(contact=contact, air=Air(density=100.0, drag=10.0)))
-    found = made(scene)
+    found = at_rest(scene)
     read = found.reader(("loop.turns", "left.swivel.torque", "contact.rope", "loop.crossings"))
     turns, torque, force, crossings = np.abs(follow(found, 0.02, TIME, lambda t: 2 * (_end(t, TIME),), read)).T
     first = int(np.argmax(force > 0))
@@ -63,7 +66,7 @@ def turned(friction: float) -> Turned:
 
 def struck_legs(stiffness: float) -> float:
     """Energy unexplained, of the work, where the rope is turned so fast that its legs strike and rebound."""
-    found = made(_scene(Shaft(contact=Contact(rope_stiffness=stiffness))))
+    found = at_rest(_scene(Shaft(contact=Contact(rope_stiffness=stiffness))))
     follow(found, 0.01, FAST, lambda t: 2 * (_end(t, 2.0 * FAST),))
     return unexplained(found)
 
@@ -89,11 +92,8 @@ class Helix(NamedTuple):
 
 def helix(q: Array, lengths: Array, heights: Array) -> Helix:
     """Means of the legs between the ``heights``."""
-    xi, place, below = np.linspace(0.0, 1.0, 21)[:-1], [], []
-    for k, l in enumerate(lengths):
-        place.append([interpolate(xi, l, *(q[n, i] for n in (k, k + 1) for i in (j, 3 + j)))[0] for j in range(3)])
-        below.append(lengths[:k].sum() + l * xi)
-    points, s = np.hstack(place), np.concatenate(below)
+    s = np.linspace(0.0, lengths.sum(), 20 * lengths.size + 1)
+    points = interpolate(q, arc_lengths(lengths), s)[:, :3].T
     bottom = int(np.argmin(points[1]))
     legs = [
         np.array([np.interp(heights, points[1, part], x[part]) for x in (points[0], points[2], s)])

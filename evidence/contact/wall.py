@@ -16,7 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.contact.scenes import GRAVITY, PLANAR, Array, follow, made, moving, smooth_step
+from evidence.contact.scenes import GRAVITY, PLANAR
+from evidence.ropes import at_rest, follow, moving, smooth_step
+from evidence.tables import Array
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
@@ -57,7 +59,7 @@ class Struck(NamedTuple):
 def ours() -> Struck:
     """The rope, at the default accuracy."""
     shaft = Shaft(lining=Lining(width=40.0, depth=40.0, x=WALL - 20.0), contact=CONTACT)
-    rope = made(Scene(ROPE, Layout(SPACING), model=PLANAR, shaft=shaft))
+    rope = at_rest(Scene(ROPE, Layout(SPACING), model=PLANAR, shaft=shaft))
     read = rope.reader(("contact.lining", "contact.lining.impulse"))
     pressure, impulse = follow(rope, EVERY, STOP, lambda t: 2 * (moving(WAY, t, MOVES, x=1.0),), read).T
     return Struck(pressure, float(impulse[-1]))

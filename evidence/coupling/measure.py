@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from tqdm import tqdm
 
 from evidence.errors import force_error
-from evidence.tables import Tables, table
+from evidence.tables import Measures, Tables, table
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
@@ -61,18 +60,14 @@ class Run:
     cause: str
 
 
-def wind(case: Case, scheme: str | Scheme, H: float) -> Run:
-    """Make one run; a scheme may be given that has no name."""
+def wind(case: Case, scheme: Scheme, H: float) -> Run:
+    """Make one run."""
     scene = CASES[case.name]
     data = rope_data(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))
-    coupling, unnamed = Coupling(step=H, sample=case.sample), None
-    if isinstance(scheme, str):
-        coupling = replace(coupling, scheme=scheme)
-    else:
-        unnamed = scheme
-    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains, scheme=unnamed)
+    coupling = Coupling(step=H, sample=case.sample)
+    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains, scheme=scheme)
     start = time.process_time()
     result: Result = host.run()
     spent = time.process_time() - start
@@ -87,7 +82,7 @@ def schemes() -> Tables:
     """Measure error and cost of every scheme on the hoist's first half metre."""
     exact, rows = wind(SHORT, CONVERGED, ROPE_STEP), []
     for name, given in tqdm(SCHEMES.items(), desc="schemes", unit="scheme", leave=False):
-        scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else name
+        scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else given
         for H in STEPS:
             run = wind(SHORT, scheme, H)
             error, cost = (math.inf, math.nan) if run.cause else (force_error(run.force, exact.force), run.processor)
@@ -104,7 +99,7 @@ def cases() -> Tables:
         winding = replace(setup.winding, travel=travel, settle=2.0)
         case = Case(name, winding, rope_step=CASE_REFERENCE, sample=CASE_STEP)
         exact = wind(case, CONVERGED, CASE_REFERENCE)
-        run = wind(replace(case, rope_step=None), Coupling().scheme, CASE_STEP)
+        run = wind(replace(case, rope_step=None), SCHEMES[Coupling().scheme], CASE_STEP)
         largest = float(np.max(np.abs(run.force - exact.force)) / np.max(np.abs(exact.force)))
         ratio = setup.hoist.tail_mass * setup.hoist.tail_rope_length / setup.hoist.conveyance_mass
         errors = force_error(run.force, exact.force), largest
@@ -116,4 +111,4 @@ def cases() -> Tables:
     return {"cases": table(names, rows)}
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"schemes": schemes, "cases": cases}
+MEASURES: Measures = {"schemes": schemes, "cases": cases}

@@ -11,28 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.discrete_rod.rod import Friction, Material, Rod
 from evidence.discrete_rod.solve import Record, equilibrium, first_guess, lowest_point, modes, move
-from rope_model import (
-    BalanceRope,
-    EndMotion,
-    Layout,
-    Mesh,
-    Model,
-    Rope,
-    RopeSimulator,
-    Scene,
-    Solver,
-    Swivel,
-    balance_rope,
-)
+from evidence.ropes import at_rest, require
+from evidence.tables import Array
+from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel
 from rope_model.simulation.outputs.modal import natural_modes
 
-Array = NDArray[np.float64]
 Results = dict[str, Array]
 
 #: published coupling, Qb and Qc not quite equal
@@ -96,11 +85,7 @@ def grade(length: float, bottom: float, edges: int) -> Array:
 def rope_of(scene: Scene, ends: Winding, step: float = 1e-3) -> BalanceRope:
     """Ours, at rest; complete, with a ``step`` (s) short enough that only the mesh errs."""
     solver = Solver(step_max=step, tolerance=0.1)
-    rope = balance_rope(scene.with_(solver=solver, model=Model("torsional")))
-    status = rope.initialize(0.0, *ends.ours(0.0))
-    if not status.valid:
-        raise RuntimeError(status.message)
-    return rope
+    return at_rest(scene.with_(solver=solver, model=Model("torsional")), *ends.ours(0.0))
 
 
 def present(rope: BalanceRope) -> tuple[Array, Array, Array, float, Array]:
@@ -188,9 +173,7 @@ def follow(rope: BalanceRope, ends: Winding, times: Array) -> Record:
     """Our rope along ``ends``, with communication steps of 10 ms that end on ``times``."""
     rows, switches, interval = [present(rope)], list[float](), 0.01
     for k in range(1, round(times[-1] / interval) + 1):
-        status = rope.advance_to(k * interval, *ends.ours(k * interval))
-        if not status.valid:
-            raise RuntimeError(status.message)
+        require(rope.advance_to(k * interval, *ends.ours(k * interval)))
         switches += [event.t for event in rope.state.events if "swivel" in event.what]
         if np.abs(times - k * interval).min() < 1e-9:
             rows.append(present(rope))
@@ -306,17 +289,15 @@ def cases() -> list[Case]:
     return [
         Case("rest, published coupling, 120 m", statics_ours, statics_rod, (600, 1200), rest),
         *(
-            Case(
-                f"frequencies, 120 m, {name}",
-                lambda n, name=name: modes_ours(name, n),  # type: ignore[misc]
-                lambda n, name=name: modes_rod(name, n),  # type: ignore[misc]
-                (600, 1200),
-                rest,
-            )
+            Case(f"frequencies, 120 m, {name}", partial(modes_ours, name), partial(modes_rod, name), (600, 1200), rest)
             for name in VIBRATIONS
         ),
-        Case("winding", lambda n: winding_ours(n, wound), lambda n: winding_rod(n, wound), (1, 2), edges),
+        Case("winding", partial(winding_ours, times=wound), partial(winding_rod, times=wound), (1, 2), edges),
         Case(
-            "release of a swivel", lambda n: release_ours(n, let_go), lambda n: release_rod(n, let_go), (80, 160), edges
+            "release of a swivel",
+            partial(release_ours, times=let_go),
+            partial(release_rod, times=let_go),
+            (80, 160),
+            edges,
         ),
     ]

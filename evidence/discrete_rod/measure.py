@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 from tqdm import tqdm
 
 from evidence.discrete_rod.cases import Case, Comparison, cases
-from evidence.tables import Tables, records, table
+from evidence.tables import Measures, Tables, records, table
 
 COLUMNS = (
     *("case", "quantity", "our mesh, coarse", "our mesh, fine"),
@@ -37,4 +37,4 @@ def missed(recorded: Tables) -> Iterator[str]:
             yield f"{r['case']}: {r['quantity']}"
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"comparisons": tables}
+MEASURES: Measures = {"comparisons": tables}

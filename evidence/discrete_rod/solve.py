@@ -43,28 +43,20 @@ def first_guess(rod: Rod) -> Array:
     return join(Parts(np.zeros(2), np.zeros(2), inner, 0 * inner, np.zeros(edges + 1), np.zeros(edges)))
 
 
-def _speeds_and_places(size: int) -> tuple[Array, Array]:
-    """Indices in the state, in one order: those of u = (v, w, b_t) and of p = (x, m, b)."""
-    names = split(np.arange(size))
-    speeds = np.concatenate((names.v.ravel(), names.w, names.b_t))
-    return speeds, np.concatenate((names.x.ravel(), names.m, names.b))
-
-
-def _second_order(rod: Rod, y: Array, slip: tuple[float, float]) -> tuple[sp.csc_matrix, Array]:
-    """H'G, and the indices of u, without the speeds of swivels that hold."""
-    A = rod.jacobian(0.0, y, slip)
-    speeds, places = _speeds_and_places(y.size)
-    kept = np.array([True] * (speeds.size - 2) + [sense != 0 for sense in slip])
-    speeds = speeds[kept]
+def _second_order(rod: Rod, y: Array) -> tuple[sp.csc_matrix, Array]:
+    """H'G, and the indices of u, without the speeds of the swivels, which hold."""
+    A, names = rod.jacobian(0.0, y, HELD), split(np.arange(y.size))
+    speeds = np.concatenate((names.v.ravel(), names.w))
+    places = np.concatenate((names.x.ravel(), names.m, names.b))
     return sp.csc_matrix(A[speeds][:, places] @ A[places][:, speeds]), speeds
 
 
-def equilibrium(rod: Rod, guess: Array, slip: tuple[float, float] = HELD, tolerance: float = 1e-11) -> Array:
-    """The rod at rest near ``guess``; swivels that slip are free.  Raises RuntimeError without one."""
+def equilibrium(rod: Rod, guess: Array, tolerance: float = 1e-11) -> Array:
+    """The rod at rest near ``guess``, its swivels held.  Raises RuntimeError without one."""
     y, tau, force = guess, 0.1, np.inf
     for _ in range(400):
-        A, speeds = _second_order(rod, y, slip)
-        rates = rod.rates(0.0, y, slip)[speeds]
+        A, speeds = _second_order(rod, y)
+        rates = rod.rates(0.0, y, HELD)[speeds]
         u = np.zeros(y.size)
         u[speeds] = splu(sp.csc_matrix(sp.identity(speeds.size) / tau**2 - A)).solve(rates)
         move = float(np.abs(u).max())
@@ -102,10 +94,9 @@ class Modes:
     out_of_plane: Array
 
 
-def modes(rod: Rod, y: Array, count: int, slip: tuple[float, float] = HELD) -> Modes:
+def modes(rod: Rod, y: Array, count: int) -> Modes:
     """The ``count`` lowest about the equilibrium ``y``."""
-    A, speeds = _second_order(rod, y, slip)
-    # shifted: two free swivels leave a mode without stiffness
+    A, speeds = _second_order(rod, y)
     squares, vectors = eigs(-A, count, sigma=-1e-3, v0=np.ones(speeds.size))
     order = np.argsort(squares.real)
     v = np.abs(vectors[: 3 * (rod.lengths.size - 1), order].reshape(-1, 3, count)) ** 2

@@ -9,14 +9,14 @@ it: those in which the best linear estimate about the truth, J^+ e, is off by at
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
 from evidence.rendering import DOCS
-from evidence.tables import Tables, table
+from evidence.tables import Measures, Tables, table
 from hoist_demo.calibration.definition import Measured, read_measured
 from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
@@ -80,4 +80,4 @@ def worked() -> Tables:
     return {"results": table(head, results), "causes": table(("scene", "measure", "datum", "share"), causes)}
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"coverage": coverage, "uncertain": worked}
+MEASURES: Measures = {"coverage": coverage, "uncertain": worked}

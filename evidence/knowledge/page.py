@@ -40,18 +40,10 @@ def page(tables: Tables) -> str:
 
 
 def _coverage(judged: dict[str, float], unseen: dict[str, float], more: dict[str, float]) -> tuple[str, ...]:
-    shares = (f"{x['inside']:.0f} of {x['told']:.0f}" for x in (judged, unseen, more))
-    inside, new, without = shares
-    exact = (f"{x['exact']:.0f}" for x in (judged, unseen))
-    return (
-        str(judged["property"]).replace("_", " "),
-        inside,
-        next(exact),
-        new,
-        next(exact),
-        number(judged["reach"]),
-        without,
-    )
+    inside, new, without = (f"{x['inside']:.0f} of {x['told']:.0f}" for x in (judged, unseen, more))
+    exact, exact_new = (f"{x['exact']:.0f}" for x in (judged, unseen))
+    name = str(judged["property"]).replace("_", " ")
+    return name, inside, exact, new, exact_new, number(judged["reach"]), without
 
 
 def _spread(results: Table, causes: Table) -> list[tuple[str, ...]]:

@@ -34,16 +34,16 @@ from tqdm import tqdm
 
 from benchmarks.kinematic import ends_at
 from evidence.machine import machine
-from evidence.tables import Table, Tables, table
+from evidence.ropes import at_rest
+from evidence.tables import Array, Measures, Tables, table
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model import EndMotion, Level, balance_rope
+from rope_model import EndMotion, Level
 
-Array = NDArray[np.float64]
 #: rest after a winding, s
 SETTLE = 5.0
 #: part of the trip's duration at which an emergency stop begins: on rope-240 after its swivels' release
@@ -86,9 +86,8 @@ class Case:
 @contextmanager
 def in_process(case: Case) -> Iterator[Step]:
     """Open the rope in this process, initialised."""
-    rope, motions = balance_rope(rope_data(find_case(case.scene).rope, case.level), "native"), case.motions
-    started = rope.initialize(0.0, *motions[0])
-    assert started.valid, started.message
+    motions = case.motions
+    rope = at_rest(rope_data(find_case(case.scene).rope, case.level), *motions[0])
     yield lambda k: rope.advance_to(k * H, *motions[k]).valid
 
 
@@ -147,8 +146,7 @@ def timed(step: Step, steps: int) -> Array:
 
 def work(case: Case) -> tuple[NDArray[np.int64], int]:
     """Run a case in process; what each step did (columns as COUNTED), and the number of elements."""
-    rope = balance_rope(rope_data(find_case(case.scene).rope, case.level), "native")
-    assert rope.initialize(0.0, *case.motions[0]).valid
+    rope = at_rest(rope_data(find_case(case.scene).rope, case.level), *case.motions[0])
     counts = [tuple(rope.signals(COUNTED).values())]
     for k, ends in enumerate(case.motions[1:], 1):
         assert rope.advance_to(k * H, *ends).valid
@@ -174,7 +172,7 @@ def causes(case: Case, times: Array, counts: NDArray[np.int64]) -> tuple[object,
     return case.scene, case.trip, case.level, case.place, H, *shares, *means
 
 
-def tables(rounds: int = ROUNDS) -> Tables:
+def tables() -> Tables:
     """Measure all cases, which take turns."""
     cases = [Case(s, t, l, p) for p in ("in process", "FMU") for s in SCENES for t in TRIPS for l in LEVELS]
     done = {(c.scene, c.trip, c.level): work(c) for c in tqdm(cases, desc="warm-up", leave=False) if c.place != "FMU"}
@@ -183,7 +181,7 @@ def tables(rounds: int = ROUNDS) -> Tables:
         paths = {level: Path(folder) / f"{level}.fmu" for level in LEVELS}
         for level, path in paths.items():
             export_native(path, level=level, platforms=(host_platform(),))
-        for case in tqdm([*cases] * rounds, desc=f"{rounds} rounds", leave=False):
+        for case in tqdm([*cases] * ROUNDS, desc=f"{ROUNDS} rounds", leave=False):
             opened = through_fmu(case, paths[case.level]) if case.place == "FMU" else in_process(case)
             with opened as step:
                 times[case].append(timed(step, len(case.motions) - 1))
@@ -193,13 +191,9 @@ def tables(rounds: int = ROUNDS) -> Tables:
         for c in cases
         if (c.place, c.level) == ("in process", "standard")
     ]
-    return {"steps": table(STEPS, rows), "causes": causes_table(slowest), "machine": machine()}
-
-
-def causes_table(rows: Sequence[tuple[object, ...]]) -> Table:
-    """Return the table of causes."""
     names = [f"{name}, {which}" for which in ("slowest", "all") for name in CAUSES]
-    return table((*HEAD, *names, "count.newton, slowest", "count.newton, all"), rows)
+    named = table((*HEAD, *names, "count.newton, slowest", "count.newton, all"), slowest)
+    return {"steps": table(STEPS, rows), "causes": named, "machine": machine()}
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"latency": tables}
+MEASURES: Measures = {"latency": tables}

@@ -8,7 +8,7 @@ import numpy as np
 from tqdm import tqdm
 
 from evidence.mesh_rule import laws, statics, trips
-from evidence.mesh_rule.rule import judges, longest, shares, slip
+from evidence.mesh_rule.rule import longest, shares, slip
 from evidence.mesh_rule.scenes import FIT, draw
 from evidence.rendering import DOCS
 from evidence.tables import read, write
@@ -35,7 +35,7 @@ def main() -> None:
         )
     )
     for asked in (0.05, 5e-3, 1e-3, 2e-4):
-        of = shares(found, judges(), asked)
+        of = shares(found, asked)
         largest = f"loop {of.loop.max():.2f}, cover {of.cover.max():.2f}"
         print(f"asked {1e3 * asked:g} mm: of it at most {largest}; clamp moment off by {100 * of.moment.max():.2f} %")
 

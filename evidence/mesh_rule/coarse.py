@@ -7,16 +7,16 @@ the nodes: on ropes of the seed that the constants of physics.accuracy come from
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.mesh_rule.scenes import FIT, JUDGE, Sample, draw
-from rope_model import EndMotion, Mesh, Model, Scene, balance_rope
+from evidence.ropes import at_rest
+from evidence.tables import Array
+from rope_model import EndMotion, Mesh, Model, Scene
 from rope_model.physics.accuracy import locking_error
 from rope_model.physics.estimates import bending_length
 
@@ -39,13 +39,9 @@ class Off(NamedTuple):
     yaw: float
 
 
-def hang(scene: Scene, height: float) -> NDArray[np.float64]:
+def hang(scene: Scene, height: float) -> Array:
     """Place and yaw of the loop at rest."""
-    rope = balance_rope(scene)
-    status = rope.initialize(0.0, EndMotion(y=height), EndMotion())
-    if not status.valid:
-        raise RuntimeError(status.message)
-    return np.array(list(rope.signals(_SIGNALS).values()))
+    return np.array(list(at_rest(scene, EndMotion(y=height)).signals(_SIGNALS).values()))
 
 
 def coupled(sample: Sample) -> Scene:
@@ -70,11 +66,11 @@ def measure(scene: Scene, x: float) -> Off:
     return Off(fine / w, float(locking_error(scene, fine)), float(place), float(yaw))
 
 
-def rows(seed: int, number: int = ROPES, lengths: Iterable[float] = LENGTHS) -> list[list[Off]]:
+def rows(seed: int) -> list[list[Off]]:
     """By the length of the elements, of ropes that are long enough for them, in their plane and out of it."""
-    ropes = list(islice((s for s in draw(seed, 20 * number) if SHORTEST * s.w < s.rope.length < LONGEST), number))
+    ropes = list(islice((s for s in draw(seed, 20 * ROPES) if SHORTEST * s.w < s.rope.length < LONGEST), ROPES))
     scenes = [scene for s in ropes for scene in (Scene(s.rope, s.layout, model=Model("planar")), coupled(s))]
-    return [[measure(scene, x) for scene in scenes] for x in lengths]
+    return [[measure(scene, x) for scene in scenes] for x in LENGTHS]
 
 
 def main() -> None:

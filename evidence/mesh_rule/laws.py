@@ -20,12 +20,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from evidence.tables import Table, Tables
+from evidence.tables import Array, Table, Tables
 
-Array = NDArray[np.float64]
 #: what the fits use: loop elements below this many w, further down the leg than this, end elements up to this many
 #: layers
 SHORT, ABOVE, RESOLVED = 0.6, 1.25, 4.0

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.mesh_rule import laws
 from evidence.mesh_rule.laws import Laws
-from evidence.mesh_rule.scenes import JUDGE, Sample, draw
-from evidence.tables import Table
+from evidence.mesh_rule.scenes import JUDGE, draw
+from evidence.tables import Array, Table
 from rope_model.parameters import Mesh
 from rope_model.physics.elementary import sqrt
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
 
-Array = NDArray[np.float64]
 #: ropes: the rule itself costs nothing
 MANY = 400
 #: loop elements over w on which it hangs too high by more than it trembles; how far from LONGEST one is beyond doubt
@@ -32,15 +29,10 @@ class Shares(NamedTuple):
     moment: Array
 
 
-def judges() -> list[Sample]:
-    """Ropes of the judging seed."""
-    return list(draw(JUDGE, MANY))
-
-
-def shares(found: Laws, samples: Sequence[Sample], asked: float) -> Shares:
-    """Of the rule's lengths for the error ``asked`` (m)."""
+def shares(found: Laws, asked: float) -> Shares:
+    """Of the rule's lengths for the error ``asked`` (m), on MANY ropes of the judging seed."""
     loop, cover, moment = [], [], []
-    for d in samples:
+    for d in draw(JUDGE, MANY):
         S = laws.stiffness(np.array(d.rope.Qa), np.array(d.rope.EI), np.array(d.w))
         of = fit_lengths(d.scene(Mesh()), asked, math.log10(FADE_ERROR / asked))
         fine, half = np.array(of.fine), np.array(0.5 * math.pi * of.radius + of.fade)
@@ -61,8 +53,3 @@ def slip(t: Table) -> tuple[float, float]:
     aside, x = t["aside [m]"] / t["too high [m]"], t["fine [m]"] / t["w [m]"]
     used = (x > UNLOCKED) & (x < longest() - AT_LEAST)
     return float(aside[used].max()), float(aside[x > longest() + AT_LEAST].max())
-
-
-def off(t: Table, what: str, kind: str) -> Array:
-    """How far the loop's place is off by one part of the mesh or by the steps, m."""
-    return np.asarray(t["off [m]"][(t["what"] == what) & (t["trip"] == kind)])

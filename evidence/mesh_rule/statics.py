@@ -7,17 +7,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.mesh_rule.scenes import Sample
-from evidence.tables import Table, table
+from evidence.tables import Array, Table, table
 from rope_model import EndMotion, balance_rope
 from rope_model.parameters import Mesh
 from rope_model.simulation.mesh.mesh_fit import LEG_WAVES
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 
-Array = NDArray[np.float64]
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried
 LOOP_LENGTHS = (0.1, 0.14, 0.2, 0.28, 0.4, 0.5, 0.56, 0.62, 0.68, 0.74, 0.8)
 FINEST, FINE = 0.05, 0.2

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from evidence.tables import Array
+
 CABLE_NODE, BEAM_NODE = "NodePoint2DSlope1", "NodeRigidBody2D"
 CABLE, BEAM = "ObjectANCFCable2D", "ObjectBeamGeometricallyExact2D"
 

@@ -18,14 +18,12 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
-from numpy.typing import NDArray
 
 from evidence.peer.elements import BEAM, ELEMENTS
+from evidence.tables import Array
 from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
 from rope_model.simulation.mesh.transfer import interpolate
-
-Array = NDArray[np.float64]
 
 #: prescribed coordinates of an end node
 HELD = (0, 1, 2)

@@ -12,7 +12,8 @@ from evidence.errors import force_error
 from evidence.peer.elements import ELEMENTS
 from evidence.peer.exudyn_rope import Method, PeerRope
 from evidence.peer.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
-from evidence.tables import Tables, table
+from evidence.ropes import require
+from evidence.tables import Measures, Tables, table
 from rope_model.parameters import Mesh, Model
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.outputs.modal import natural_modes
@@ -83,11 +84,9 @@ def frequencies() -> Tables:
 def our_modes(height: float) -> list[float]:
     """Return ours, Hz."""
     rope = RopeSimulator(UNCOUPLED.with_(mesh=Mesh(kind="eem", elements=600), model=Model("planar")))
-    status = rope.initialize(0.0, EndMotion(y=height), EndMotion())
-    if not status.valid:
-        raise RuntimeError(status.message)
+    require(rope.initialize(0.0, EndMotion(y=height), EndMotion()))
     modes = natural_modes(rope.system, rope.state.motion.q, 3 * MODES)
     return [float(f) for f in modes.frequencies[modes.out_of_plane < 0.5][:MODES]]
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"frequencies": frequencies, "winding": winding}
+MEASURES: Measures = {"frequencies": frequencies, "winding": winding}

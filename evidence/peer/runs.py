@@ -7,18 +7,17 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
 from evidence.peer.exudyn_rope import Method, PeerError, PeerRope
+from evidence.ropes import at_rest
+from evidence.tables import Array
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import EndMotion, Mesh, Scene, balance_rope, rope_120
+from rope_model import EndMotion, Mesh, Scene, rope_120
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.rope_system import arc_lengths
-
-Array = NDArray[np.float64]
 
 CASE = rope_120()
 TRAVEL = CASE.travel  # m
@@ -54,18 +53,14 @@ def ours(group: str, label: str, scene: Scene) -> Run:
     """Return one run of ours; the host's step is the largest step."""
     step = scene.solver.step_max
     run = wind(scene, REFERENCE, TRAVEL, DURATION - REFERENCE.duration, round(SAMPLE / step), interval=step)
-    if not run.status.valid:
-        raise RuntimeError(f"{label}: {run.status.message}")
+    run.completed(label)
     return Run("ours", group, label, run.rope.elements, step, run.cpu, np.array(run.force), np.array(run.bottom))
 
 
 @cache
 def hanging_shape(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Array]:
     """Arc lengths and nodes (n, 7) of our equilibrium between the heights: where Exudyn's search begins."""
-    rope = balance_rope(scene.with_(mesh=Mesh(kind="eem", elements=600)))
-    status = rope.initialize(0.0, EndMotion(y=heights[0]), EndMotion(y=heights[1]))
-    if not status.valid:
-        raise RuntimeError(status.message)
+    rope = at_rest(scene.with_(mesh=Mesh(kind="eem", elements=600)), *(EndMotion(y=y) for y in heights))
     return arc_lengths(rope.state.partition.lengths), rope.state.motion.q
 
 

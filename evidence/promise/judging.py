@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.claims import Measurement, above, below
 from evidence.promise.wind import REQUESTS
-from evidence.tables import Table, rows
+from evidence.tables import Array, Table, rows
 
 #: factor within which an estimate is to be of the error, and the share of those that are to be
 NEAR, NEAR_SHARE = 2.0, 0.85
@@ -19,12 +18,10 @@ ESTIMATES = {"end force": ("end force", "end force, estimated"), "loop": ("loop 
 
 def completed(t: Table, asked: str = "default") -> Table:
     """The scenes with one request whose runs went through."""
-    t = rows(t, asked=asked)
-    kept = np.array([not failure or failure == "nan" for failure in t["failure"].astype(str)])
-    return {name: column[kept] for name, column in t.items()}
+    return rows(t, asked=asked, failure="")
 
 
-def over_asked(t: Table, asked: str = "default") -> NDArray[np.float64]:
+def over_asked(t: Table, asked: str = "default") -> Array:
     """Error over what was asked, the worse one of end force and loop."""
     return np.maximum(t["end force"] / REQUESTS[asked].end_force, t["loop [m]"] / REQUESTS[asked].loop)
 
@@ -47,9 +44,5 @@ def claims(t: Table) -> list[Measurement]:
     for estimate in ESTIMATES:
         what = f"estimates of the {estimate} within a factor of {NEAR:g}"
         found.append(above(what, near(done, estimate), NEAR_SHARE - 1e-9))
-    found.append(below("runs that did not complete", sum(map(_failed, t["failure"].astype(str))), 0.5))
+    found.append(below("runs that did not complete", float(np.count_nonzero(t["failure"])), 0.5))
     return found
-
-
-def _failed(failure: str) -> bool:
-    return failure not in ("", "nan")

@@ -9,7 +9,7 @@ from evidence.promise.figures import FIGURES
 from evidence.promise.judging import ESTIMATES, NEAR, claims, completed, near, over_asked
 from evidence.promise.wind import FINE, FINE_STEP, REQUESTS
 from evidence.rendering import number, quantity, render
-from evidence.tables import Table, Tables
+from evidence.tables import Table, Tables, where
 
 __all__ = ["FIGURES", "page"]
 WORST = 3
@@ -28,7 +28,7 @@ def page(tables: Tables) -> str:
         "longest": done["length [m]"].max(),
         "shortest": done["length [m]"].min(),
         "factor": NEAR,
-        "failures": sorted({str(x) for x in t["failure"] if str(x) not in ("", "nan")}),
+        "failures": sorted({*t["failure"].tolist()} - {""}),
         "claims": [
             (c.what, number(c.value, ".3g"), f"{c.relation} {c.bound:.3g}", "yes" if c.holds else "**no**")
             for c in claims(t)
@@ -69,7 +69,7 @@ def _groups(t: Table) -> list[tuple[str, ...]]:
     rows = []
     for name, mine in groups.items():
         if mine.any():
-            part = {column: values[mine] for column, values in t.items()}
+            part = where(t, mine)
             over = over_asked(part)
             shares = [float(np.mean(over <= 1)), *(near(part, x) for x in ESTIMATES)]
             rows.append((name, str(mine.sum()), number(float(over.max()), ".2g"), *(quantity(x, "%") for x in shares)))

@@ -26,11 +26,6 @@ class SineStop:
         """When the ends rest, s."""
         return self.begin + self.lasts
 
-    @property
-    def peak_speed(self) -> float:
-        """Largest speed before, m/s."""
-        return max(abs(self.at(self.begin * k / 200).speed) for k in range(201))
-
     def at(self, t: float) -> TrajectoryPoint:
         """The left end at ``t``."""
         if t < self.begin:

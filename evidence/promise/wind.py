@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
+from evidence.errors import end_error, place_error
 from evidence.promise.scenes import Sample
-from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
+from evidence.tables import Array
+from rope_model import Accuracy, Mesh, Scene, Solver, balance_rope
 
-Array = NDArray[np.float64]
 #: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely
 SETTLE, EVERY = 3.0, 0.02
 #: what is asked: the default, and a tenth and ten times as much of it
@@ -26,12 +26,11 @@ FINE: dict[str, Any] = {
 }
 FINE_STEP = 1.25e-3
 _SIGNALS = tuple(
-    [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")]
-    + ["loop.x", "loop.y", "loop.z", "left.mz", "right.mz", "left.swivel.angle", "right.swivel.angle"]
+    [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")] + ["loop.x", "loop.y", "loop.z"]
 )
 COLUMNS = (
-    *("scene", "asked", "kind", "length [m]", "mass [kg/m]", "EI [N m2]", "left", "right", "speed [m/s]"),
-    *("interval [s]", "events", "end force", "horizontal force", "loop [m]", "clamp moment", "swivel angle [rad]"),
+    *("scene", "asked", "kind", "length [m]", "EI [N m2]"),
+    *("interval [s]", "events", "end force", "loop [m]"),
     *("end force, estimated", "loop, estimated [m]", "end force, of the fine run", "loop, of the fine run [m]"),
     *("work", "failure"),
 )
@@ -49,10 +48,10 @@ class Run:
     failure: str = ""
 
 
-def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] = balance_rope, **changes: Any) -> Run:
+def wind(sample: Sample, interval: float, **changes: Any) -> Run:
     """The scene on its trip, with parts of it changed."""
     scene: Scene = sample.scene.with_(**changes)
-    trip, rope = sample.trajectory, build(scene)
+    trip, rope = sample.trajectory, balance_rope(scene)
     every = max(round(max(EVERY, sample.interval) / interval), 1)
     status = rope.initialize(0.0, *ends_at(trip, sample.trip.travel, 0.0))
     read, rows = rope.reader(_SIGNALS), []
@@ -69,33 +68,19 @@ def wind(sample: Sample, interval: float, build: Callable[[Scene], BalanceRope] 
     return Run(np.array(rows), force, loop, corrections * rope.elements, events)
 
 
-def errors(run: Run, fine: Run) -> tuple[float, ...]:
-    """Of end force, its horizontal part, place of the loop, clamp moment, swivel angle; see COLUMNS.
-
-    Forces and moments: root mean square of the worse end, relative to the largest.  Loop and angle: the largest.
-    """
+def errors(run: Run, fine: Run) -> tuple[float, float]:
+    """Of the end forces and of the loop's place (m)."""
     n = min(len(run.signals), len(fine.signals))
     if n == 0:
-        return (np.nan,) * 5
-    exact, off = fine.signals[:n], run.signals[:n] - fine.signals[:n]
-    force, side = exact[:, :6].reshape(n, 2, 3), off[:, :6].reshape(n, 2, 3)
-    largest = np.linalg.norm(force, axis=2).max()
-    return (
-        _rms(np.linalg.norm(side, axis=2)) / largest,
-        _rms(np.linalg.norm(side[:, :, ::2], axis=2)) / largest,
-        float(np.linalg.norm(off[:, 6:9], axis=1).max()),
-        _rms(off[:, 9:11]) / float(np.abs(exact[:, 9:11]).max()),
-        float(np.abs(off[:, 11:]).max()),
-    )
+        return np.nan, np.nan
+    told, exact = run.signals[:n], fine.signals[:n]
+    return end_error(told[:, :6], exact[:, :6]), place_error(told[:, 6:], exact[:, 6:])
 
 
 def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
     """Rows of COLUMNS, one for each of the requests."""
     fine, scene = wind(sample, FINE_STEP, **FINE), sample.scene
-    about = (
-        *(sample.kind, scene.rope.length, scene.rope.mass_per_length, scene.rope.EI, scene.left.mode, scene.right.mode),
-        *(sample.trajectory.peak_speed, sample.interval),
-    )
+    about = sample.kind, scene.rope.length, scene.rope.EI, sample.interval
     rows = []
     for request in asked:
         run = wind(sample, sample.interval, accuracy=REQUESTS[request])
@@ -103,8 +88,3 @@ def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
         told = run.end_force, run.loop, fine.end_force, fine.loop, run.work, failure
         rows.append((sample.number, request, *about, run.events, *errors(run, fine), *told))
     return rows
-
-
-def _rms(x: Array) -> float:
-    """Root mean square over time, of the worse end."""
-    return float(np.sqrt((x**2).mean(axis=0)).max())

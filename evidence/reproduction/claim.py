@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from evidence.claims import Measurement
-from evidence.rendering import number
 from evidence.tables import Tables
 
 
@@ -23,17 +22,6 @@ class Claim:
         """Whether ours shows what the source states."""
         return self.measured.holds
 
-    @property
-    def number(self) -> str:
-        """Value with unit."""
-        return _with_unit(self.measured.value, self.measured.unit)
-
-    @property
-    def bound(self) -> str:
-        """Relation and bound with unit."""
-        words = {"<": "below", ">": "above"}[self.measured.relation]
-        return f"{words} {_with_unit(self.measured.bound, self.measured.unit)}"
-
 
 @dataclass(frozen=True)
 class Section:
@@ -42,7 +30,3 @@ class Section:
     title: str
     claims: Callable[[Tables], Sequence[Claim]]
     data: Sequence[str]
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return number(value) if unit == "1" else f"{number(value)} {unit}"

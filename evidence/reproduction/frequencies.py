@@ -12,18 +12,13 @@ from tqdm import tqdm
 from evidence.claims import above, below
 from evidence.drawing import CURVES, figure
 from evidence.reproduction.claim import Claim, Section
-from evidence.tables import Table, Tables, table
-from rope_model.parameters import Swivel, rope_120
-from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, nominal_points
-from rope_model.simulation.ends.paths import EndMotion, EndPath
-from rope_model.simulation.mesh.partition import fit_mesh, partition
+from evidence.ropes import require
+from evidence.tables import Array, Table, Tables, table
+from rope_model import EndMotion, Model, RopeSimulator, Swivel, rope_120
+from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.outputs.modal import natural_modes
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem, arc_lengths, parameter_vector
-from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
-
-Array = NDArray[np.float64]
+from rope_model.simulation.rope_system import arc_lengths
 
 #: an independent discrete-rod model, Hz
 REFERENCE_HZ = {
@@ -46,39 +41,24 @@ ALONG = "smallest MAC of the lower mode from one H to the next"
 KEPT = ("MAC lower before, lower after", "MAC upper before, upper after")
 
 
-class HangingRope:
-    """The uncoupled 120 m rope; kernels are built once."""
+def modes(height: float) -> dict[str, tuple[Array, Array]]:
+    """Frequencies (5,) and shapes (5, points, components) on GRID by plane, of the uncoupled 120 m rope.
 
-    def __init__(self) -> None:
-        self.scene = rope_120().scene
-        self.rope = replace(self.scene.rope, Qb=0.0, Qc=0.0)
-        self.mesh = fit_mesh(self.scene)
-        cells = partition(self.mesh, self.rope.length, 0.5 * self.rope.length)
-        self.kernels = RopeKernels(cells.lengths.size, self.scene.solver.kernels)
-
-    def modes(self, height: float) -> dict[str, tuple[Array, Array]]:
-        """Frequencies (5,) and shapes (5, points, components) on GRID by plane, the swivels free.
-
-        The left end is ``height`` (m) above the right one.
-        """
-        lengths = partition(self.mesh, self.rope.length, 0.5 * (self.rope.length + height)).lengths
-        paths = EndPath.at_rest(0.0, EndMotion(y=0.5 * height)), EndPath.at_rest(0.0, EndMotion(y=-0.5 * height))
-        points = nominal_points(self.scene.layout.spacing)
-        P = parameter_vector(self.rope, self.scene.layout.gravity)
-        s = arc_lengths(lengths)
-        ends = points + np.array([[0.0, 0.5 * height, 0.0], [0.0, -0.5 * height, 0.0]])
-        q, found = hanging_guess(s, *ends), {}
-        # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
-        turns = SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.SLIP, 0.0, 1.0)
-        boundary = HangingEnds(points, paths, (Swivel(), Swivel(mode="free")), turns, (0.0, 0.0))
-        system = RopeSystem(self.kernels, lengths, P, boundary, q)
-        q = find_equilibrium(system, q).q
-        modes = natural_modes(system, q, 14)
-        for plane, columns in (("out", [2]), ("in", [0, 1])):
-            chosen = np.flatnonzero((modes.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
-            shapes = [interpolate(modes.shapes[k], s, GRID)[:, columns] for k in chosen]
-            found[plane] = modes.frequencies[chosen], np.array(shapes)
-        return found
+    The left end is ``height`` (m) above the right one.
+    """
+    scene = rope_120().scene
+    ends = {"left": Swivel(), "right": Swivel(mode="free", inertia=1e-12)}
+    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("torsional"), **ends))
+    require(rope.initialize(0.0, EndMotion(y=0.5 * height), EndMotion(y=-0.5 * height)))
+    q, s, found = rope.state.motion.q, arc_lengths(rope.state.partition.lengths), {}
+    # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
+    turning = rope.state.swivels[0], SwivelState(Phase.SLIP, 0.0, 1.0)
+    lowest = natural_modes(rope.model.system(rope.state._replace(swivels=turning)), q, 14)
+    for plane, columns in (("out", [2]), ("in", [0, 1])):
+        chosen = np.flatnonzero((lowest.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
+        shapes = [interpolate(lowest.shapes[k], s, GRID)[:, columns] for k in chosen]
+        found[plane] = lowest.frequencies[chosen], np.array(shapes)
+    return found
 
 
 def column(plane: str, k: int) -> str:
@@ -88,14 +68,13 @@ def column(plane: str, k: int) -> str:
 
 def measure() -> Tables:
     """Frequencies over H, and the closest approaches of neighbouring curves."""
-    rope = HangingRope()
-    modes = [rope.modes(float(h)) for h in tqdm(HEIGHTS, desc="natural frequencies", unit="H", leave=False)]
+    found = [modes(float(h)) for h in tqdm(HEIGHTS, desc="natural frequencies", unit="H", leave=False)]
     # seen from the other side the rope at -H is the rope at H
     heights = np.concatenate((-HEIGHTS[:0:-1], HEIGHTS))
     columns = {"H [m]": heights}
     rows: list[tuple[object, ...]] = []
     for plane in PLANES:
-        f, shapes = np.array([m[plane][0] for m in modes]), np.array([m[plane][1] for m in modes])
+        f, shapes = np.array([m[plane][0] for m in found]), np.array([m[plane][1] for m in found])
         seen = np.concatenate((shapes[:0:-1, :, ::-1], shapes)), np.concatenate((f[:0:-1], f))
         columns |= {column(plane, k): seen[1][:, k] for k in range(COUNT)}
         rows += [(plane, *row) for row in approaches(heights, seen[1], seen[0])]

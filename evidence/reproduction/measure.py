@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from evidence.reproduction import costs, frequencies, release, windings
-from evidence.tables import Tables
+from evidence.tables import Measures
 
-MEASURES: dict[str, Callable[[], Tables]] = {
+MEASURES: Measures = {
     "frequencies": frequencies.measure,
     "windings": windings.measure,
     "costs": costs.measure,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from evidence.rendering import render
+from evidence.rendering import render, with_unit
 from evidence.reproduction import costs, frequencies, release, winding_claims
-from evidence.reproduction.claim import Section
+from evidence.reproduction.claim import Claim, Section
 from evidence.reproduction.windings import ROUNDS
 from evidence.tables import Tables
 from hoist_demo.parameters import ASSUMED_DATA
@@ -21,13 +21,22 @@ def page(tables: Tables) -> str:
         "assumed": ASSUMED_DATA,
         "rounds": ROUNDS,
         "summary": [
-            (title, c.source, c.measured.what, c.number, c.bound, "yes" if c.holds else "**no**") for title, c in claims
+            (title, c.source, c.measured.what, _value(c), _bound(c), "yes" if c.holds else "**no**")
+            for title, c in claims
         ],
         "kept": sum(c.holds for _, c in claims),
         "missed": [
-            ([f"{c.source} ({c.number})" for _, c in claims if c.because == why and not c.holds], why)
+            ([f"{c.source} ({_value(c)})" for _, c in claims if c.because == why and not c.holds], why)
             for why in reasons
         ],
         "data": [name for section in SECTIONS for name in section.data],
     }
     return render("reproduction/reproduction.md.j2", data)
+
+
+def _value(c: Claim) -> str:
+    return with_unit(c.measured.value, c.measured.unit)
+
+
+def _bound(c: Claim) -> str:
+    return f"{'below' if c.measured.relation == '<' else 'above'} {with_unit(c.measured.bound, c.measured.unit)}"

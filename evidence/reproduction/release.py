@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from benchmarks.kinematic import Winding, progress_bar, wind
+from benchmarks.kinematic import Winding, wind
 from evidence.claims import above, below
-from evidence.drawing import COLOURS, REFERENCE, figure, mark_instants
+from evidence.drawing import COLOURS, REFERENCE, figure
 from evidence.reproduction.claim import Claim, Section
-from evidence.tables import Tables, table
+from evidence.tables import Array, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import BalanceRope, RopeSimulator, Scene, Swivel, rope_240
+from rope_model import BalanceRope, Scene, Swivel, rope_240
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.rope_system import ANGLE
-
-Array = NDArray[np.float64]
 
 RELEASE, END = 20.0, 45.0  # s
 FROM, UNTIL = 17.0, 24.0  # s: record of the swivel, and what of it is searched for jumps
@@ -33,50 +28,38 @@ NEAR = 240.0 / 1202.0
 SOON = 30.0  # s, ten after the release
 
 
-@dataclass
-class Watch:
-    """What is kept of every communication step; ``python`` looks at the states that the rope comes to."""
+def follow(scene: Scene, name: str) -> tuple[Winding, Array]:
+    """Return the case's winding and, at every communication step, SWIVEL of the right one and the loop's yaw (rad)."""
+    case, seen = rope_240(), []
 
-    python: RopeSimulator
-    swivel: list[tuple[float, ...]] = field(default_factory=list)  # right one: SWIVEL
-    yaw: list[float] = field(default_factory=list)  # rad
+    def watch(rope: BalanceRope) -> None:
+        acceleration = float(rope.state.motion.a[-1, ANGLE])
+        seen.append((acceleration, *rope.signals(("right.swivel.torque", "loop.yaw")).values()))
 
-    def __call__(self, rope: BalanceRope) -> None:
-        """Look at the rope."""
-        self.python.restore(rope.state)
-        self.swivel.append((float(rope.state.motion.a[-1, ANGLE]), *rope.signals(("right.swivel.torque",)).values()))
-        self.yaw.append(self.python.loop.yaw)
-
-
-def follow(scene: Scene, name: str, until: float = END) -> tuple[Winding, Watch]:
-    """Return the case's winding up to ``until`` (s); RuntimeError when it fails."""
-    case, watch = rope_240(), Watch(RopeSimulator(scene))
     reference = s_curve(Trip(travel=case.travel, speed=case.speed))
-    with progress_bar(name, until) as advance:
-        run = wind(scene, reference, case.travel, until - reference.duration, 1, advance, watch)
-    if not run.status.valid:
-        raise RuntimeError(f"{name}: {run.status.message}")
-    return run, watch
+    run = wind(scene, reference, case.travel, END - reference.duration, 1, watch)
+    return run.completed(name), np.array(seen)
 
 
 def measure() -> Tables:
     """Return both runs as tables."""
     scene = rope_240().scene
-    run, watch = follow(scene, "240 m, swivels released")
-    locked, still = follow(scene.with_(left=Swivel(), right=Swivel()), "240 m, swivels locked")
+    released = follow(scene, "240 m, swivels released")
+    locked = follow(scene.with_(left=Swivel(), right=Swivel()), "240 m, swivels locked")
+    run, seen = released
     t = np.array(run.t)
     late = t >= FROM
-    swivel = {name: x[late] for name, x in zip(SWIVEL, np.array(watch.swivel).T, strict=True)}
+    swivel = {name: x[late] for name, x in zip(SWIVEL, seen.T[:2], strict=True)}
     loop = {"t [s]": t[EVERY - 1 :: EVERY]}
     half = 0.5 * scene.layout.spacing
-    for kind, each, seen in (("released", run, watch), ("locked", locked, still)):
+    for kind, (each, watched) in zip(KINDS, (released, locked), strict=True):
         observed, bottom = np.array(each.observed)[EVERY - 1 :: EVERY], np.array(each.bottom)[EVERY - 1 :: EVERY]
         for i, side in enumerate(SIDES):
             loop[f"{kind} {side} in plane [m]"] = observed[:, i, 0] + (half, -half)[i]
             loop[f"{kind} {side} out of plane [m]"] = observed[:, i, 2]
             loop[f"{kind} {side} theta [rad]"] = observed[:, i, 6]
         loop[f"{kind} bottom z [m]"] = bottom[:, 2]
-        loop[f"{kind} yaw [rad]"] = np.unwrap(seen.yaw)[EVERY - 1 :: EVERY]
+        loop[f"{kind} yaw [rad]"] = np.unwrap(watched[:, 2])[EVERY - 1 :: EVERY]
     events = [(e.t, *e.what.split(" swivel ")) for e in run.events if " swivel " in e.what]
     return {
         "release-swivel": {"t [s]": t[late], **swivel},
@@ -195,7 +178,7 @@ def draw(tables: Tables) -> Figure:
     for ax, (quantity, title) in zip(axes.flat, panels.items(), strict=True):
         ax.plot(t["t [s]"], t[f"locked {quantity}"], color=REFERENCE, lw=1.6, label="swivels locked")
         ax.plot(t["t [s]"], t[f"released {quantity}"], color=COLOURS["left"], label="swivels released at 20 s")
-        mark_instants(ax, [RELEASE])
+        ax.axvline(RELEASE, color="#c0392b", lw=0.6, alpha=0.7, zorder=0.5)
         ax.set(ylabel=quantity[quantity.index("[") :], title=title)
     for ax in axes[1]:
         ax.set_xlabel("time [s]")

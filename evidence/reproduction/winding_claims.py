@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.claims import above, below
 from evidence.reproduction.claim import Claim, Section
 from evidence.reproduction.windings import COUPLINGS, MESHES, SIDES, STRESSES
-from evidence.tables import Table, Tables, rows
+from evidence.tables import Array, Table, Tables, rows
 
-Array = NDArray[np.float64]
 #: % of the rope's length that still are a few areas; the bound is ours
 FEW = 10.0
 #: J, stated in the source: change per transformation, and difference to EEM of about 1e4 J

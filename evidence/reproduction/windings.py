@@ -7,18 +7,16 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
+from tqdm import tqdm
 
-from benchmarks.kinematic import Winding, progress_bar, wind
-from evidence.tables import Table, Tables, table
+from benchmarks.kinematic import Winding, wind
+from evidence.tables import Array, Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
 from rope_model.physics.stress import material_values
 from rope_model.simulation.mesh.partition import fit_mesh
 from rope_model.simulation.rope_system import arc_lengths
-
-Array = NDArray[np.float64]
 
 COUPLINGS = ("uncoupled", "coupled")
 SCENE = rope_120().scene
@@ -61,14 +59,9 @@ class Stresses:
 
 
 def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:
-    """One winding of 90 m, with a progress bar; RuntimeError when it fails."""
-    reference = s_curve(Trip())
-    with progress_bar(name, reference.duration + SETTLE) as advance:
-        watch = None if stresses is None else stresses.watch
-        run = wind(scene, reference, TRAVEL, SETTLE, SAMPLE, advance, watch)
-    if not run.status.valid:
-        raise RuntimeError(f"{name}: {run.status.message}")
-    return run
+    """One winding of 90 m; RuntimeError when it fails."""
+    watch = None if stresses is None else stresses.watch
+    return wind(scene, s_curve(Trip()), TRAVEL, SETTLE, SAMPLE, watch).completed(name)
 
 
 def measure() -> Tables:
@@ -76,7 +69,7 @@ def measure() -> Tables:
     runs: dict[tuple[str, str], Winding] = {}
     stresses = {name: Stresses(RopeSimulator(scene_of("coupled", mesh))) for name, mesh in MESHES.items()}
     times: list[tuple[object, ...]] = []
-    for k, coupling, name in product(range(ROUNDS), COUPLINGS, MESHES):
+    for k, coupling, name in tqdm([*product(range(ROUNDS), COUPLINGS, MESHES)], "windings", leave=False):
         watched = stresses[name] if k == 0 and coupling == "coupled" else None
         run = follow(scene_of(coupling, MESHES[name]), f"winding, {coupling}, {name}, round {k + 1}", watched)
         runs.setdefault((coupling, name), run)
@@ -85,7 +78,8 @@ def measure() -> Tables:
         times.append((coupling, name, elements, k + 1, run.cpu, counts.steps, counts.newton, counts.rejections))
     names = ("coupling", "mesh", "elements", "round", "processor time [s]", "steps", "Newton iterations", "rejections")
     tables = {f"winding-{c}": _observations({name: runs[c, name] for name in MESHES}) for c in COUPLINGS}
-    changes = [(c, *row) for c in COUPLINGS for row in _transformations(runs[c, "TMN-ETM"])]
+    events = [(c, event) for c in COUPLINGS for event in runs[c, "TMN-ETM"].events]
+    changes = [(c, e.t, e.kinetic) for c, e in events if e.what == "transformation"]
     t = np.array(runs["coupled", "EEM"].t)
     return {
         "times": table(names, times),
@@ -112,10 +106,6 @@ def _observations(runs: dict[str, Winding]) -> Table:
         # six digits of a large number are too few for a small difference
         columns[name.replace(first, "difference", 1)] = columns[name] - columns[name.replace(first, second, 1)]
     return columns
-
-
-def _transformations(run: Winding) -> list[tuple[float, float]]:
-    return [(e.t, e.kinetic) for e in run.events if e.what == "transformation"]
 
 
 def _places(name: str, stresses: Stresses) -> Iterator[tuple[str, Array]]:

@@ -11,7 +11,7 @@ from evidence.claims import Measurement
 from evidence.rendering import markdown, quantity
 from evidence.signals.measure import STEP, TRIPS
 from evidence.signals.sources import SIGNALS
-from evidence.tables import Table, Tables
+from evidence.tables import Tables, records, rows
 
 #: targets: deviation of the end force over its largest, RMS and at an instant, and estimate over deviation
 RMS, LARGEST, FACTOR = 3e-3, 2e-2, 3.0
@@ -25,28 +25,26 @@ LONGEST = 0.02
 
 def block(tables: Tables) -> str:
     """Return the tables of signals and of tools with two steps."""
-    t = tables["signals"]
-    shown = [k for k in range(len(t["rope"])) if t["step [s]"][k] == STEP and t["reading"][k] == "start"]
-    rows = []
+    shown = rows(tables["signals"], **{"step [s]": STEP}, reading="start", rope=tuple(trip.name for trip in TRIPS))
+    lines = []
     for signal in SIGNALS:
-        found = [k for k in shown if t["signal"][k] == signal.name and t["rope"][k] in {trip.name for trip in TRIPS}]
-        cells = [" / ".join(quantity(t[name][k], "%", ".2g") for name in ("RMS", "largest", "told")) for k in found]
-        said = next((str(t["warning"][k]) for k in found if str(t["warning"][k]) not in ("", "nan")), "")
-        rows.append((signal.name, *cells, said.partition(":")[0]))
+        found = records(rows(shown, signal=signal.name))
+        cells = [" / ".join(quantity(r[name], "%", ".2g") for name in ("RMS", "largest", "told")) for r in found]
+        said = next(filter(None, (r["warning"] for r in found)), "")
+        lines.append((signal.name, *cells, said.partition(":")[0]))
     head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "the rope says")
-    m = tables["multirate"]
     tools = [
         (
-            str(m["tool"][k]),
-            *(quantity(m[name][k], "ms") for name in ("drive [s]", "rope [s]")),
-            *(quantity(m[name][k], "%", ".2g") for name in ("RMS", "largest")),
-            f"{m['repeated'][k]:.0f}",
+            r["tool"],
+            *(quantity(r[name], "ms") for name in ("drive [s]", "rope [s]")),
+            *(quantity(r[name], "%", ".2g") for name in ("RMS", "largest")),
+            f"{r['repeated']:.0f}",
         )
-        for k in range(len(m["tool"]))
+        for r in records(tables["multirate"])
     ]
     return "\n\n".join(
         (
-            markdown(rows, *head),
+            markdown(lines, *head),
             "Deviation of the end forces over the largest: root mean square / largest at an instant / told by "
             f"`status.end_force_error`. Communication steps of {quantity(STEP, 'ms')}, inputs read at a step's start; "
             "all runs are in [signals.csv](../data/signals/signals.csv).",
@@ -70,15 +68,11 @@ def claims(tables: Tables) -> Iterator[Measurement]:
     yield Measurement("estimate over deviation, least", float(np.min(ratio)), "1", ">", 1.0 / FACTOR)
     # a table as fine as the steps fits
     unfit = short & np.isin(t["signal"], sorted(told)) & (t["misfit [m]"] > FITS)
-    silent = sum(1 for k in np.flatnonzero(unfit) if not _says(t, k))
+    silent = int(np.sum(t["warning"][unfit] == ""))
     yield Measurement("signals that no warning names", silent, "1", "<", 0.5)
-    failed = sum(1 for x in (*t["failure"], *tables["multirate"]["failure"]) if str(x) not in ("", "nan"))
+    failed = sum(map(bool, (*t["failure"], *tables["multirate"]["failure"])))
     yield Measurement("runs that fail", failed, "1", "<", 0.5)
     yield Measurement("drive and rope with two steps, RMS", _worst(tables["multirate"]["RMS"]), "1", "<", RMS)
-
-
-def _says(t: Table, k: Any) -> bool:
-    return str(t["warning"][k]) not in ("", "nan")
 
 
 def _worst(x: Any) -> float:

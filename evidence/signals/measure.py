@@ -9,11 +9,11 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from evidence.claims import text
 from evidence.signals import multirate
 from evidence.signals.sources import SIGNALS, Sample, Source, motion_of
-from evidence.tables import Tables, table
+from evidence.tables import Array, Measures, Tables, table
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Level, Scene, at_level, balance_rope, rope, rope_120
@@ -28,8 +28,6 @@ COLUMNS = (
 DELAY, REST = 0.5, 2.0
 #: s, of communication, in the table that is shown
 STEP = 0.01
-
-Array = NDArray[np.float64]
 
 
 class Trip(NamedTuple):
@@ -117,7 +115,7 @@ def missed(recorded: Tables) -> Iterator[str]:
     """Yield the targets that are missed."""
     from evidence.signals.block import claims
 
-    return (f"{c.what} is {c.value:.3g}, wanted {c.relation} {c.bound:.3g}" for c in claims(recorded) if not c.holds)
+    return (f"{claim.what}: {text(claim)}" for claim in claims(recorded) if not claim.holds)
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"signals": tables, "multirate": multirate.tables}
+MEASURES: Measures = {"signals": tables, "multirate": multirate.tables}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from evidence.stability.entry import Array
+from evidence.tables import Array
 from rope_model.simulation.outputs.modal import ROUNDING, softest
 from rope_model.simulation.rope_system import RopeSystem
 

@@ -6,13 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from evidence.claims import Measurement
 from evidence.tables import Table, table
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -22,16 +17,6 @@ class Finding:
     counterexample: tuple[Measurement, ...]
     ours: tuple[Measurement, ...]
     curves: Table | None = None
-
-    @property
-    def sides(self) -> dict[str, tuple[Measurement, ...]]:
-        """The claims by whom they are about."""
-        return {"counterexample": self.counterexample, "ours": self.ours}
-
-    @property
-    def holds(self) -> bool:
-        """Whether all claims are true."""
-        return all(m.holds for m in (*self.counterexample, *self.ours))
 
 
 @dataclass(frozen=True)

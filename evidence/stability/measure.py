@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from tqdm import tqdm
 
-from evidence.claims import Measurement
+from evidence import claims
 from evidence.stability import discretisation, frames, motion, swivel
 from evidence.stability.entry import Entry
-from evidence.tables import Tables, table
+from evidence.tables import Measures, Tables
 
 CHAPTERS: dict[str, tuple[Entry, ...]] = {
     "Elements and meshes": discretisation.ENTRIES,
@@ -17,26 +17,23 @@ CHAPTERS: dict[str, tuple[Entry, ...]] = {
     "Swivels": swivel.ENTRIES,
     "Time integration in large motions": motion.ENTRIES,
 }
-CLAIMS = ("scene", "side", "what", "value", "unit", "relation", "bound")
 
 
 def tables() -> Tables:
     """Measure the claims of every entry, and the curves that the page draws."""
-    claims, curves = [], {}
+    found, curves = [], {}
     for entry in tqdm([e for part in CHAPTERS.values() for e in part], unit="entry", leave=False):
-        found = entry.measure()
-        for side, group in found.sides.items():
-            claims += [(entry.key, side, m.what, m.value, m.unit, m.relation, m.bound) for m in group]
-        if found.curves is not None:
-            curves[entry.key] = found.curves
-    return {"claims": table(CLAIMS, claims), **curves}
+        finding = entry.measure()
+        for side in ("counterexample", "ours"):
+            found += [((entry.key, side), m) for m in getattr(finding, side)]
+        if finding.curves is not None:
+            curves[entry.key] = finding.curves
+    return {"claims": claims.as_table(("scene", "side"), found), **curves}
 
 
-def missed(recorded: Tables) -> Iterator[str]:
+def missed(tables: Tables) -> Iterator[str]:
     """Yield the claims that do not hold."""
-    for scene, side, *claim in zip(*(recorded["claims"][name].tolist() for name in CLAIMS), strict=True):
-        if not Measurement(*claim).holds:
-            yield f"{scene}, {side}: {claim[0]}"
+    return claims.missed(tables["claims"])
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"entries": tables}
+MEASURES: Measures = {"entries": tables}

@@ -2,35 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from evidence.claims import below
-from evidence.stability.entry import Array, Entry, Finding
-from rope_model import balance_rope
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
-from rope_model.simulation.ends.paths import EndMotion
-
-GRAVITY = Layout().gravity
+from evidence.ropes import AT_ZERO, at_rest, moving
+from evidence.stability.entry import Entry, Finding
+from evidence.tables import Array
+from rope_model.parameters import Mesh, Rope, Scene, Solver
 
 # an end that is lowered faster than the rope can fall, and stopped
 
-LENGTH, DROP, FALL, SHOWN, END, H = 30.0, 1.5, 0.35, 0.6, 1.0, 0.005  # m, m, s, s, s, s
+LENGTH, DROP, FALL, END, H = 30.0, 1.5, 0.35, 1.0, 0.005  # m, m, s, s, s
 
 
-def drop_motion(t: float) -> EndMotion:
-    """The left conveyance goes down by DROP within FALL, with up to 7 g, and stands."""
-    s = min(t / FALL, 1.0)
-    return EndMotion(
-        y=-DROP * (10 * s**3 - 15 * s**4 + 6 * s**5),
-        vy=-DROP / FALL * (30 * s**2 - 60 * s**3 + 30 * s**4),
-        ay=-DROP / FALL**2 * (60 * s - 180 * s**2 + 120 * s**3),
-    )
-
-
-@dataclass(frozen=True)
-class Drop:
+class Drop(NamedTuple):
     """Times (s), pull of the rope on the left conveyance (N), and what the energy balance does not explain (J)."""
 
     t: Array
@@ -40,18 +27,14 @@ class Drop:
 
 
 def drop(solver: Solver) -> Drop:
-    """The drop of the left conveyance."""
-    rope = balance_rope(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=60), solver=solver))
-    status = rope.initialize(0.0, EndMotion(), EndMotion())
-    rows = []
+    """The left conveyance goes down by DROP within FALL, with up to 7 g, and stands."""
+    rope, rows = at_rest(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=60), solver=solver)), []
     for k in range(1, round(END / H) + 1):
-        status = rope.advance_to(k * H, drop_motion(k * H), EndMotion())
-        if not status.valid:
+        if not rope.advance_to(k * H, moving(-DROP, k * H, FALL, y=1.0), AT_ZERO).valid:
             break
-        state = rope.state
-        rows.append((k * H, state.motion.reaction[0, 1], state.energy_balance.residual, state.energy_balance.kinetic))
-    t, pull, unexplained, kinetic = np.array(rows).T
-    return Drop(t, pull, unexplained, kinetic)
+        balance = rope.state.energy_balance
+        rows.append((k * H, rope.state.motion.reaction[0, 1], balance.residual, balance.kinetic))
+    return Drop(*np.array(rows).T)
 
 
 def measure_snatch() -> Finding:

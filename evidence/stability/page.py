@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from evidence.claims import Measurement
+from evidence.claims import recorded
 from evidence.coupling.page import cases, schemes
 from evidence.drawing import CURVES, figure
-from evidence.rendering import number, render
+from evidence.rendering import render, with_unit
 from evidence.stability.entry import Entry
-from evidence.stability.measure import CHAPTERS, CLAIMS
+from evidence.stability.measure import CHAPTERS
 from evidence.tables import Table, Tables, rows
 from hoist_demo.cosimulation.schemes.stability import MARGIN
 from hoist_demo.parameters import Coupling
@@ -23,13 +23,6 @@ TITLES = {
     "locking": ("Side force of a hanging loop: elements that are too long make it too stiff", True),
     "swivel-chattering": ("A swivel that comes to rest", False),
 }
-
-
-def claims_of(t: Table, key: str) -> Iterator[tuple[str, Measurement]]:
-    """Yield the claims of an entry, each with the side that it is about."""
-    of = rows(t, scene=key)
-    for side, *claim in zip(*(of[name].tolist() for name in CLAIMS[1:]), strict=True):
-        yield side, Measurement(*claim)
 
 
 def page(tables: Tables) -> str:
@@ -53,9 +46,9 @@ def anchor(title: str) -> str:
 
 def _summary(t: Table, entry: Entry) -> tuple[str, ...]:
     """Return the first claim of either side, and how many of all hold."""
-    claims = [*claims_of(t, entry.key)]
+    claims = [(side, m) for (key, side), m in recorded(t) if key == entry.key]
     first = [next(m for side, m in claims if side == wanted) for wanted in ("counterexample", "ours")]
-    cells = [f"{m.what}: {number(m.value, '.4g')}{'' if m.unit == '1' else ' ' + m.unit}" for m in first]
+    cells = [f"{m.what}: {with_unit(m.value, m.unit, '.4g')}" for m in first]
     held = f"{sum(m.holds for _, m in claims)} of {len(claims)}"
     return f"[{entry.title}](#{anchor(entry.title)})", *cells, held
 

@@ -10,11 +10,12 @@ import math
 import numpy as np
 
 from evidence.claims import above, below
-from evidence.stability.entry import Array, Entry, Finding, points
+from evidence.ropes import require, smooth_step
+from evidence.stability.entry import Entry, Finding, points
+from evidence.tables import Array
 from rope_model.numerics import quintic
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
-from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.rope_system import ANGLE
@@ -24,18 +25,12 @@ LENGTH = 30.0  # m
 UNCOUPLED = Rope(length=LENGTH, Qb=0.0, Qc=0.0)
 
 
-def hang(rope: Rope, left: Swivel, elements: int = 40) -> RopeSimulator:
+def hang(left: Swivel) -> RopeSimulator:
     """At rest with both conveyances at height zero."""
-    simulator = RopeSimulator(
-        Scene(rope=rope, left=left, mesh=Mesh(kind="eem", elements=elements), model=Model("torsional"))
-    )
-    _require(simulator.initialize(0.0, EndMotion(), EndMotion()))
+    mesh, model = Mesh(kind="eem", elements=40), Model("torsional")
+    simulator = RopeSimulator(Scene(rope=UNCOUPLED, left=left, mesh=mesh, model=model))
+    require(simulator.initialize(0.0, EndMotion(), EndMotion()))
     return simulator
-
-
-def _require(status: Status) -> None:
-    if not status.valid:
-        raise RuntimeError(status.message)
 
 
 def relative(rope: RopeSimulator) -> tuple[float, float]:
@@ -51,10 +46,8 @@ YAW, TURNED, END, H = 0.8, 1.0, 4.0, 0.01  # rad, s, s, s
 
 def turn(t: float) -> EndMotion:
     """The left conveyance yaws by YAW until TURNED, then stands."""
-    s = min(t / TURNED, 1.0)
-    return EndMotion(
-        yaw=YAW * (10 * s**3 - 15 * s**4 + 6 * s**5), yaw_rate=YAW / TURNED * 30 * (s - 2 * s**2 + s**3) * s
-    )
+    _, value, rate, _ = smooth_step(t / TURNED)
+    return EndMotion(yaw=YAW * value, yaw_rate=YAW / TURNED * rate)
 
 
 def explicit_sign(rope: RopeSimulator) -> Array:
@@ -89,7 +82,7 @@ def locate(rope: RopeSimulator) -> tuple[Array, list[str]]:
     """Rates (rad/s) at the communication points, and what the swivel did, by the simulator's own switching."""
     rates, events = [0.0], []
     for k in range(1, round(END / H) + 1):
-        _require(rope.advance_to(k * H, turn(k * H), EndMotion()))
+        require(rope.advance_to(k * H, turn(k * H), EndMotion()))
         rates.append(relative(rope)[1])
         events += [event.what for event in rope.state.events]
     return np.array(rates), events
@@ -97,8 +90,8 @@ def locate(rope: RopeSimulator) -> tuple[Array, list[str]]:
 
 def measure_chattering() -> Finding:
     bearing = Swivel(mode="coulomb", mu_static=0.08, mu_kinetic=0.04)
-    chattering = explicit_sign(hang(UNCOUPLED, bearing))
-    rope = hang(UNCOUPLED, bearing)
+    chattering = explicit_sign(hang(bearing))
+    rope = hang(bearing)
     rates, events = locate(rope)
     times: Array = H * np.arange(rates.size, dtype=float)
     standing = times > TURNED

@@ -18,11 +18,10 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.tables import Table, table
-from evidence.validation.statics import Array, clamped, turned
+from evidence.tables import Array, Table, table
+from evidence.validation.statics import clamped, rod, turned
 from rope_model.parameters import Rope
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import ANGLE, POSITION, RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import ANGLE, POSITION
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 #: m, m, N, N m^2, N m^2
@@ -63,8 +62,7 @@ def ours(elements: int = 240) -> Iterator[tuple[float, float]]:
     """The same at TURNS, of the model's rod."""
     guess = planar(LENGTH, SLACK, elements)
     rope = Rope(LENGTH, Qa=AXIAL, Qb=0.0, Qc=0.0, Qd=TORSION, EI=BEND)
-    lengths = np.full(elements, LENGTH / elements)
-    system = RopeSystem(RopeKernels(elements), lengths, parameter_vector(rope, 0.0), clamped(guess), guess)
+    system = rod(rope, 0.0, guess, clamped(guess))
     at_rest = find_equilibrium(system, guess)
     for k in range(1, round(max(TURNS) / STEP) + 1):
         at_rest = turned(system, at_rest.q, 2.0 * math.pi * STEP)

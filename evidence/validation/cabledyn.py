@@ -17,9 +17,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from benchmarks.kinematic import fixed_steps
-from evidence.tables import Table, table
-from evidence.validation.statics import Array
-from rope_model import EndMotion, balance_rope
+from evidence.ropes import AT_ZERO, at_rest, moving, require
+from evidence.tables import Array, Table, table
+from rope_model import EndMotion
 from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Swivel
 from rope_model.simulation.rope_system import ANGLE, POSITION
 
@@ -74,16 +74,6 @@ class Found(Course):
     tension: Array
 
 
-def moving_end(t: float) -> EndMotion:
-    """It rises by WAY within TIME."""
-    x = min(t / TIME, 1.0)
-    return EndMotion(
-        y=WAY * x**3 * (10.0 - 15.0 * x + 6.0 * x * x),
-        vy=30.0 * WAY / TIME * (x * (1.0 - x)) ** 2,
-        ay=60.0 * WAY / TIME**2 * x * (1.0 - x) * (1.0 - 2.0 * x),
-    )
-
-
 def sampled(motion: Callable[[float], EndMotion]) -> list[EndMotion]:
     """Return it at rest and at the end of every step."""
     return [motion(k * STEP) for k in range(round(DURATION / STEP) + 1)]
@@ -101,11 +91,10 @@ def our_winding(rope: Rope, elements: int, ends: Sequence[EndMotion]) -> Course:
         left=locked,
         right=locked,
     )
-    form, motions = balance_rope(scene, "native"), []
-    for k, end in enumerate(ends):
-        status = form.advance_to(k * STEP, end, EndMotion()) if k else form.initialize(0.0, end, EndMotion())
-        if not status.valid:
-            raise RuntimeError(status.message)
+    form = at_rest(scene, ends[0])
+    motions = [form.state.motion]
+    for k, end in enumerate(ends[1:], 1):
+        require(form.advance_to(k * STEP, end, AT_ZERO))
         motions.append(form.state.motion)
     reaction = np.array([m.reaction[[0, -1]] for m in motions])
     pull, torque = np.linalg.norm(reaction[:, :, POSITION], axis=2), -reaction[:, 0, ANGLE]
@@ -158,7 +147,7 @@ class Cable:
 
 def winding() -> Table:
     """Without coupling."""
-    ends, twisted = sampled(moving_end), replace(ROPE, installed_twist=math.radians(TWIST))
+    ends, twisted = sampled(lambda t: moving(WAY, t, TIME, y=1.0)), replace(ROPE, installed_twist=math.radians(TWIST))
     cable = Cable(ROPE.Qa, ROPE.length, ELEMENTS, SPACING, TWIST)
     return compared(our_winding(twisted, ELEMENTS, ends), cable.follow(ends, np.zeros(len(ends))))
 

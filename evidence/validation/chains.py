@@ -14,11 +14,10 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import jn_zeros
 
 from evidence.stability.chain import StaticBoundary
-from evidence.tables import Table, table
+from evidence.tables import Array, Table, table
 from evidence.validation.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 from rope_model.parameters import Rope
 from rope_model.simulation.outputs.modal import natural_modes
@@ -26,7 +25,6 @@ from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium
 
-Array = NDArray[np.float64]
 WEIGHT = Rope.mass_per_length * GRAVITY  # N/m
 EI = 1.0  # N m^2: the fold of the falling rope is 1.2 % of it
 FOLD = (EI / WEIGHT) ** (1 / 3) / CHAIN

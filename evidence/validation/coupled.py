@@ -21,10 +21,9 @@ import numpy as np
 
 from evidence.discrete_rod.cases import PUBLISHED, SPACING, Winding, present, rope_of
 from evidence.discrete_rod.solve import lowest_of
-from evidence.tables import Table, table
+from evidence.tables import Array, Table, table
 from evidence.validation import cabledyn
 from evidence.validation.cabledyn import GRAVITY, Cable, Found
-from evidence.validation.statics import Array
 from rope_model import EndMotion, Mesh, Scene
 
 HEIGHTS = (0.0, 40.0, 80.0)  # m

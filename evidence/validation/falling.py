@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import quad
 
 from evidence.stability.chain import StaticBoundary, potential
-from evidence.validation.statics import Array
+from evidence.tables import Array
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
 from rope_model.simulation.rope_kernels import RopeKernels

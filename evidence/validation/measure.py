@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from evidence.tables import Table, Tables, rows
+from evidence.tables import Measures, Table, Tables, rows
 from evidence.validation import buckle, cabledyn, chains, coupled, onset, poses, wires
 from evidence.validation.row import Row, as_table, from_table
 
@@ -143,4 +143,4 @@ def missed(recorded: Tables) -> Iterator[str]:
     return (f"{row.id} {row.what} {row.value:.3g}" for row in from_table(recorded["rows"]) if row.misses)
 
 
-MEASURES: dict[str, Callable[[], Tables]] = {"rows": tables}
+MEASURES: Measures = {"rows": tables}

@@ -10,19 +10,17 @@ CableDyn's VALIDATION.md prints its values: M/(2 sqrt(EI T)) = 1.0124 at T L^2/E
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.stability.chain import StaticBoundary, is_stable
-from evidence.tables import Table, table
-from evidence.validation.statics import Array
-from rope_model.physics.element import PARAMETERS
-from rope_model.simulation.rope_kernels import RopeKernels
+from evidence.stability.chain import is_stable
+from evidence.tables import Array, Table, table
+from evidence.validation.statics import clamped, rod
+from rope_model.parameters import Rope
 from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
 
-BEND, TWIST_STIFFNESS, AXIAL, TENSION, ROD = 1.0, 0.7, 1e3, 1.0, 60.0  # N m^2, N m^2, N, N, m
+BEND, TWIST_STIFFNESS, AXIAL, TENSION = 1.0, 0.7, 1e3, 1.0  # N m^2, N m^2, N, N
 
 #: M/(2 sqrt(EI T)) by T L^2/EI, as printed there
 PRINTED = {400.0: 1.0124, 1600.0: 1.0031}
@@ -32,35 +30,20 @@ INFINITE = 2.0 * math.sqrt(BEND * TENSION)
 STRETCH = TENSION / AXIAL
 
 
-def straight_rod(elements: int = 80, length: float = ROD) -> tuple[RopeSystem, Array]:
+def straight_rod(elements: int, length: float) -> tuple[RopeSystem, Array]:
     """Clamped at both ends, under TENSION, without weight; ``length`` in m."""
-    values = {"rho": 1.0, "Qa": AXIAL, "Qd": TWIST_STIFFNESS, "EI": BEND, "rhoJ": 0.1}
-    P = np.array([values.get(name, 0.0) for name in PARAMETERS])
+    rope = Rope(length, 1.0, AXIAL, 0.0, 0.0, TWIST_STIFFNESS, EI=BEND, rhoJ=0.1)
     s = np.linspace(0.0, length, elements + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, 3] = s * (1 + TENSION / AXIAL), 1 + TENSION / AXIAL
-    boundary = StaticBoundary.without_supports(q)
-    boundary.held[[0, -1]] = True
-    boundary.held[[0, -1], 3] = False
-    return RopeSystem(RopeKernels(elements), np.diff(s), P, boundary, q), q
+    return rod(rope, 0.0, q, clamped(q)), q
 
 
 def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem, Array]:
     """The straight rod with its far end turned until it carries ``torque`` (N m)."""
     q = q.copy()
     q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(system.lengths)
-    boundary = replace(system.boundary, values=q) if isinstance(system.boundary, StaticBoundary) else system.boundary
-    return RopeSystem(system.kernels, system.lengths, system.P, boundary, q), q
-
-
-def onset(system: RopeSystem, q: Array, low: float, high: float, tolerance: float = 1e-3) -> float:
-    """Torque (N m) from which the straight rod is unstable, to ``tolerance``; ``high`` when it never is."""
-    if is_stable(*with_torque(system, q, high)):
-        return high
-    while high - low > tolerance:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if is_stable(*with_torque(system, q, middle)) else (low, middle)
-    return 0.5 * (low + high)
+    return system.with_boundary(clamped(q)), q
 
 
 def theory(slenderness: float) -> float:
@@ -87,9 +70,12 @@ def theory(slenderness: float) -> float:
 
 def ours(slenderness: float, elements: int = 80) -> float:
     """The same by the stability of the model's straight rod."""
-    length = math.sqrt(slenderness * BEND / TENSION)
-    found = onset(*straight_rod(elements, length), 0.9 * INFINITE, 1.5 * INFINITE, 1e-5)
-    return found / INFINITE
+    system, q = straight_rod(elements, math.sqrt(slenderness * BEND / TENSION))
+    low, high = 0.9 * INFINITE, 1.5 * INFINITE
+    while high - low > 1e-5:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if is_stable(*with_torque(system, q, middle)) else (low, middle)
+    return 0.5 * (low + high) / INFINITE
 
 
 def measure() -> Table:

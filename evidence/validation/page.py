@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from evidence.rendering import number, render
+from evidence.rendering import render, with_unit
 from evidence.tables import Table, Tables, rows
 from evidence.validation.chains import FOLD
 from evidence.validation.coupled import RUNS
@@ -36,14 +36,13 @@ def page(tables: Tables) -> str:
 
 def _cells(row: Row, above: Row | None) -> tuple[str, ...]:
     """Return the row; a reference that is that of the row above is not repeated."""
-    unit = "" if row.unit == "1" else f" {row.unit}"
-    bound = "none" if row.shown else f"< {number(row.bound)}{unit}"
+    bound = "none" if row.shown else f"< {with_unit(row.bound, row.unit)}"
     verdict = "" if row.shown else ", **missed**" if row.misses else ""
     return (
         row.id,
         row.kind,
         "" if above and above.reference == row.reference else row.reference,
-        f"{row.what} {number(row.value)}{unit}",
+        f"{row.what} {with_unit(row.value, row.unit)}",
         f"{bound}{verdict}",
         f"`{row.test}`",
     )

@@ -21,12 +21,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from evidence.stability.chain import StaticBoundary
-from evidence.tables import Table, read, rows, table
-from evidence.validation.statics import Array
-from evidence.validation.wires import GRAVITY, QA, WIRES, Wire
-from rope_model.physics.element import PARAMETERS
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem
+from evidence.tables import Array, Table, read, rows, table
+from evidence.validation.statics import rod
+from evidence.validation.wires import GRAVITY, WIRES, Wire
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 LENGTH, ELEMENTS = 0.4, 60  # m
@@ -61,12 +59,10 @@ POSES = (
 
 def shape(wire: Wire, EI: float, GJ: float, pose: Pose) -> Array:
     """(nodes, 3), m, from the robot's end to the fixed one."""
-    values = {"rho": wire.mass, "g": GRAVITY, "Qa": QA, "Qd": GJ, "EI": EI, "rhoJ": 1e-6}
-    P = np.array([values.get(name, 0.0) for name in PARAMETERS])
     s = np.linspace(0.0, 1.0, ELEMENTS + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, SLOPE] = LENGTH * s, (1.0, 0.0, 0.0)
-    system = RopeSystem(RopeKernels(ELEMENTS), np.full(ELEMENTS, LENGTH / ELEMENTS), P, _clamped(q), q)
+    system = rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, _clamped(q))
     for part in np.arange(1, MOVES + 1) / MOVES:
         hand = HAND * Rotation.from_rotvec(part * np.array(pose.tilt), degrees=True)
         q[0, POSITION] = OURS @ (part * np.array(pose.way))

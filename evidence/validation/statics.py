@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from evidence.stability.chain import StaticBoundary
-from rope_model.simulation.rope_system import ANGLE, RopeSystem
+from evidence.tables import Array
+from rope_model.parameters import Rope
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import ANGLE, RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
-
-Array = NDArray[np.float64]
 
 
 def clamped(q: Array) -> StaticBoundary:
@@ -18,6 +18,13 @@ def clamped(q: Array) -> StaticBoundary:
     boundary.held[[0, -1]] = True
     boundary.held[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
     return boundary
+
+
+def rod(rope: Rope, gravity: float, q: Array, boundary: StaticBoundary) -> RopeSystem:
+    """``rope`` on equal elements, near the shape ``q`` (nodes, 7)."""
+    elements = len(q) - 1
+    lengths = np.full(elements, rope.length / elements)
+    return RopeSystem(RopeKernels(elements), lengths, parameter_vector(rope, gravity), boundary, q)
 
 
 def turned(system: RopeSystem, q: Array, angle: float) -> Equilibrium:

@@ -14,16 +14,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from evidence.tables import Table, rows, table
-from evidence.validation.statics import clamped, turned
-from rope_model.physics.element import PARAMETERS
-from rope_model.simulation.rope_kernels import RopeKernels
+from evidence.tables import Array, Table, rows, table
+from evidence.validation.statics import clamped, rod, turned
+from rope_model.parameters import Rope
 from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
 
-Array = NDArray[np.float64]
 LENGTH, GRAVITY = 1.5, 9.81  # m, m/s^2; of the published set-up
 #: m between the ends, as we read it from the authors' model of their holder; and what we could have misread
 GAP = 0.09
@@ -42,6 +39,11 @@ class Wire:
     mass: float
     twists: tuple[float, ...]
     stiffness: tuple[tuple[float, float], ...]
+
+    def rope(self, length: float, EI: float, GJ: float) -> Rope:
+        """Return ``length`` (m) of it."""
+        # rho J takes no part in statics, but must not be zero
+        return Rope(length, self.mass, QA, 0.0, 0.0, GJ, EI=EI, rhoJ=1e-6)
 
 
 def _pairs(EI: float, ratios: tuple[float, ...], other: tuple[float, float]) -> tuple[tuple[float, float], ...]:
@@ -73,16 +75,13 @@ WIRES = (
 
 def ring(wire: Wire, EI: float, GJ: float, gap: float, elements: int) -> tuple[RopeSystem, Array]:
     """The wire without twist and a circle to find its shape from."""
-    # rho J takes no part in statics, but must not be zero
-    values = {"rho": wire.mass, "g": GRAVITY, "Qa": QA, "Qd": GJ, "EI": EI, "rhoJ": 1e-6}
-    P = np.array([values.get(name, 0.0) for name in PARAMETERS])
     s = np.linspace(0.0, 1.0, elements + 1)
     turn, radius = 2 * np.pi * s, LENGTH / (2 * np.pi)
     q = np.zeros((s.size, 7))
     q[:, 0] = gap * (s - 0.5) - radius * np.sin(turn)
     q[:, 1] = -radius * (1 - np.cos(turn))
     q[:, SLOPE] = np.column_stack((-np.cos(turn), -np.sin(turn), np.zeros(s.size)))
-    return RopeSystem(RopeKernels(elements), np.full(elements, LENGTH / elements), P, clamped(q), q), q
+    return rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, clamped(q)), q
 
 
 def thrown(wire: Wire, EI: float, GJ: float, gap: float, elements: int = 80) -> float:

@@ -70,8 +70,7 @@ def test_the_counterexample_breaks_and_ours_holds(entry: Entry) -> None:
     finding = entry.measure()
     assert finding.counterexample
     assert finding.ours
-    failed = [m for m in (*finding.counterexample, *finding.ours) if not m.holds]
-    assert finding.holds, f"{entry.key}: {failed}"
+    assert not [m for m in (*finding.counterexample, *finding.ours) if not m.holds]
 
 
 def test_not_a_number_holds_no_claim() -> None:

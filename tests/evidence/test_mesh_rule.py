@@ -12,14 +12,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from evidence.mesh_rule import laws, statics
-from evidence.mesh_rule.rule import judges, off, shares, slip
+from evidence.mesh_rule.rule import shares, slip
 from evidence.mesh_rule.scenes import JUDGE, KINDS, draw
 from evidence.promise.scenes import TUNE, Sample
 from evidence.promise.scenes import draw as samples
 from evidence.promise.sine_stop import sine_stop
 from evidence.promise.wind import REQUESTS, errors, wind
 from evidence.rendering import DOCS
-from evidence.tables import read, table
+from evidence.tables import read, rows, table
 from hoist_demo.parameters import Winding
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Layout, Rope, Scene
@@ -43,7 +43,7 @@ FOUND = laws.fit(TABLES)
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
 def test_the_loop_s_elements_take_their_share_of_what_is_asked_and_at_least_a_third_of_it(asked: float) -> None:
-    share = shares(FOUND, judges(), asked).loop / LOCKING_SHARE
+    share = shares(FOUND, asked).loop / LOCKING_SHARE
     assert share.max() < 1.05  # the constants are the law's, rounded
     assert asked == 0.05 or np.median(share) > 1 / 3
 
@@ -55,16 +55,16 @@ def test_the_longest_elements_are_the_longest_on_which_the_loop_does_not_slip_as
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
 def test_what_fades_out_above_takes_a_tenth_of_what_is_asked_give_or_take(asked: float) -> None:
-    assert 0.05 < shares(FOUND, judges(), asked).cover.max() < 0.25
+    assert 0.05 < shares(FOUND, asked).cover.max() < 0.25
 
 
 def test_end_elements_keep_the_clamp_moment_to_a_percent_at_5_mm() -> None:
-    assert 0.005 < shares(FOUND, judges(), 5e-3).moment.max() < 0.015
+    assert 0.005 < shares(FOUND, 5e-3).moment.max() < 0.015
 
 
 def test_legs_take_a_quarter_of_what_is_asked_and_after_a_stop_some_times_what_steps_do() -> None:
     assert 0.15 < LEG_GRADING * FOUND.legs.values[0] < 0.45
-    steps = np.median(off(TABLES["parts"], "steps", KINDS[1]))
+    steps = np.median(rows(TABLES["parts"], what="steps", trip=KINDS[1])["off [m]"])
     assert 1.5 < LEG_WAVES * FOUND.legs_stopped.values[0] / steps < 4
 
 
@@ -116,8 +116,8 @@ def test_pumped_waves_leave_the_loop_right_where_a_tenth_of_the_default_error_is
         wind(sample, sample.interval, accuracy=tight, mesh=replace(mesh, grading_length=share * mesh.grading_length))
         for share in (1.0, 0.4, 10**0.5)
     )
-    assert errors(rule, finer)[2] < 0.5 * tight.loop
-    assert errors(coarser, finer)[2] > tight.loop
+    assert errors(rule, finer)[1] < 0.5 * tight.loop
+    assert errors(coarser, finer)[1] > tight.loop
 
 
 def test_the_smallest_radius_of_a_free_loop_is_the_elastica_s() -> None:
