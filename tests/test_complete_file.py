@@ -8,8 +8,10 @@ import pandas as pd
 import pytest
 
 from balance_rope import main
-from hoist_demo.cases.table import NAMED, find_case
-from hoist_demo.report.hoist import as_file, hung
+from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.table import find_case
+from hoist_demo.report.hoist import as_file
+from hoist_demo.ropes.definition import ropes_of
 from hoist_demo.study.run import build_trip
 from rope_model.scene_names import named_parameters
 
@@ -22,7 +24,7 @@ def test_the_file_has_every_value_of_the_hoist_and_leads_back_to_it(name: str, t
     (path := tmp_path / "hoist.toml").write_text(text, encoding="utf-8")
     one, again = build_trip(name, {}), build_trip(str(path), {})
     cases = [find_case(name), find_case(str(path))]
-    ropes = [hung(case, run) for case, run in zip(cases, (one, again), strict=True)]
+    ropes = [ropes_of(case, run, {}, case.level).ropes for case, run in zip(cases, (one, again), strict=True)]
     assert [(a.name, a.scene, a.place, a.breaks) for a in ropes[0]] == [
         (b.name, b.scene, b.place, b.breaks) for b in ropes[1]
     ]

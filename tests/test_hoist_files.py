@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.cases.case import FOLDER
+from hoist_demo.cases.case import FOLDER, NAMED
 from hoist_demo.cases.rules import TAIL_SPARE
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.table import find_case
 from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import read_hoist, schema
 from hoist_demo.files.reading import FileError, nested

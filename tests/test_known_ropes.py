@@ -24,7 +24,7 @@ from hoist_demo.calibration.measurements import (
     Swept,
     Track,
 )
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile, read_rope_file
@@ -148,7 +148,7 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert plain(given) == values | {"rope.EI": 99.0}
     wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
     assert wanted.items() <= statuses(found).items()
-    exported = _with_rope(CASES["rope-120"], made, [])
+    exported = _with_rope(find_case("rope-120"), made, [])
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
     again = read(made, RopeFile).catalogue_rope

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.case import NAMED, Case
+from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.results import Commands, add_command, named, results_folder
 
 if TYPE_CHECKING:
-    from hoist_demo.cases.case import Case
     from hoist_demo.design.linearise import HeldBy, Swivels
     from hoist_demo.design.reduction import ReducedModel
 

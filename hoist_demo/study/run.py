@@ -25,7 +25,7 @@ from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.design.controllers import drive, require_possible
+from hoist_demo.design.controllers import Drive, drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
@@ -78,6 +78,10 @@ class RunData:
     fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
     given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # where values come from
+
+    def design(self) -> Drive:
+        """Return the gains and the trajectory of the controller; an optimised one takes seconds."""
+        return drive(self.controller, self.hoist, self.winding, self.gains, self.shaper, self.trajectory)
 
     def key(self, fmu_hash: str) -> str:
         """Name of the run, 24 hexadecimal digits."""
@@ -198,7 +202,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
 def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tuple[Result, float]:
     """The co-simulation of a run with any rope, and the wall time of its design [s]; `progress` as of `Host.run`."""
     begin = time.perf_counter()
-    chosen = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
+    chosen = run.design()
     design_time = time.perf_counter() - begin
     host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
     return host.run(progress), design_time
