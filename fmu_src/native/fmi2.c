@@ -59,9 +59,6 @@ const char *fmi2GetVersion(void) {
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
-    static const Allocator none = {NULL, NULL};
-    Allocator allocator = none;
-    Instance *i;
     const char *wrong = NULL;
     char why[MODEL_MESSAGE];
     (void)visible;
@@ -77,20 +74,13 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     else if (!model_open(fmuResourceLocation, why))
         wrong = why;
     if (!wrong) {
-        allocator.take = functions->allocateMemory;
-        allocator.give_back = functions->freeMemory;
-        i = allocator.take(1, sizeof *i);
-        if (i) {
-            memset(i, 0, sizeof *i);
-            i->allocator = allocator;
-            i->logger = functions->logger;
-            i->environment = functions->componentEnvironment;
-            i->logging = loggingOn != fmi2False;
-            strncpy(i->name, instanceName, NAME - 1);
-            i->component = component_create(&allocator, log_message, i);
-            if (i->component) return i;
-            allocator.give_back(i);
-        }
+        Instance fields = {.allocator = {functions->allocateMemory, functions->freeMemory},
+                           .logger = functions->logger,
+                           .environment = functions->componentEnvironment,
+                           .logging = loggingOn != fmi2False};
+        strncpy(fields.name, instanceName, NAME - 1);
+        Instance *i = made(fields);
+        if (i) return i;
         wrong = NO_MEMORY;
     }
     say(functions->logger, functions->componentEnvironment, instanceName ? instanceName : "", LOG_ERROR, wrong);

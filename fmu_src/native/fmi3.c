@@ -44,8 +44,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          size_t nRequiredIntermediateVariables,
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
-    static const Allocator allocator = {calloc, free};
-    Instance *i;
     const char *wrong = NULL;
     char why[MODEL_MESSAGE];
     (void)visible, (void)earlyReturnAllowed;
@@ -61,16 +59,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     else if (!model_open(resourcePath, why))
         wrong = why;
     if (!wrong) {
-        i = allocator.take(1, sizeof *i);
-        if (i) {
-            i->allocator = allocator;
-            i->log = logMessage;
-            i->environment = instanceEnvironment;
-            i->logging = loggingOn;
-            i->component = component_create(&allocator, log_message, i);
-            if (i->component) return i;
-            allocator.give_back(i);
-        }
+        Instance *i = made((Instance){NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn});
+        if (i) return i;
         wrong = NO_MEMORY;
     }
     if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", wrong);
