@@ -55,8 +55,7 @@ ERROR = "error"  #: State of a run that could not be carried out (a dead worker,
 _VERSION = version("balance-rope")
 
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
-_TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
-
+CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
 
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
@@ -87,7 +86,7 @@ class RunData:
         """Name of the run, 24 hexadecimal digits."""
         data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
-        for controller, tuning in _TUNING_OF.items():
+        for tuning, controller in CONTROLLER_OF.items():
             if self.controller != controller:
                 del data[tuning]
         if not self.winding.creeps:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
@@ -34,42 +34,27 @@ def summary(found: Spread) -> list[SummaryRow]:
 
 def too_few(found: Spread) -> str:
     """Return a warning of results without windings, and of too few windings for causes; '' for neither."""
-    return "; ".join(filter(None, (_unshown(found), _untold(found), _spoiled(found))))
+    return "; ".join(_too_few(found))
 
 
-def _unshown(found: Spread) -> str:
-    """Return the results that no completed winding has."""
-    none = [name for name in found.asked.measures if found.completed and not found.wound(name).any()]
-    return (
-        f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = torsional), "
-        "or its event did not happen"
-        if none
-        else ""
-    )
-
-
-def _untold(found: Spread) -> str:
-    """Return the results with fewer windings than a regression needs."""
-    need = found.needed
-    counts = {name: int(found.wound(name).sum()) for name in found.asked.measures}
-    few = [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]
-    return (
-        f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed windings, "
-        f"64 for a first look; raise samples = {found.asked.samples}"
-        if few
-        else ""
-    )
-
-
-def _spoiled(found: Spread) -> str:
-    """Return the results whose shares contradict one another."""
-    spoiled = [f"{name} {number(times)}" for name in found.asked.measures if (times := found.spoiled(name))]
-    return (
-        f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their spread; "
-        f"{found.asked.samples} windings are too few to separate the data; raise samples"
-        if spoiled
-        else ""
-    )
+def _too_few(found: Spread) -> Iterator[str]:
+    measures = found.asked.measures
+    if none := [name for name in measures if found.completed and not found.wound(name).any()]:
+        yield (
+            f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
+            "torsional), or its event did not happen"
+        )
+    counts, need = {name: int(found.wound(name).sum()) for name in measures}, found.needed
+    if few := [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]:
+        yield (
+            f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed "
+            f"windings, 64 for a first look; raise samples = {found.asked.samples}"
+        )
+    if spoiled := [f"{name} {number(times)}" for name in measures if (times := found.spoiled(name))]:
+        yield (
+            f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their "
+            f"spread; {found.asked.samples} windings are too few to separate the data; raise samples"
+        )
 
 
 def remarks(found: Spread) -> list[str]:

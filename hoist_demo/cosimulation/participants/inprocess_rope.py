@@ -118,9 +118,6 @@ class InProcessRope:
 
             return Table(accesses, read)
 
-        def went_on() -> None:
-            self._log_warnings(native.done(True))
-
         none = (c_int * 0)()
         return RopeLibrary(
             access("NATIVE", lib.rope_advance_to, rope, none, ends),
@@ -130,7 +127,7 @@ class InProcessRope:
             warning=lib.rope_warning,
             told=create_string_buffer(warnings),
             text=text,
-            heard=went_on,
+            heard=lambda: self._log_warnings(native.done(True)),
         )
 
     def save(self) -> Snapshot:
