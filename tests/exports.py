@@ -47,7 +47,7 @@ if host_platform() in available_platforms():
 
 def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2) -> Path:
     """The hoist drive of the 120 m scene."""
-    return export_model(destination, drive_model(find_case("rope-120")), platforms, fmi)
+    return export_model(destination, platforms, fmi, **vars(drive_model(find_case("rope-120"))))
 
 
 #: every kind of archive that is exported, for this platform
