@@ -11,10 +11,11 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
 
+from benchmarks.kinematic import observation_points
 from rope_model.parameters import Rope
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import end_moment
-from rope_model.simulation.outputs.diagnostics import loop_bottom, observation_points
+from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector

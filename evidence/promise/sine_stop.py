@@ -26,11 +26,6 @@ class SineStop:
         """When the ends rest, s."""
         return self.begin + self.lasts
 
-    @property
-    def peak_speed(self) -> float:
-        """Largest speed before, m/s."""
-        return max(abs(self.at(self.begin * k / 200).speed) for k in range(201))
-
     def at(self, t: float) -> TrajectoryPoint:
         """The left end at ``t``."""
         if t < self.begin:
@@ -54,3 +49,9 @@ def sine_stop(trip: Trip) -> SineStop:
     start = before.at(trip.emergency_at)
     lasts = start.speed / (2 * trip.emergency_deceleration / math.pi - 0.5 * start.acceleration)
     return SineStop(before, trip.emergency_at, lasts, trip.emergency_deceleration)
+
+
+def peak_speed(trajectory: Trajectory | SineStop) -> float:
+    """Largest speed, m/s."""
+    times = (trajectory.duration * k / 2000 for k in range(2001))
+    return max(abs(trajectory.at(t).speed) for t in times)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from benchmarks.kinematic import ends_at
 from evidence.promise.scenes import Sample
+from evidence.promise.sine_stop import peak_speed
 from rope_model import Accuracy, BalanceRope, Mesh, Scene, Solver, balance_rope
 
 Array = NDArray[np.float64]
@@ -94,7 +95,7 @@ def judge(sample: Sample, asked: Sequence[str]) -> list[tuple[Any, ...]]:
     fine, scene = wind(sample, FINE_STEP, **FINE), sample.scene
     about = (
         *(sample.kind, scene.rope.length, scene.rope.mass_per_length, scene.rope.EI, scene.left.mode, scene.right.mode),
-        *(sample.trajectory.peak_speed, sample.interval),
+        *(peak_speed(sample.trajectory), sample.interval),
     )
     rows = []
     for request in asked:

@@ -66,18 +66,6 @@ class Trajectory:
         """Time at which the reference has come to rest for good, waiting before the start included [s]."""
         return self.starts[-1]
 
-    @property
-    def peak_speed(self) -> float:
-        """Largest speed magnitude [m/s]; the speed of a segment is extreme at its ends or where a = 0."""
-        peak = 0.0
-        for k, point in enumerate(self.points):
-            peak = max(peak, abs(point.speed))
-            if point.jerk != 0.0 and k + 1 < len(self.points):
-                dt = -point.acceleration / point.jerk
-                if 0.0 < dt < self.starts[k + 1] - self.starts[k]:
-                    peak = max(peak, abs(point.after(dt).speed))
-        return peak
-
     def holds(self, speed: float) -> tuple[float, ...]:
         """Times [s] from which the given magnitude of speed [m/s] is held."""
         pairs = zip(self.starts, self.points, strict=True)
