@@ -183,19 +183,6 @@ STATUS_OF(StringStatus, fmi2String, "", 0)
 
 /* model exchange: a complete library has these functions, this FMU has no such interface */
 
-#define REFUSED(name, why, ...)                                                                                        \
-    fmi2Status fmi2##name(__VA_ARGS__) {                                                                               \
-        return refuse_unsupported(c, why);                                                                             \
-    }
-
-REFUSED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component c)
-REFUSED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2EventInfo *eventInfo)
-REFUSED(EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi2Component c)
-REFUSED(CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
-        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
-REFUSED(SetTime, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real time)
-REFUSED(SetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, const fmi2Real x[], size_t nx)
-REFUSED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real derivatives[], size_t nx)
-REFUSED(GetEventIndicators, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real eventIndicators[], size_t ni)
-REFUSED(GetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x[], size_t nx)
-REFUSED(GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x_nominal[], size_t nx)
+REFUSED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component instance)
+REFUSED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component instance, fmi2EventInfo *eventInfo)
+REFUSED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component instance, fmi2Real derivatives[], size_t nx)

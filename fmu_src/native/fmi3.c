@@ -180,10 +180,6 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 
 /* what the capability flags rule out: nobody reads the arguments */
 
-#define REFUSED(name, why, ...)                                                                                        \
-    fmi3Status fmi3##name(__VA_ARGS__) {                                                                               \
-        return refuse_unsupported(instance, why);                                                                      \
-    }
 #define NOT_PROVIDED "this FMU does not provide that; see its capability flags"
 #define NO_EVENTS "this FMU has no structural parameters, no event mode and no clocks"
 
@@ -229,19 +225,7 @@ REFUSED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueRefer
 
 /* model exchange */
 
-REFUSED(EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi3Instance instance)
-REFUSED(CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi3Instance instance,
-        fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
-REFUSED(SetTime, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 time)
-REFUSED(SetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, const fmi3Float64 continuousStates[],
-        size_t nContinuousStates)
 REFUSED(GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
-        size_t nContinuousStates)
-REFUSED(GetEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 eventIndicators[],
-        size_t nEventIndicators)
-REFUSED(GetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 continuousStates[],
-        size_t nContinuousStates)
-REFUSED(GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 nominals[],
         size_t nContinuousStates)
 REFUSED(GetNumberOfEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nEventIndicators)
 REFUSED(GetNumberOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nContinuousStates)

@@ -6,7 +6,8 @@ from functools import cache
 from pathlib import Path
 
 from hoist_demo.cases.case import FOLDER, NAMED, Case
-from hoist_demo.files.hoist_file import read_hoist
+from hoist_demo.files.hoist_file import HoistFile
+from hoist_demo.files.reading import read
 
 
 def find_case(name: str) -> Case:
@@ -20,4 +21,4 @@ def find_case(name: str) -> Case:
 
 @cache
 def _read(path: Path, _changed: int = 0) -> Case:
-    return read_hoist(path)
+    return read(path, HoistFile).case

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
@@ -146,11 +145,6 @@ def _tail(k: int, said: dict[str, Any], shared: dict[str, Given], problems: list
     values = {**shared, **said.get("from", {}), **own}
     kind = {name: said[name] for name in ("construction", "lay") if name in said}
     return Tail(said.get("name") or f"rope{k}", values, number, at, breaks, **kind)
-
-
-def read_hoist(path: Path) -> Case:
-    """Return the hoist of a file; raise FileError with all problems."""
-    return read(path, HoistFile).case
 
 
 def schema() -> dict[str, Any]:

@@ -18,7 +18,7 @@ NAMED = 0.05
 
 def summary(found: Spread) -> list[SummaryRow]:
     """Return the text for the terminal."""
-    rows = [SummaryRow("Windings", "that count", f"{found.completed} of {found.asked.samples}")]
+    rows = [SummaryRow("Windings", "that count", f"{found.completed} of {found.asked.head.samples}")]
     for name in _measured(found):
         (low, middle, high), unit = _for_people(found.quantiles(name), UNITS[name])
         group = f"{name}, {METRICS[name][1]}"
@@ -38,7 +38,7 @@ def too_few(found: Spread) -> str:
 
 
 def _too_few(found: Spread) -> Iterator[str]:
-    measures = found.asked.measures
+    measures = found.asked.head.measures
     if none := [name for name in measures if found.completed and not found.wound(name).any()]:
         yield (
             f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
@@ -48,18 +48,18 @@ def _too_few(found: Spread) -> Iterator[str]:
     if few := [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]:
         yield (
             f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed "
-            f"windings, 64 for a first look; raise samples = {found.asked.samples}"
+            f"windings, 64 for a first look; raise samples = {found.asked.head.samples}"
         )
     if spoiled := [f"{name} {number(times)}" for name in measures if (times := found.spoiled(name))]:
         yield (
             f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their "
-            f"spread; {found.asked.samples} windings are too few to separate the data; raise samples"
+            f"spread; {found.asked.head.samples} windings are too few to separate the data; raise samples"
         )
 
 
 def remarks(found: Spread) -> list[str]:
     """Return the rope's warnings and why windings do not count, each with its number of windings."""
-    return [f"in {count} of {found.asked.samples} windings: {text}" for text, count in found.remarks.items()]
+    return [f"in {count} of {found.asked.head.samples} windings: {text}" for text, count in found.remarks.items()]
 
 
 def write_table(found: Spread, path: Path) -> Path:
@@ -81,7 +81,7 @@ def write_page(found: Spread, path: Path) -> Path:
     causes = "".join(
         paragraphs([name])
         + bars([Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares], _TICKS, name)
-        for name in asked.measures
+        for name in asked.head.measures
         if (shares := _sorted(found, name))
     )
     data = [
@@ -89,7 +89,7 @@ def write_page(found: Spread, path: Path) -> Path:
         for name, datum in asked.data.items()
         for bounds, unit in [_for_people((datum.low, datum.high), datum.unit)]
     ]
-    wound = f"{found.completed} of {asked.samples} windings count: hoist {asked.hoist}, level {asked.level}."
+    wound = f"{found.completed} of {asked.head.samples} windings count: hoist {asked.hoist}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [
@@ -115,7 +115,7 @@ _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
 
 def _measured(found: Spread) -> list[str]:
     """The results that at least one winding has."""
-    return [name for name in found.asked.measures if found.wound(name).any()]
+    return [name for name in found.asked.head.measures if found.wound(name).any()]
 
 
 def _sorted(found: Spread, name: str) -> list[tuple[str, float]]:

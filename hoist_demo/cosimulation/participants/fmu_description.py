@@ -118,11 +118,6 @@ def read_outputs(path: Path) -> tuple[str, ...]:
     return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
 
 
-def fmi_version(path: Path) -> str:
-    """The version of FMI that the FMU is of."""
-    return str(read_fmu(path).description.fmiVersion)
-
-
 class Fmu(NamedTuple):
     """Contents of an FMU's description."""
 
