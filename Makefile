@@ -76,7 +76,7 @@ bench: $(READY)  ## measure the speed of every form of the rope, and windings pe
 	$(BIN)/python -m benchmarks.throughput
 
 csources: $(READY)  ## put all C, written and generated, with compile_commands.json in build/csrc
-	$(BIN)/python -m rope_model.codegen.build build/csrc
+	$(BIN)/python -m release.editor build/csrc
 
 wheels: $(READY)  ## build the wheel in build/wheels
 	$(BIN)/python -m release.wheels build/wheels

@@ -16,9 +16,9 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
-    from hoist_demo.cases.case import Case
+    from hoist_demo.cases.case import NAMED, Case
     from hoist_demo.cases.rules import with_values
-    from hoist_demo.cases.table import NAMED, find_case
+    from hoist_demo.cases.table import find_case
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.hoist import add_hoist_commands
     from hoist_demo.command_line.identify import add_identify
@@ -271,7 +271,6 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
     if case.ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # what winds loads slowly
-    from hoist_demo.design.controllers import drive
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build_trip
 
@@ -279,8 +278,7 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
     if not case.ropes:
         case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:
-        at_once = replace(run.winding, start_delay=0.0)
-        followed = drive(run.controller, run.hoist, at_once, run.gains, run.shaper, run.trajectory)
+        followed = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory
     if not case.ropes:
         return case, members, trajectory

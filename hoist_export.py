@@ -115,7 +115,7 @@ def export_hoist(
         raise ValueError("\n".join(problems))
     tails = [Tail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length, one.place) for one in ropes]
     drive = drive_model(case, tails, trajectory)
-    fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", drive, platforms, fmi)}
+    fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
     for rope, parameters in _parameters(case, ropes).items():
         path = folder / f"{rope}.fmu"
         fmus[rope] = export_rope(path, case, parameters, flavour, fmi, level, platforms, profile)

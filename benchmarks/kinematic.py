@@ -14,7 +14,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
-from rope_model.simulation.outputs.diagnostics import loop_bottom, observation_points
+from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.state import Event
 
 Array = NDArray[np.float64]
@@ -110,3 +110,11 @@ def wind(
             if watch is not None:
                 watch(rope)
     return run
+
+
+def observation_points(q: np.ndarray, bottom: np.ndarray) -> np.ndarray:
+    """Return (2, 7): r, r', theta on the left and right leg, 3 m above the lowest point as in the source."""
+    i = int(np.argmin(q[:, 1]))
+    height = bottom[1] + 3.0
+    legs = q[i::-1], q[i:]
+    return np.array([[np.interp(height, leg[:, 1], leg[:, k]) for k in range(7)] for leg in legs])

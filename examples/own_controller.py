@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Command, Measurement
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
@@ -34,7 +34,7 @@ class Proportional:
 
 if len(sys.argv) != 2:
     sys.exit("usage: python examples/own_controller.py FMU")
-case = CASES["rope-120"]
+case = find_case("rope-120")
 rope = FmuRope(Path(sys.argv[1]), case.rope)
 result = Host(rope, case.hoist, case.winding, controller=Proportional).run()
 rope.close()

@@ -19,8 +19,8 @@ from fmu_src.native.build import PLATFORMS, library, open_library
 from fmu_src.native.export import model_sources, native_table, rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
-from hoist_demo.cases.case import Case
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.case import HOISTS, Case
+from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.drive_fmu.kernels import generate as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
@@ -43,7 +43,7 @@ def libraries() -> Iterator[Library]:
     yield Library(without_start(library_sources(table), len(start_values(table, 2))), MODEL)
     for fmi in (2, 3):
         yield _rope(fmi)
-        for case in CASES.values():
+        for case in map(find_case, HOISTS):
             yield _drive(case, fmi)
 
 
@@ -63,7 +63,7 @@ def _drive(case: Case, fmi: int) -> Library:
 def add_prebuilt(root: Path) -> None:
     """Write what the packages below ``root``, copies of ours, are to bring."""
     _write(generated_file(root / "rope_model"), generate())
-    for case in (leave_out(case, ()) for case in CASES.values()):
+    for case in (leave_out(case, ()) for case in map(find_case, HOISTS)):
         _write(kernels_file(root / "hoist_demo", case), asdict(drive_kernels(case)))
     for name in PLATFORMS:
         rope = prebuilt_file(root / "rope_model" / "csrc", sources(), NAME, name)

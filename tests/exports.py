@@ -9,7 +9,7 @@ from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import ALL, FULL, Profile
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from rope_model.parameters import Level
 
@@ -47,7 +47,7 @@ if host_platform() in available_platforms():
 
 def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2) -> Path:
     """The hoist drive of the 120 m scene."""
-    return export_model(destination, drive_model(CASES["rope-120"]), platforms, fmi)
+    return export_model(destination, platforms, fmi, **vars(drive_model(find_case("rope-120"))))
 
 
 #: every kind of archive that is exported, for this platform

@@ -1,21 +1,22 @@
-"""Ropes for groups of several."""
+"""Ropes in this process: those of named hoists, and some for groups of several."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hoist_demo.cases.table import CASES, find_case
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.schemes.interface import Reader
+from hoist_demo.parameters.quantity import Value
 from hoist_demo.ropes.definition import Ropes, ropes_of
 from hoist_demo.study.run import build_trip
-from rope_model import EndMotion, Status
+from rope_model import EndMotion, Level, Status
 
-CASE = CASES["rope-120"]
+CASE = find_case("rope-120")
 KNOWN = 2.336e5
 
 
@@ -24,6 +25,13 @@ def rope(coupling: float = KNOWN, **more: float) -> InProcessRope:
     given = {name.replace("_", ".", 1): value for name, value in more.items()}
     values = {**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}
     return InProcessRope(rope_data(values, "draft"))
+
+
+def rope_in_process(
+    case: str, level: Level = "standard", parameters: Mapping[str, Value] | None = None
+) -> InProcessRope:
+    """The rope of a named case at a level of accuracy, with other parameters by FMI name."""
+    return InProcessRope(rope_data({**find_case(case).rope, **(parameters or {})}, level))
 
 
 def ropes_in(path: Path) -> Ropes:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 from numpy.testing import assert_allclose
+from rope_groups import rope_in_process
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.run_state import Result, RunState
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import Coupling, Winding

@@ -13,12 +13,14 @@ import numpy as np
 import pytest
 from drives import Plant, PlantInput, PlantInputPath
 from numpy.testing import assert_allclose, assert_array_equal
+from rope_groups import rope_in_process
 from scipy.linalg import expm
 
-from hoist_demo.cases.table import NAMED
+from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, rope_in_process
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
@@ -338,7 +340,7 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
 @pytest.mark.parametrize("case", NAMED)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
-    scene, plant = NAMED[case], rope_in_process(case, level="draft")
+    scene, plant = find_case(case), rope_in_process(case, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     result = host.run(lambda fraction, t: False)
     assert result.warning == ""
@@ -398,7 +400,7 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)])
 def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(solver: Solver, warned: bool) -> None:
-    scene = NAMED["rope-120"]
+    scene = find_case("rope-120")
     rope = InProcessRope(rope_data(scene.rope).with_(solver=solver))
     host = Host(rope, scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))
     result = host.run(lambda fraction, t: False)

@@ -75,7 +75,7 @@ SOURCES = "\n".join(
     path.read_text(encoding="utf-8")
     for folder in ("rope_model", "fmu_src", "hoist_demo")
     for path in sorted((ROOT / folder).rglob("*"))
-    if path.suffix in (".py", ".c", ".h")
+    if path.suffix in (".py", ".c", ".h", ".inc")
 )
 TEXTS = re.sub(r"\"\s*\n\s*r?f?\"", "", SOURCES)
 

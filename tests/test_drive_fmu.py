@@ -12,7 +12,7 @@ from native_host import OK, H, Host
 from numpy.testing import assert_allclose
 
 from hoist_demo.cases.case import Case
-from hoist_demo.cases.table import CASES, find_case
+from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.equations import INPUT_NAMES, SIDES
@@ -25,7 +25,7 @@ from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.place import Place
 
 pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
-SETUP = CASES["rope-120"]
+SETUP = find_case("rope-120")
 MOTIONS = motions(SETUP.hoist)
 
 
@@ -126,7 +126,7 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
 
 def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
     """At random motions: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
-    case, rng = CASES["kiruna-355"], np.random.default_rng(1)
+    case, rng = find_case("kiruna-355"), np.random.default_rng(1)
     tails = [Tail("a", 8.0, 400.0, Place(0.2, -0.1, -0.5)), Tail("b", 8.0, 400.0, Place(z=0.4)), Tail("c", 8.0, 400.0)]
     plant = HoistPlant(case.hoist)
     x = plant.hanging_state(*start_heights(case.hoist, case.winding), -1e4, -1e5).x

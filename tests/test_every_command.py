@@ -7,7 +7,8 @@ import pytest
 from pydantic import TypeAdapter
 
 from balance_rope import main
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import statuses as file_statuses

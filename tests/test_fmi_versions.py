@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from exports import FLAVOURS
 
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
@@ -29,7 +29,7 @@ FmuOf = Callable[[str], Path]
 
 def wound(fmu: Path, stop_at: float = 1.0, **options: Any) -> Result:
     """A trip of 20 cm that reads every output, the added masses too; each exchange goes back to a saved state."""
-    scene, trip = CASES["rope-120"], Winding(travel=0.2, settle=0.0, start_delay=0.0)
+    scene, trip = find_case("rope-120"), Winding(travel=0.2, settle=0.0, start_delay=0.0)
     rope = FmuRope(fmu, scene.rope, read_outputs(fmu))
     host = Host(rope, scene.hoist, trip, Coupling(scheme="iterative-jacobian"), scene.gains)
     try:

@@ -26,7 +26,7 @@ from fmu_src.interface import variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import header_folder
 from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from rope_model.parameters import rope_120
 
@@ -167,7 +167,7 @@ def test_outputs_are_listed_in_order_and_depend_on_nothing_at_their_instant(fmu:
 
 def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
-        whole = [v.name for v in drive_model(CASES["rope-120"]).variables]
+        whole = [v.name for v in drive_model(find_case("rope-120")).variables]
     else:
         whole = [v.name for v in variables(rope_120())]
     for v in fmu.variables:

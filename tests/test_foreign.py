@@ -25,7 +25,7 @@ from scenes import ends_at
 
 from fmu_src.native.build import PLATFORMS, host_platform
 from fmu_src.native.export import header_folder
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -69,7 +69,7 @@ def script(described: ElementTree.Element) -> str:
     """Commands for foreign_host: the rope follows the reference, the drive runs under the forces at the start."""
     references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
     outputs = {v.get("name") for v in described.iter("ScalarVariable") if v.get("causality") == "output"}
-    reference = s_curve(CASES["rope-120"].winding)
+    reference = s_curve(find_case("rope-120").winding)
     lines = []
     if "inputs_at_step_end" in references:
         lines.append(f"b {references['inputs_at_step_end']} 1")

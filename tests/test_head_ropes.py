@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from drives import Plant, PlantInput, PlantOutput, energy_residual
+from rope_groups import rope_in_process
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake, DriveShaft, Jam, Lining, Play
 from hoist_demo.recording.incidents import Jam as Jammed
-from hoist_demo.recording.incidents import jams, slip, told_of_jams
+from hoist_demo.recording.incidents import incidents, jams, slip
 from hoist_demo.recording.time_series import Recording
 
 FIXED_SHEAVE = Hoist(
@@ -110,7 +110,7 @@ def test_a_conveyance_that_is_carried_through_is_not_called_jammed() -> None:
     signals |= {f"conveyance.left.{name}": values for name, values in (("y", 4.0 * time), ("vy", 4.0 + 0.0 * time))}
     recording = Recording(signals | {"conveyance.left.ay": -time}, {})
     assert jams(recording) == [Jammed("left", 1.0, 4.0, None, 2.0)]
-    assert "went through" in told_of_jams(recording)
+    assert "went through" in incidents(recording)
 
 
 HOISTS = {

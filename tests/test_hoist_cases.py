@@ -8,20 +8,21 @@ import numpy as np
 import pytest
 from drives import wind
 from numpy.testing import assert_allclose
+from rope_groups import rope_in_process
 
 from fmu_src.interface import case_with, variables
-from hoist_demo.cases.case import Case
+from hoist_demo.cases.case import HOISTS, Case
 from hoist_demo.cases.rules import TAIL_SPARE
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
 from rope_model import EndMotion, parameters
 
-INSTALLED = {name: case for name, case in CASES.items() if not name.startswith("rope-")}
-every_scene = pytest.mark.parametrize("name", CASES)
+INSTALLED = {name: find_case(name) for name in HOISTS if not name.startswith("rope-")}
+every_scene = pytest.mark.parametrize("name", HOISTS)
 cases = pytest.mark.parametrize("case", INSTALLED.values(), ids=INSTALLED.keys())
 
 #: ropes must not slip: twice the friction at rest and a quarter more than the moving hoist asks for
@@ -95,7 +96,7 @@ def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
 @every_scene
 @pytest.mark.parametrize("level", ["draft", "standard"])
 def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
-    case = CASES[name]
+    case = find_case(name)
     exported = case_with("rope-120", level, {**case.rope, "right.y": abs(case.winding.travel)})
     assert exported.scene == rope_data(case.rope, level)
     starts = {v.name: v.start for v in variables(exported)}
@@ -106,7 +107,7 @@ def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, leve
 @cache
 def start(name: str) -> tuple[Host, Result]:
     """A host and its run over 50 steps of the case's trip, which begins at once."""
-    case, rope = CASES[name], rope_in_process(name, level="draft")
+    case, rope = find_case(name), rope_in_process(name, level="draft")
     host = Host(rope, case.hoist, replace(case.winding, start_delay=0.0), Coupling(), case.gains)
     return host, host.run(lambda fraction, t: t < 0.495)
 

@@ -1,5 +1,6 @@
 """A controller with a memory of its own is stopped, saved, read and resumed as if it had never stopped."""
 
+import io
 import json
 import math
 from collections import deque
@@ -13,12 +14,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
+from rope_groups import rope_in_process
 
 from hoist_demo.control.controller import Command, Controller, Measurement
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
@@ -109,6 +110,15 @@ def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_
     assert wind(lambda *_: Hoarder(0), 0.1).checkpoint is not None
 
 
+def there_and_back(value: Any) -> Any:
+    """Write and read it, as a checkpoint does."""
+    arrays, file = dict[str, np.ndarray](), io.BytesIO()
+    text = json.dumps(encode(value, "x", arrays))
+    np.savez(file, text=text, **arrays)
+    with np.load(io.BytesIO(file.getvalue()), allow_pickle=False) as kept:
+        return decode(json.loads(text), {name: kept[name] for name in kept.files})
+
+
 plain = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
     lambda inside: (
@@ -125,7 +135,7 @@ plain = st.recursive(
 @given(plain)
 @settings(max_examples=40)  # each of some eight leaves
 def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
-    back = decode(json.loads(json.dumps(encode(value, "x"))))
+    back = there_and_back(value)
     assert back == value
     assert repr(back) == repr(value)
 
@@ -134,13 +144,13 @@ def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
     "value", [np.float64(0.1), np.float32(math.nan), np.arange(6).reshape(2, 3)[:, ::2], np.array([True]), np.array(1j)]
 )
 def test_numbers_and_arrays_of_numpy_come_back_with_their_type(value: Any) -> None:
-    back = decode(json.loads(json.dumps(encode(value, "x"))))
+    back = there_and_back(value)
     assert (type(back), back.dtype, back.shape) == (type(value), value.dtype, value.shape)
     assert back.tobytes() == value.tobytes()
 
 
 def test_a_class_that_has_changed_is_named() -> None:
-    text = encode(Filter(1.0), "x")
+    text = encode(Filter(1.0), "x", {})
     text["class"][2]["rate"] = 0.0
     with pytest.raises(ValueError, match=r"Filter with speed, rate, which is not known here: import"):
-        decode(text)
+        decode(text, {})

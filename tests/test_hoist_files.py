@@ -11,12 +11,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.cases.case import FOLDER
+from hoist_demo.cases.case import FOLDER, NAMED
 from hoist_demo.cases.rules import TAIL_SPARE
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.table import find_case
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.files.hoist_file import read_hoist, schema
-from hoist_demo.files.reading import FileError, nested
+from hoist_demo.files.hoist_file import HoistFile, schema
+from hoist_demo.files.reading import FileError, nested, read
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.report.hoist import as_file, hung, known
 from hoist_demo.study.run import build, build_trip
@@ -59,7 +59,7 @@ def written(path: Path, text: str) -> Path:
 
 
 def test_units_are_converted_to_the_last_bit_and_what_is_left_out_follows_by_rules(tmp_path: Path) -> None:
-    case = read_hoist(written(tmp_path / "own.toml", OWN))
+    case = read(written(tmp_path / "own.toml", OWN), HoistFile).case
     hoist, m = case.hoist, case.rope["rope.mass_per_length"]
     assert (hoist.payload_left, hoist.conveyance_mass, hoist.wrap_angle) == (22e3, 18.2e3, 3.141592653589793)
     assert hoist.brake is not None
@@ -81,8 +81,8 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
     assert main(["new", "mine", *asked, "--lay", "alternate", "--schema", "--out", str(path)]) == 0
     assert main(["new", "mine", *asked, "--out", str(path)]) == 2  # it is there
     assert main(["new", "equal", *asked, "--out", str(tmp_path / "equal.toml")]) == 0
-    assert read_hoist(tmp_path / "equal.toml").hoist.tail_rope_number == 2
-    case = read_hoist(path)
+    assert read(tmp_path / "equal.toml", HoistFile).case.hoist.tail_rope_number == 2
+    case = read(path, HoistFile).case
     checked().validate(nested(tomllib.loads(path.read_text(encoding="utf-8"))))
     assert [case.given[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
     torques = [tail.parameters["rope.Qc"] for tail in case.ropes]
@@ -98,7 +98,7 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_every_file_that_is_shipped_is_read_and_fits_the_schema(path: Path) -> None:
-    assert read_hoist(path).name
+    assert read(path, HoistFile).case.name
     tables = nested(tomllib.loads(path.read_text(encoding="utf-8")))
     # what a hoist is like may have the ropes
     checked().validate({"rope": [{}], **tables})
@@ -161,7 +161,7 @@ def test_a_wrong_file_is_refused_with_its_place(old: str, new: str, message: str
     assert old in OWN
     text = OWN.replace(old, new, 1)
     with pytest.raises(FileError) as told:
-        read_hoist(written(tmp_path / "own.toml", text))
+        read(written(tmp_path / "own.toml", text), HoistFile)
     assert any(message in one for one in told.value.problems), told.value.problems
     if place:
         found = checked().iter_errors(nested(tomllib.loads(text)))
@@ -200,7 +200,7 @@ def test_files_that_a_file_names_are_beside_it(tmp_path: Path, monkeypatch: pyte
 def test_a_rope_of_several_has_the_statuses_of_its_own_numbers(tmp_path: Path) -> None:
     text = "name = 'two'\nlike = 'rope-120'\nstatus = 'measured'\n[[rope]]\nEI = 90.0\n[[rope]]\nz = 1.0\nQc = 0.0\n"
     path = written(tmp_path / "two.toml", text)
-    case = read_hoist(path)
+    case = read(path, HoistFile).case
     status = {one.name: one.status for one in known(case, str(path))}
     assert "exported" not in status.values()
     assert [status[f"rope{k}.rope.EI"] for k in (1, 2)] == ["measured", "assumed"]
@@ -210,15 +210,15 @@ def test_a_rope_of_several_has_the_statuses_of_its_own_numbers(tmp_path: Path) -
 def test_all_errors_come_at_once_and_far_values_are_remarked_on(tmp_path: Path) -> None:
     text = OWN.replace('"22 t"', '"22 kg"').replace("[winding]", "sheave_radius = 'big'\n[winding]\njerk = 'soft'")
     with pytest.raises(FileError) as told:
-        read_hoist(written(tmp_path / "own.toml", text))
+        read(written(tmp_path / "own.toml", text), HoistFile)
     assert len(told.value.problems) == 2
-    case = read_hoist(written(tmp_path / "far.toml", OWN.replace('"22 t"', '"22 kg"')))
+    case = read(written(tmp_path / "far.toml", OWN.replace('"22 t"', '"22 kg"')), HoistFile).case
     assert [line.split(" is far")[0] for line in case.remarks] == ["hoist.payload_left = 22 kg"]
 
 
 def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) -> None:
     text = 'name = "b"\nlike = "own.toml"\nhoist.payload_left = 5000.0\n[[rope]]\nlength = 930\n'
-    own = read_hoist(written(tmp_path / "own.toml", OWN))
+    own = read(written(tmp_path / "own.toml", OWN), HoistFile).case
     case = find_case(str(written(tmp_path / "b.toml", text)))
     assert (case.hoist.payload_left, case.rope["rope.length"], case.hoist.tail_rope_number) == (5e3, 930.0, 2)
     assert case.rope["rope.EI"] == own.rope["rope.EI"]

@@ -6,14 +6,15 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from rope_groups import rope_in_process
 
 from balance_rope import main
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.case import HOISTS
+from hoist_demo.cases.table import find_case
 from hoist_demo.command_line import wind
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.files.catalogue import parameters
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
@@ -60,7 +61,7 @@ def test_what_cannot_be_set_is_named(given: str, words: str) -> None:
 
 
 def test_a_hoist_and_a_rope_that_contradict_each_other_are_told_with_both_values() -> None:
-    for case in CASES.values():
+    for case in map(find_case, HOISTS):
         assert contradictions(case.hoist, case.rope) == ""
     said = contradictions(Hoist(), {"rope.mass_per_length": 12.0, "rope.length": 120.0})
     assert said.startswith("rope.mass_per_length = 12 kg/m and hoist.tail_rope_mass = 8 kg/m contradict each other")

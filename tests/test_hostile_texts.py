@@ -25,13 +25,13 @@ from fmu_src.native.table import c_table
 from fmu_src.profile import scalars
 from fmu_src.ssp import export_ssp
 from fmu_src.xml import xml_bytes
-from hoist_demo.calibration.definition import read_measured
+from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.page import write_rope_file
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.catalogue import rope_parameters
-from hoist_demo.files.hoist_file import read_hoist
-from hoist_demo.files.reading import FileError
+from hoist_demo.files.hoist_file import HoistFile
+from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.values import LONGEST_TEXT
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
@@ -41,7 +41,7 @@ from hoist_demo.report.verdict import Judged, Verdict
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import Known, write_data
 from hoist_demo.study.store import Store
-from hoist_demo.uncertainty.definition import read_uncertain
+from hoist_demo.uncertainty.definition import Uncertain
 from rope_model import Datum
 from rope_model.numerics.kernels import find_compiler
 from rope_model.texts import REPLACEMENT, c_string, csv_cell, html_text, printable, toml_string, xml_text
@@ -223,15 +223,15 @@ FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", 
 MEASURED = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 60.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
 READERS: dict[str, tuple[Callable[[Path], object], str]] = {
-    "hoist name": (lambda path: read_hoist(path).name, "name = {}\n[[rope]]\n"),
-    "hoist source": (lambda path: read_hoist(path).source, 'name = "a"\nsource = {}\n[[rope]]\n'),
+    "hoist name": (lambda path: read(path, HoistFile).case.name, "name = {}\n[[rope]]\n"),
+    "hoist source": (lambda path: read(path, HoistFile).case.source, 'name = "a"\nsource = {}\n[[rope]]\n'),
     "duty title": (
         lambda path: read_schedule(path).title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
-    "uncertain title": (lambda path: read_uncertain(path).title, "[uncertain]\ntitle = {}\n" + MEASURED),
+    "uncertain title": (lambda path: read(path, Uncertain).title, "[uncertain]\ntitle = {}\n" + MEASURED),
     "measured name": (
-        lambda path: read_measured(path).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
+        lambda path: read(path, Measured).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
     "known source": (
-        lambda path: read_measured(path).bench.known.data["torque_factor"].source,
+        lambda path: read(path, Measured).bench.known.data["torque_factor"].source,
         MEASURED + "[known]\ntorque_factor = {{ low = 0.1, high = 0.1, source = {} }}\n" + WIDTH),
 }  # fmt: skip
 
@@ -252,10 +252,10 @@ def test_texts_of_files_are_kept_or_refused_with_a_cure(kind: str, tmp_path: Pat
 #: what reads the files of each folder of the documents, which have all keys but these
 FILES: dict[str, Callable[[Path], object]] = {
     "duties": lambda path: read_schedule(path),
-    "hoists": read_hoist,
-    "measurements": lambda path: read_measured(path),
+    "hoists": lambda path: read(path, HoistFile).case,
+    "measurements": lambda path: read(path, Measured),
     "studies": lambda path: read_study(path, path.with_name("none.fmu")),
-    "uncertain": lambda path: read_uncertain(path),
+    "uncertain": lambda path: read(path, Uncertain),
 }
 MORE = {
     "hoists": "name = 'a'\n[[rope]]\nEI = { value = 300.0, unit = 'N.m2', status = 'assumed', source = 'b' }\n",

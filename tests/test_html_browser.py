@@ -16,9 +16,10 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist
 from hoist_demo.report.html.packing import ROPE_ROWS
 from hoist_demo.report.html.run import run_report
-from hoist_demo.report.html.study import Judgement, study_report
+from hoist_demo.report.html.study import study_report
 from hoist_demo.report.rows import Report
 from hoist_demo.report.verdict import judge
+from hoist_demo.study.perform import Best, Performed
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
 
@@ -129,8 +130,9 @@ def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
     )
     table["slip_safety"], table["clearance"] = [2.0, 1.5, 1.9, 1.8], [0.5, 2.0, 0.7, 0.4]
     meta = {"parameters": ["jerk", "controller"], "title": "Jerks"}
-    folder, judged = tmp_path_factory.mktemp("study"), Judgement(("swing",), best=(3,), told="run 4")
-    return look(study_report(table, {"swing": "mm"}, meta, folder / "study.html", (), judged), _STUDY, request.param)
+    page = tmp_path_factory.mktemp("study") / "study.html"
+    performed = Performed(page, 4, {}, {}, {}, (), range(4), Best((3,), "run 4", True))
+    return look(study_report(table, {"swing": "mm"}, meta, page, (), performed, ("swing",)), _STUDY, request.param)
 
 
 def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: SimpleNamespace) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from balance_rope import _with_rope, main
-from hoist_demo.calibration.definition import read_measured
+from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import (
@@ -24,13 +24,13 @@ from hoist_demo.calibration.measurements import (
     Swept,
     Track,
 )
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile, read_rope_file
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import plain, statuses
-from hoist_demo.uncertainty.definition import read_uncertain
+from hoist_demo.uncertainty.definition import Uncertain
 from hoist_demo.uncertainty.page import too_few
 from hoist_demo.uncertainty.spread import Spread, draw, remarks_of, wound
 from rope_model import Rope, Scene, rope
@@ -118,7 +118,7 @@ def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
 
 
 def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = identify(read_measured(written(tmp_path, ROPE + WIDTH)))
+    found = identify(read(written(tmp_path, ROPE + WIDTH), Measured))
     assert [name for name in found.names if found.told(name)] == ["bending_stiffness"]
     assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
     width, error = 3.05, 0.05
@@ -148,7 +148,7 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert plain(given) == values | {"rope.EI": 99.0}
     wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
     assert wanted.items() <= statuses(found).items()
-    exported = _with_rope(CASES["rope-120"], made, [])
+    exported = _with_rope(find_case("rope-120"), made, [])
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
     again = read(made, RopeFile).catalogue_rope
@@ -190,7 +190,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
 )
 def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
     with pytest.raises(FileError, match=problem):
-        read_measured(written(tmp_path, text))
+        read(written(tmp_path, text), Measured)
 
 
 SCENE = """
@@ -211,7 +211,7 @@ TRIP = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\n"
 
 
 def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
-    asked = read_uncertain(written(tmp_path, SCENE))
+    asked = read(written(tmp_path, SCENE), Uncertain)
     assert [*asked.data] == ["torque_factor", "bending_stiffness"]
     samples = draw(asked)
     shares = np.array([[asked.data[name].share(x) for name, x in values.items()] for values in samples])
@@ -225,7 +225,7 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
 
 
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
-    asked = read_uncertain(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")))
+    asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), Uncertain)
     samples = draw(asked)
     columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
     u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
@@ -250,7 +250,7 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None:
     coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
-    asked = read_uncertain(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"))
+    asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), Uncertain)
     values = {name: datum.middle for name, datum in asked.data.items()}
     found, (told,) = wound(asked, values)
     assert np.isnan([*found.values()]).all()
@@ -279,10 +279,10 @@ def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
 )
 def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
     with pytest.raises(FileError, match=problem):
-        read_uncertain(written(tmp_path, SCENE.replace(*change)))
+        read(written(tmp_path, SCENE.replace(*change)), Uncertain)
 
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
 def test_the_worked_files_are_right(name: str) -> None:
-    asked = read_uncertain(Path(__file__).parents[1] / "docs" / "uncertain" / f"{name}.toml")
+    asked = read(Path(__file__).parents[1] / "docs" / "uncertain" / f"{name}.toml", Uncertain)
     assert len(asked.data) >= 4

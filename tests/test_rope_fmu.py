@@ -20,7 +20,7 @@ from numpy.testing import assert_allclose
 from scenes import fixed_steps, smooth_trip
 from stand_in import RUNNERS, live
 
-from fmu_src.documentation import interface_page
+from docs.variables import interface_page
 from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_native
@@ -212,4 +212,4 @@ def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_interface_page_is_up_to_date() -> None:
     page = Path(__file__).parents[1] / "docs" / "reference" / "variables.md"
-    assert page.read_text(encoding="utf-8") == interface_page(), "run python -m fmu_src.documentation > the page"
+    assert page.read_text(encoding="utf-8") == interface_page(), "run python -m docs.variables > the page"

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from rope_groups import rope_in_process
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling, EmergencyLaw, Hoist, Winding
 from hoist_demo.parameters.components import Brake, Jam

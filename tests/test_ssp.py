@@ -19,20 +19,20 @@ from exports import FLAVOURS
 from fmpy.ssp.ssd import read_ssd
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from rope_groups import ropes_in
+from rope_groups import rope_in_process, ropes_in
 from test_tools import IMPORTS, INPUTS, environment, require
 
 from balance_rope import main
 from fmu_src.native.build import host_platform
 from fmu_src.ssp import Component, Datum, export_ssp
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.case import HOISTS
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 from hoist_demo.drive_fmu.description import duration
 from hoist_demo.parameters import Coupling
 from hoist_export import export_hoist
 
-STOP = duration(CASES["rope-120"].winding)
+STOP = duration(find_case("rope-120").winding)
 PART, STEPS = 800, 2600  # until it runs at full speed; the trip of 90 m and its arrival
 NAMES = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
 TOOLS = [("ecos", "fmpy_adding"), ("libcosim", "fmpy_counting")]
@@ -115,9 +115,9 @@ def ropes_with_play(number: int) -> str:
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 @pytest.mark.parametrize("name", INSTALLED)
 def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path: Path, name: str) -> None:
-    case, members = CASES.get(name, CASES["kiruna-355"]), ()
+    case, members = find_case(name if name in HOISTS else "kiruna-355"), ()
     rope = partial(rope_in_process, name)
-    if name not in CASES:
+    if name not in HOISTS:
         path = tmp_path / "ropes.toml"
         path.write_text(ropes_with_play(4), encoding="utf-8")
         read = ropes_in(path)

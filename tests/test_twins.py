@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rope_model
-from rope_model.codegen.build import lay_out
+from release.editor import lay_out
 from rope_model.numerics.kernels import find_compiler
 
 PACKAGE = Path(rope_model.__file__).parent

@@ -42,7 +42,8 @@ def estimate(scene: Scene, trip: Trip, until: float | None) -> tuple[object, ...
     full, planar, rigid = (
         wind(scene.with_(model=Model(name)), reference, trip.travel, settle, sample=2).completed() for name in names
     )
-    travel = Travel(trip.travel, reference.peak_speed, trip.acceleration, trip.jerk)
+    speed = max(abs(point.speed) for point in reference.points)
+    travel = Travel(trip.travel, speed, trip.acceleration, trip.jerk)
     swivels = "locked" if scene.left.mode == "locked" else f"released at {scene.left.release_time:g} s"
     head = scene.rope.length, swivels, trip.speed, scene.rope.EI, scene.layout.spacing
     of_planar = force_error(planar.force, full.force), fidelity_rules.force_error(scene, "planar", travel)

@@ -15,7 +15,8 @@ from tqdm import tqdm
 
 from evidence.errors import force_error
 from evidence.tables import Measures, Tables, table
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.case import HOISTS
+from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.run_state import Result
@@ -39,7 +40,7 @@ SHORTENED = 60.0
 class Case:
     """A trip of a case of the hoist."""
 
-    name: str  # in CASES
+    name: str  # in HOISTS
     winding: Winding
     level: Level = "standard"
     rope_step: float | None = None  # s, the rope's own steps at most; None: those of the level
@@ -62,7 +63,7 @@ class Run:
 
 def wind(case: Case, scheme: Scheme, H: float) -> Run:
     """Make one run."""
-    scene = CASES[case.name]
+    scene = find_case(case.name)
     data = rope_data(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))
@@ -94,7 +95,8 @@ def schemes() -> Tables:
 def cases() -> Tables:
     """Measure the default scheme at 10 ms on every case's trip."""
     rows = []
-    for name, setup in tqdm(CASES.items(), desc="cases", unit="case", leave=False):
+    for name in tqdm(HOISTS, desc="cases", unit="case", leave=False):
+        setup = find_case(name)
         travel = SHORTENED if not name.startswith("rope-") else setup.winding.travel
         winding = replace(setup.winding, travel=travel, settle=2.0)
         case = Case(name, winding, rope_step=CASE_REFERENCE, sample=CASE_STEP)

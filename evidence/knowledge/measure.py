@@ -17,11 +17,12 @@ from tqdm import tqdm
 
 from evidence.rendering import DOCS
 from evidence.tables import Measures, Tables, table
-from hoist_demo.calibration.definition import Measured, read_measured
+from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
+from hoist_demo.files.reading import read
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.uncertainty.definition import read_uncertain
+from hoist_demo.uncertainty.definition import Uncertain
 from hoist_demo.uncertainty.spread import spread
 
 #: what is measured, with sigma
@@ -60,7 +61,7 @@ def cover(plan: Measured, which: str, sets: int, seed: int) -> Iterator[tuple[ob
 
 def coverage() -> Tables:
     """Measure the coverage of judged and unseen sets, and without the measurements of a hanging rope."""
-    plan = read_measured(PLAN)
+    plan = read(PLAN, Measured)
     kept = tuple(m for m in plan.measurements if m.what not in HANGING)
     samples = plan.model_copy(update={"measurements": kept})
     rows = [*cover(plan, "judged", SETS, SEED), *cover(plan, "unseen", SETS, UNSEEN)]
@@ -72,8 +73,8 @@ def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
     results, causes = [], []
     for scene in SCENES:
-        found = spread(read_uncertain(DOCS / "uncertain" / f"{scene}.toml"), os.cpu_count() or 1)
-        for name in found.asked.measures:
+        found = spread(read(DOCS / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
+        for name in found.asked.head.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]
     head = ("scene", "measure", "unit", "low", "middle", "high")

@@ -23,7 +23,7 @@ from evidence.tables import Tables, table
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import FULL
-from hoist_demo.cases.table import CASES
+from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 
 COLUMNS = ("tool", "drive [s]", "rope [s]", "RMS", "largest", "told", "repeated", "failure")
@@ -47,7 +47,7 @@ def multirate(folder: Path) -> Iterator[tuple[Any, ...]]:
     """A row for each tool that is installed, and each pair of steps."""
     here = (host_platform(),)
     export_native(folder / "rope.fmu", platforms=here, profile=FULL)
-    export_model(folder / "drive.fmu", drive_model(CASES["rope-120"]), here, 2)
+    export_model(folder / "drive.fmu", here, 2, **vars(drive_model(find_case("rope-120"))))
     for tool, package in PACKAGES.items():
         if importlib.util.find_spec(package) is None:
             print(f"{tool} is left out: {package} is not installed", file=sys.stderr)

@@ -10,18 +10,23 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import logging
-import os
 import subprocess
 import sys
-import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fmu_src.native.mach_o import universal
 from rope_model.codegen.platforms import PLATFORMS as PLATFORMS
 from rope_model.codegen.platforms import host_platform as host_platform
 from rope_model.codegen.platforms import prebuilt_file, prebuilt_platforms
-from rope_model.numerics.kernels import cache_folder, compile_objects, find_compiler, make_once, object_files
+from rope_model.numerics.kernels import (
+    cache_folder,
+    compile_objects,
+    find_compiler,
+    link_library,
+    make_once,
+    object_files,
+)
 
 progress = logging.getLogger("balance_rope.progress")
 
@@ -102,7 +107,9 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
         progress.warning("compiling %s for %s%s, some 10 s", identifier, name, version)
         loader = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
         compile_objects(sources, [*compiler, *flags], objects)
-        _link([*compiler, *flags], objects.values(), loader, f"{identifier}{made.suffix}", made)
+        own_name = [f"-Wl,-install_name,@rpath/{identifier}{made.suffix}"] if made.suffix == ".dylib" else []
+        command = [*compiler, *flags, *own_name]
+        link_library(command, objects.values(), made, f"{identifier}{made.suffix}", loader)
 
     try:
         return make_once(made, make)
@@ -120,19 +127,3 @@ def _flags(name: str) -> tuple[str, ...]:
     target = ("-target", PLATFORMS[name].target) if importlib.util.find_spec("ziglang") is not None else ()
     position = () if name.endswith("windows") else ("-fPIC",)
     return (*target, *FLAGS, *position, *(("-Wl,--build-id=none",) if name.endswith("linux") else ()))
-
-
-def _link(command: Sequence[str], objects: Iterable[Path], loader: Sequence[str], name: str, made: Path) -> None:
-    """The library ``made`` of the object files, in which its ``name`` is another."""
-    own_name = [f"-Wl,-install_name,@rpath/{name}"] if name.endswith(".dylib") else []
-    with tempfile.TemporaryDirectory(dir=made.parent) as folder:
-        # in a folder, by a relative name: no path of this machine gets into the library
-        files = [os.path.relpath(file, folder) for file in objects]
-        subprocess.run(
-            [*command, *own_name, *files, "-o", name, "-lm", *loader],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        (Path(folder) / name).replace(made)

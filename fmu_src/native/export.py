@@ -13,7 +13,7 @@ import time
 import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from fmu_src.archive import write_archive
 from fmu_src.attachments import attachments, licenses
@@ -97,61 +97,39 @@ def _date() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch))) if epoch else ""
 
 
-class ExportedModel(Protocol):
-    """A model to export, without arrays and directional derivatives.
+def export_model(
+    destination: Path,
+    platforms: Sequence[str] | None,
+    fmi: int,
+    *,
+    name: str,
+    description: str,
+    variables: Sequence[Variable],
+    sources: Mapping[str, str],
+    attachments: Mapping[str, bytes],
+    duration: float,
+    initial: Mapping[str, Sequence[str]],
+) -> Path:
+    """Write the FMU of a model without arrays and directional derivatives; ``platforms`` as for the rope.
 
-    Its outputs at an instant depend on no input of that instant (after initialisation).
+    Its outputs at an instant depend on no input of that instant (after initialisation).  ``sources`` are C files that
+    implement model.h, ``attachments`` further files by their paths in the archive, ``duration`` that of the default run
+    [s], ``initial`` the outputs' dependencies during initialisation, see Build.
     """
-
-    @property
-    def name(self) -> str:
-        """Name of the model."""
-        ...
-
-    @property
-    def description(self) -> str:
-        """Description of the model."""
-        ...
-
-    @property
-    def variables(self) -> Sequence[tuple[Any, ...]]:
-        """Rows of the table: the values of a Variable each."""
-
-    @property
-    def sources(self) -> Mapping[str, str]:
-        """Texts by file name: C that implements model.h."""
-
-    @property
-    def attachments(self) -> Mapping[str, bytes]:
-        """Further files by their paths in the archive."""
-
-    @property
-    def duration(self) -> float:
-        """Duration (s) of the default run."""
-
-    @property
-    def initial(self) -> Mapping[str, Sequence[str]]:
-        """Dependencies of the outputs during initialisation, see Build."""
-
-
-def export_model(destination: Path, model: ExportedModel, platforms: Sequence[str] | None = None, fmi: int = 2) -> Path:
-    """Write the FMU of ``model`` to ``destination``; ``platforms`` as for the rope."""
-    table = [Variable(*variable) for variable in model.variables]
     files = native_files(
-        table,
-        dict(enumerate(table)),
-        model_sources(table, model.sources, fmi),
-        f"{model.name}\0{start_values(table, fmi)}",
+        variables,
+        dict(enumerate(variables)),
+        model_sources(variables, sources, fmi),
+        f"{name}\0{start_values(variables, fmi)}",
         fmi,
         choose_platforms(platforms),
-        stop=model.duration,
-        name=model.name,
-        description=model.description,
+        stop=duration,
+        name=name,
+        description=description,
         derivatives=False,
-        initial=model.initial,
+        initial=initial,
     )
-    files |= model.attachments
-    write_archive(destination, files | licenses())
+    write_archive(destination, {**files, **attachments, **licenses()})
     return destination
 
 

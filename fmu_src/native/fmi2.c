@@ -1,12 +1,10 @@
 /* FMI 2.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h. */
-#include <math.h>
 #include <string.h>
 
 #include "component.h"
 #include "fmi2Functions.h"
 #include "snapshot.h"
 
-enum { SETTABLE = INSTANTIATED | INITIALIZATION | STEPPING, COMPUTED = ANY_MODE & ~INSTANTIATED };
 enum { NAME = 128 };
 
 typedef struct {
@@ -43,6 +41,9 @@ static void log_message(void *context, Severity severity, const char *message) {
 typedef fmi2Component Handle;
 typedef fmi2FMUstate State;
 typedef fmi2Status Status;
+typedef fmi2Real Real;
+typedef fmi2Integer Integer;
+typedef fmi2Integer Enumeration;
 #include "shell.inc"
 
 /* inquiry, creation and destruction */
@@ -58,9 +59,6 @@ const char *fmi2GetVersion(void) {
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
-    static const Allocator none = {NULL, NULL};
-    Allocator allocator = none;
-    Instance *i;
     const char *wrong = NULL;
     char why[MODEL_MESSAGE];
     (void)visible;
@@ -76,20 +74,13 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     else if (!model_open(fmuResourceLocation, why))
         wrong = why;
     if (!wrong) {
-        allocator.take = functions->allocateMemory;
-        allocator.give_back = functions->freeMemory;
-        i = allocator.take(1, sizeof *i);
-        if (i) {
-            memset(i, 0, sizeof *i);
-            i->allocator = allocator;
-            i->logger = functions->logger;
-            i->environment = functions->componentEnvironment;
-            i->logging = loggingOn != fmi2False;
-            strncpy(i->name, instanceName, NAME - 1);
-            i->component = component_create(&allocator, log_message, i);
-            if (i->component) return i;
-            allocator.give_back(i);
-        }
+        Instance fields = {.allocator = {functions->allocateMemory, functions->freeMemory},
+                           .logger = functions->logger,
+                           .environment = functions->componentEnvironment,
+                           .logging = loggingOn != fmi2False};
+        strncpy(fields.name, instanceName, NAME - 1);
+        Instance *i = made(fields);
+        if (i) return i;
         wrong = NO_MEMORY;
     }
     say(functions->logger, functions->componentEnvironment, instanceName ? instanceName : "", LOG_ERROR, wrong);
@@ -127,71 +118,12 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
 
 /* values */
 
-static void put(void *values, size_t at, Kind kind, double value) {
-    switch (kind) {
-    case KIND_REAL:
-        ((fmi2Real *)values)[at] = value;
-        break;
-    case KIND_INTEGER:
-        ((fmi2Integer *)values)[at] = (fmi2Integer)value;
-        break;
-    default:
-        ((fmi2Boolean *)values)[at] = value != 0.0 ? fmi2True : fmi2False;
-    }
-}
-
-static double pick(const void *values, size_t at, Kind kind) {
-    switch (kind) {
-    case KIND_REAL:
-        return ((const fmi2Real *)values)[at];
-    case KIND_INTEGER:
-        return ((const fmi2Integer *)values)[at];
-    case KIND_BOOLEAN:
-        return ((const fmi2Boolean *)values)[at] != fmi2False ? 1.0 : 0.0;
-    default:
-        return 0.0; /* strings are outputs, whatever is picked is refused */
-    }
-}
-
-static fmi2Status get(Instance *i, const char *function, Kind kind, const fmi2ValueReference vr[], size_t nvr,
-                      void *values) {
-    size_t first, length;
-    int ok = 1;
-    if (!may_access(i, function, ANY_MODE, vr, nvr, values)) return fmi2Error;
-    for (size_t k = 0; k < nvr; k++) {
-        double value = kind == KIND_REAL ? NAN : 0.0;
-        if (kind == KIND_STRING) ((fmi2String *)values)[k] = "";
-        /* once it has failed the rest is not tried: it is said once */
-        ok = ok && component_find(i->component, vr[k], kind, &first, &length);
-        if (kind == KIND_STRING)
-            ok = ok && component_get_text(i->component, first, (fmi2String *)values + k);
-        else {
-            ok = ok && component_get(i->component, first, &value);
-            put(values, k, kind, value);
-        }
-    }
-    return status(ok);
-}
-
-static fmi2Status set(Instance *i, const char *function, Kind kind, const fmi2ValueReference vr[], size_t nvr,
-                      const void *values) {
-    size_t first, length;
-    if (!may_access(i, function, SETTABLE, vr, nvr, values)) return fmi2Error;
-    for (size_t k = 0; k < nvr; k++)
-        if (!component_find(i->component, vr[k], kind, &first, &length) ||
-            !component_set(i->component, first, pick(values, k, kind))) {
-            component_fail(i->component);
-            return fmi2Error;
-        }
-    return fmi2OK;
-}
-
 #define VARIABLES_OF(Type, kind)                                                                                       \
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]) {         \
-        return get(c, "fmi2Get" #Type, kind, vr, nvr, value);                                                          \
+        return get(c, "fmi2Get" #Type, kind, vr, nvr, value, nvr);                                                     \
     }                                                                                                                  \
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]) {   \
-        return set(c, "fmi2Set" #Type, kind, vr, nvr, value);                                                          \
+        return set(c, "fmi2Set" #Type, kind, vr, nvr, value, nvr);                                                     \
     }
 
 VARIABLES_OF(Real, KIND_REAL)
@@ -251,19 +183,6 @@ STATUS_OF(StringStatus, fmi2String, "", 0)
 
 /* model exchange: a complete library has these functions, this FMU has no such interface */
 
-#define REFUSED(name, why, ...)                                                                                        \
-    fmi2Status fmi2##name(__VA_ARGS__) {                                                                               \
-        return refuse_unsupported(c, why);                                                                             \
-    }
-
-REFUSED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component c)
-REFUSED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2EventInfo *eventInfo)
-REFUSED(EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi2Component c)
-REFUSED(CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
-        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
-REFUSED(SetTime, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real time)
-REFUSED(SetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, const fmi2Real x[], size_t nx)
-REFUSED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real derivatives[], size_t nx)
-REFUSED(GetEventIndicators, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real eventIndicators[], size_t ni)
-REFUSED(GetContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x[], size_t nx)
-REFUSED(GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi2Component c, fmi2Real x_nominal[], size_t nx)
+REFUSED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component instance)
+REFUSED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component instance, fmi2EventInfo *eventInfo)
+REFUSED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component instance, fmi2Real derivatives[], size_t nx)

@@ -1,13 +1,9 @@
 /* FMI 3.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h.
 
    No event mode, no clocks, no intermediate update: those functions say so and return an error. */
-#include <math.h>
-
 #include "component.h"
 #include "fmi3Functions.h"
 #include "snapshot.h"
-
-enum { SETTABLE = INSTANTIATED | INITIALIZATION | STEPPING, COMPUTED = ANY_MODE & ~INSTANTIATED };
 
 typedef struct {
     Component *component;
@@ -30,6 +26,9 @@ static void log_message(void *context, Severity severity, const char *message) {
 typedef fmi3Instance Handle;
 typedef fmi3FMUState State;
 typedef fmi3Status Status;
+typedef fmi3Float64 Real;
+typedef fmi3Int32 Integer;
+typedef fmi3Int64 Enumeration;
 #include "shell.inc"
 
 /* inquiry, creation and destruction */
@@ -45,8 +44,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          size_t nRequiredIntermediateVariables,
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
-    static const Allocator allocator = {calloc, free};
-    Instance *i;
     const char *wrong = NULL;
     char why[MODEL_MESSAGE];
     (void)visible, (void)earlyReturnAllowed;
@@ -62,16 +59,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     else if (!model_open(resourcePath, why))
         wrong = why;
     if (!wrong) {
-        i = allocator.take(1, sizeof *i);
-        if (i) {
-            i->allocator = allocator;
-            i->log = logMessage;
-            i->environment = instanceEnvironment;
-            i->logging = loggingOn;
-            i->component = component_create(&allocator, log_message, i);
-            if (i->component) return i;
-            allocator.give_back(i);
-        }
+        Instance *i = made((Instance){NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn});
+        if (i) return i;
         wrong = NO_MEMORY;
     }
     if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", wrong);
@@ -126,88 +115,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     return status(ok);
 }
 
-/* values: variables one after the other, each with all its elements */
-
-/* the scalars of the variable, of which there must be values left */
-static int find(Instance *i, fmi3ValueReference reference, Kind kind, size_t left, size_t *first, size_t *length) {
-    if (!component_find(i->component, reference, kind, first, length)) return 0;
-    return *length <= left ||
-           component_refuse(i->component, "there are fewer values than the variables have elements; give nValues");
-}
-
-static int all_used(Instance *i, size_t used, size_t number) {
-    return used == number ||
-           component_refuse(i->component, "there are more values than the variables have elements; give nValues");
-}
-
-static void put(void *values, size_t at, Kind kind, double value) {
-    switch (kind) {
-    case KIND_REAL:
-        ((fmi3Float64 *)values)[at] = value;
-        break;
-    case KIND_INTEGER:
-        ((fmi3Int32 *)values)[at] = (fmi3Int32)value;
-        break;
-    case KIND_ENUMERATION:
-        ((fmi3Int64 *)values)[at] = (fmi3Int64)value;
-        break;
-    default:
-        ((fmi3Boolean *)values)[at] = value != 0.0;
-    }
-}
-
-static double pick(const void *values, size_t at, Kind kind) {
-    switch (kind) {
-    case KIND_REAL:
-        return ((const fmi3Float64 *)values)[at];
-    case KIND_INTEGER:
-        return ((const fmi3Int32 *)values)[at];
-    case KIND_ENUMERATION:
-        return (double)((const fmi3Int64 *)values)[at];
-    case KIND_BOOLEAN:
-        return ((const fmi3Boolean *)values)[at] ? 1.0 : 0.0;
-    default:
-        return 0.0; /* strings are outputs, whatever is picked is refused */
-    }
-}
-
-static fmi3Status get(Instance *i, const char *function, Kind kind, const fmi3ValueReference references[],
-                      size_t number, void *values, size_t nValues) {
-    size_t k, j, first, length, used = 0;
-    int ok = 1;
-    double value;
-    if (!may_access(i, function, ANY_MODE, references, number, values)) return fmi3Error;
-    for (k = 0; k < number; k++) {
-        if (!find(i, references[k], kind, nValues - used, &first, &length)) return fmi3Error;
-        for (j = 0; j < length; j++, used++) {
-            value = kind == KIND_REAL ? NAN : 0.0;
-            if (kind == KIND_STRING) ((fmi3String *)values)[used] = "";
-            /* once it has failed the rest is not tried: it is said once */
-            if (kind == KIND_STRING)
-                ok = ok && component_get_text(i->component, first + j, (fmi3String *)values + used);
-            else {
-                ok = ok && component_get(i->component, first + j, &value);
-                put(values, used, kind, value);
-            }
-        }
-    }
-    return status(ok && all_used(i, used, nValues));
-}
-
-static fmi3Status set(Instance *i, const char *function, Kind kind, const fmi3ValueReference references[],
-                      size_t number, const void *values, size_t nValues) {
-    size_t k, j, first, length, used = 0;
-    int ok = 1;
-    if (!may_access(i, function, SETTABLE, references, number, values)) return fmi3Error;
-    for (k = 0; ok && k < number; k++) {
-        ok = find(i, references[k], kind, nValues - used, &first, &length);
-        for (j = 0; ok && j < length; j++, used++)
-            ok = component_set(i->component, first + j, pick(values, used, kind));
-    }
-    if (ok && all_used(i, used, nValues)) return fmi3OK;
-    component_fail(i->component);
-    return fmi3Error;
-}
+/* values */
 
 /* the two functions of a type that this FMU has variables of */
 #define VARIABLES_OF(Type, kind)                                                                                       \
@@ -272,10 +180,6 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 
 /* what the capability flags rule out: nobody reads the arguments */
 
-#define REFUSED(name, why, ...)                                                                                        \
-    fmi3Status fmi3##name(__VA_ARGS__) {                                                                               \
-        return refuse_unsupported(instance, why);                                                                      \
-    }
 #define NOT_PROVIDED "this FMU does not provide that; see its capability flags"
 #define NO_EVENTS "this FMU has no structural parameters, no event mode and no clocks"
 
@@ -321,19 +225,7 @@ REFUSED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueRefer
 
 /* model exchange */
 
-REFUSED(EnterContinuousTimeMode, CO_SIMULATION_ONLY, fmi3Instance instance)
-REFUSED(CompletedIntegratorStep, CO_SIMULATION_ONLY, fmi3Instance instance,
-        fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
-REFUSED(SetTime, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 time)
-REFUSED(SetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, const fmi3Float64 continuousStates[],
-        size_t nContinuousStates)
 REFUSED(GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
-        size_t nContinuousStates)
-REFUSED(GetEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 eventIndicators[],
-        size_t nEventIndicators)
-REFUSED(GetContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 continuousStates[],
-        size_t nContinuousStates)
-REFUSED(GetNominalsOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 nominals[],
         size_t nContinuousStates)
 REFUSED(GetNumberOfEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nEventIndicators)
 REFUSED(GetNumberOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nContinuousStates)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -11,7 +10,7 @@ from pydantic import AfterValidator, Field, model_validator
 from hoist_demo.calibration.measurements import AnyMeasurement, Bench, InShaft, Signal
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.files.catalogue import rope_parameters, table
-from hoist_demo.files.reading import EMPTY, Table, flat, read
+from hoist_demo.files.reading import EMPTY, Table, flat
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.run_values import RopeQuestion
 from hoist_demo.files.values import Given, given, plain, statuses
@@ -82,8 +81,3 @@ class Measured(RopeQuestion):
         if problems:
             raise ValueError("\n".join(problems))
         return self
-
-
-def read_measured(path: Path) -> Measured:
-    """Return the contents of a file; raise FileError with all problems."""
-    return read(path, Measured)

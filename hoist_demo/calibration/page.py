@@ -65,7 +65,7 @@ def write_page(found: Identified, path: Path) -> Path:
         (*row, f"{number(factor * datum.low)} to {number(factor * datum.high)}", f"{datum.status}: {datum.source}")
         for row, name in zip(_properties(found), found.names, strict=True)
         for datum in (bench.data[name],)
-        for factor in (_unit(found, name)[0],)
+        for factor, _ in [engineering(found.data[name].high, datum.unit)]
     ]
     fitted = [
         (name, number(value), number(predicted), number(sigma), unit_text(unit))
@@ -104,7 +104,7 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
     rows = []
     for name in found.names:
         datum = found.data[name]
-        factor, unit = _unit(found, name)
+        factor, unit = engineering(datum.high, datum.unit)
         value, low, high = (number(factor * x) for x in (found.value(name), datum.low, datum.high))
         if not found.told(name):
             text = f"undetermined: {low} to {high} as before"
@@ -114,12 +114,6 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
             text = f"{value} ({low} to {high})"
         rows.append((name, text, unit_text(unit)))
     return rows
-
-
-def _unit(found: Identified, name: str) -> tuple[float, str]:
-    """Factor and unit in which a property is written."""
-    datum = found.data[name]
-    return engineering(datum.high, datum.unit)
 
 
 def _open(found: Identified) -> list[str]:
@@ -159,7 +153,7 @@ def write_rope_file(found: Identified, path: Path) -> Path:
     lines = [
         f"# Found by balance-rope identify from {printable(found.measured.path.name)}. demo and export take it as",
         '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
-        *_warning(found),
+        *(f"# {printable(line)}" for line in textwrap.wrap(misfit(found), 110)),
         "[rope]",
         f"construction = {toml_string(known.construction)}",
         f"diameter = {known.diameter!r}",
@@ -177,8 +171,3 @@ def write_rope_file(found: Identified, path: Path) -> Path:
         lines.append(f"{name} = {{ value = {found.value(name):.6g}, status = {status} }}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
     return path
-
-
-def _warning(found: Identified) -> list[str]:
-    """Return warnings to readers of the file, as comments."""
-    return [f"# {printable(line)}" for line in textwrap.wrap(misfit(found), 110)]

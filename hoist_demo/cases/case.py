@@ -19,6 +19,7 @@ FOLDER = Path(str(files("hoist_demo"))) / "hoists"
 #: in the order in which they are told: hoists, and what goes wrong in some of them
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
 SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
+NAMED = (*HOISTS, *SCENARIOS)
 
 
 @dataclass(frozen=True)

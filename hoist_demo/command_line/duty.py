@@ -17,11 +17,12 @@ from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
 from hoist_demo.recording.fidelity import mask_neglected, remark
+from hoist_demo.recording.incidents import incidents
 from hoist_demo.recording.time_series import TIME, Recording, write_csv
 from hoist_demo.report.html.page import number
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
 from hoist_demo.report.summary import exposure_rows
-from hoist_demo.report.verdict import incidents, outcome
+from hoist_demo.report.verdict import outcome
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope

@@ -8,8 +8,8 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from hoist_demo.cases.case import Case
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.case import NAMED, Case
+from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.results import Commands, add_command
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import schema

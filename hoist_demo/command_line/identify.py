@@ -39,12 +39,13 @@ def add_identify(commands: Commands) -> None:
 
 def _identify(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
-    from hoist_demo.calibration.definition import read_measured
+    from hoist_demo.calibration.definition import Measured
     from hoist_demo.calibration.identify import identify
     from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
+    from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
 
-    measured = read_measured(options.measured)
+    measured = read(options.measured, Measured)
     if options.check:
         print(f"{options.measured}: {sum(len(m.values) for m in measured.measurements)} values, nothing wrong")
         return 0

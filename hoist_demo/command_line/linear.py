@@ -1,21 +1,15 @@
-"""The commands `balance-rope linearise` and `balance-rope modes`; their bodies take a case and plain arguments."""
+"""The commands `balance-rope linearise` and `balance-rope modes`."""
 
 from __future__ import annotations
 
 import argparse
 import csv
 import math
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.case import NAMED, Case
+from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.results import Commands, add_command, named, results_folder
-
-if TYPE_CHECKING:
-    from hoist_demo.cases.case import Case
-    from hoist_demo.design.linearise import HeldBy, Swivels
-    from hoist_demo.design.reduction import ReducedModel
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -35,48 +29,6 @@ examples:
 
 Coulomb friction, play and slip on the lining are left out; see docs/howto/control.md.
 """
-
-
-def write_linear_models(
-    case: Case, out: Path, at: Sequence[float] = _HEIGHTS, swivels: Swivels = "as given", held_by: HeldBy = "motor",
-    states: int = 17, inputs: Sequence[str] = _CHANNELS[0], outputs: Sequence[str] = _CHANNELS[1], band: float = 2.0,
-    speed: float = 0.0,
-) -> tuple[ReducedModel, tuple[Path, ...]]:  # fmt: skip
-    """Write small models of a case into a folder."""
-    from hoist_demo.design.linearise import linearise
-    from hoist_demo.design.reduction import reduced
-
-    models = [model.selected(inputs, outputs) for model in linearise(case, at, swivels, held_by, speed=speed)]
-    found = reduced(models, states, band)
-    return found, found.write(results_folder(out))
-
-
-def write_modes(
-    case: Case, out: Path, at: Sequence[float] = _HEIGHTS, swivels: Swivels = "as given", band: float = 2.0,
-    count: int = 8,
-) -> tuple[str, tuple[Path, ...]]:  # fmt: skip
-    """Write all modes of a case up to a frequency [Hz]; the text has the `count` that the torque moves most."""
-    import numpy as np
-
-    from hoist_demo.design.linearise import PARTS, linearise, linearise_hoist
-    from hoist_demo.design.reduction import telling
-    from hoist_demo.report.linear_figures import write_modes_figure
-
-    models = linearise(case, at, swivels)
-    modes = [model.modes(band) for model in models]
-    head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
-    rows, lines = [], ["".join(f"{name:>18}" for name in head)]
-    for model, found in zip(models, modes, strict=True):
-        felt = telling(model.selected(*_CHANNELS), found, band)
-        table = np.column_stack((np.full(felt.size, model.at), found.frequencies, found.damping, felt, found.shares.T))
-        rows += table.tolist()
-        most = np.sort(np.argsort(-felt)[:count])
-        lines += ["".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])) for j in most]
-    table_file = results_folder(out) / "modes.csv"
-    with table_file.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([head, *rows])
-    without = linearise_hoist(case, at[len(at) // 2])
-    return "\n".join(lines), (table_file, write_modes_figure(models, modes, without, band, out / "modes.png"))
 
 
 def add_linear(commands: Commands) -> None:
@@ -137,10 +89,14 @@ def _one_rope(options: argparse.Namespace) -> Case:
 
 
 def _linearise(options: argparse.Namespace) -> int:
-    found, written = write_linear_models(
-        _one_rope(options), options.out, options.at, options.swivels, options.held_by, options.states,
-        options.inputs, options.outputs, options.band, options.speed,
-    )  # fmt: skip
+    """Write small models of a hoist into a folder."""
+    from hoist_demo.design.linearise import linearise
+    from hoist_demo.design.reduction import reduced
+
+    models = linearise(_one_rope(options), options.at, options.swivels, options.held_by, speed=options.speed)
+    selected = [model.selected(options.inputs, options.outputs) for model in models]
+    found = reduced(selected, options.states, options.band)
+    written = found.write(results_folder(options.out))
     print(f"{found.A.shape[1]} states; largest errors to {found.band:g} Hz:")
     print(f"{'at':>6}{'output':>16}{'input':>18}{'dB':>10}{'degrees':>10}{'of peak':>10}")
     for k, at in enumerate(found.at):
@@ -153,9 +109,28 @@ def _linearise(options: argparse.Namespace) -> int:
 
 
 def _modes(options: argparse.Namespace) -> int:
-    text, written = write_modes(
-        _one_rope(options), options.out, options.at, options.swivels, options.band, options.count
-    )
-    print(text)
-    print("\nwritten: " + ", ".join(map(str, written)))
+    """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
+    import numpy as np
+
+    from hoist_demo.design.linearise import PARTS, linearise, linearise_hoist
+    from hoist_demo.design.reduction import telling
+    from hoist_demo.report.linear_figures import write_modes_figure
+
+    case, band, out = _one_rope(options), options.band, results_folder(options.out)
+    models = linearise(case, options.at, options.swivels)
+    modes = [model.modes(band) for model in models]
+    head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
+    rows = list[list[float]]()
+    print("".join(f"{name:>18}" for name in head))
+    for model, found in zip(models, modes, strict=True):
+        felt = telling(model.selected(*_CHANNELS), found, band)
+        table = np.column_stack((np.full(felt.size, model.at), found.frequencies, found.damping, felt, found.shares.T))
+        rows += table.tolist()
+        for j in np.sort(np.argsort(-felt)[: options.count]):
+            print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])))
+    with (out / "modes.csv").open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([head, *rows])
+    without = linearise_hoist(case, options.at[len(options.at) // 2])
+    figure = write_modes_figure(models, modes, without, band, out / "modes.png")
+    print(f"\nwritten: {out / 'modes.csv'}, {figure}")
     return 0

@@ -44,13 +44,13 @@ def add_study(commands: Commands) -> None:
 def _study(options: argparse.Namespace) -> int:
     # dask, pandas and pyarrow are needed here only, and load slowly
     try:
-        from hoist_demo.report.html.study import Judgement, study_report
+        from hoist_demo.report.html.study import study_report
         from hoist_demo.study.cluster import cluster, run_samples
         from hoist_demo.study.perform import perform, write_what_is_there
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
-    from hoist_demo.cosimulation.participants.fmu_description import fmi_version
+    from hoist_demo.cosimulation.participants.fmu_description import read_fmu
     from hoist_demo.report.rows import render, told
     from hoist_demo.report.rows import table as data_table
     from hoist_demo.study.definition import read_study
@@ -107,18 +107,12 @@ def _study(options: argparse.Namespace) -> int:
         "hoist": study.hoist,
     }
     meta |= {"FMU": study.fmu.name, "SHA-256": study.fmu_hash}
-    meta |= {"FMI version": fmi_version(study.fmu), "version": version("balance-rope")}
+    meta |= {"FMI version": read_fmu(study.fmu).description.fmiVersion, "version": version("balance-rope")}
     known = of_study(study)
     write_data(known, store.directory / "data.csv")
     print("\n" + render(told(known)) + "\n")
-    judged = Judgement(
-        tuple(study.goal.metrics) if study.goal else (),
-        performed.choices,
-        performed.best.runs if performed.best else (),
-        performed.best.told if performed.best else "",
-        performed.remarks,
-    )
+    judged_by = tuple(study.goal.metrics) if study.goal else ()
     page, data = store.directory / "report.html", [data_table(known)]
-    report = study_report(results.table, results.units, meta, page, data, judged)
+    report = study_report(results.table, results.units, meta, page, data, performed, judged_by)
     print(f"open in a browser: {report}")
     return 1 if performed.causes else 0

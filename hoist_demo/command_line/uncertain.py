@@ -41,20 +41,21 @@ def add_uncertain(commands: Commands) -> None:
 
 def _uncertain(options: argparse.Namespace) -> int:
     # the rope loads slowly and is needed here only
+    from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
-    from hoist_demo.uncertainty.definition import read_uncertain
+    from hoist_demo.uncertainty.definition import Uncertain
     from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table
     from hoist_demo.uncertainty.spread import spread
 
     workers = os.cpu_count() or 1 if options.workers is None else options.workers
     if workers < 1:
         raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
-    asked = read_uncertain(options.scene)
+    asked = read(options.scene, Uncertain)
     if options.check:
-        print(f"{options.scene}: {asked.samples} windings over {', '.join(asked.data)}, nothing wrong")
+        print(f"{options.scene}: {asked.head.samples} windings over {', '.join(asked.data)}, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
-    watched = partial(tqdm, desc="winding", unit="winding", total=asked.samples, file=sys.stderr, disable=None)
+    watched = partial(tqdm, desc="winding", unit="winding", total=asked.head.samples, file=sys.stderr, disable=None)
     found = spread(asked, workers, watched)
     print(render(summary(found)))
     written = (
@@ -67,4 +68,4 @@ def _uncertain(options: argparse.Namespace) -> int:
         print(f"balance-rope: {text}", file=sys.stderr)
     if text := too_few(found):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
-    return 0 if found.completed == asked.samples else 1
+    return 0 if found.completed == asked.head.samples else 1

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from hoist_demo.cases.case import SCENARIOS, Case
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.case import NAMED, SCENARIOS, Case
+from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.demo_results import REPORT, WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
@@ -20,27 +20,21 @@ from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
-from hoist_demo.design.controllers import drive
 from hoist_demo.files.catalogue import parameters
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import GIVEN
-from hoist_demo.parameters import ASSUMED_DATA, Hoist, Winding
+from hoist_demo.parameters import ASSUMED_DATA, Winding
 from hoist_demo.parameters.quantity import Parameter, Value
-from hoist_demo.recording.nearness import Pair
 from hoist_demo.recording.ropes import computed
-from hoist_demo.recording.time_series import Recording, match_signals
+from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import SummaryRow, render, render_verdict
-from hoist_demo.ropes.definition import Ropes, ropes_of
-from hoist_demo.study.provenance import Known, of_host, of_rope
+from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
+from hoist_demo.study.provenance import of_host
 from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
-
-if TYPE_CHECKING:
-    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
 
@@ -142,21 +136,20 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     for remark in case.remarks:
         _tell(remark)
     statuses = {key: one.status for key, one in identified.items()} | dict.fromkeys(own, GIVEN)
-    several = _several(options, case, run, chosen) if case.ropes else None
+    hung = _ropes(options, case, run, chosen)
     if options.check:
         print(f"{options.hoist}: nothing wrong")
         return 0
     results_folder(options.out)
-    hung = several or _Only(case, run.hoist, _rope(options, case, run, bool(fmu_part(chosen))))
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *hung.plant.units()])
     run = replace(run, hoist=hung.hoist)
     try:
         with warnings_of("hoist_demo") as said:
-            made = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
+            made = run.design()
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
             host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
             result = _run(host, None if case.ropes else options.out / LAST_GOOD, resume)
-        ropes, remarked, of_ropes = hung.data(), hung.remarks(), hung.provenance(statuses)
+        ropes, remarked, of_ropes = hung.data(), _remarks(hung), hung.provenance(statuses)
     finally:
         hung.plant.close()
     result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}))
@@ -185,34 +178,17 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     return 130 if interrupted() else 0
 
 
-@dataclass(frozen=True)
-class _Only:
-    """The rope of a hoist with one, as `Ropes` for several."""
-
-    case: Case
-    hoist: Hoist
-    plant: FmuRope | InProcessRope
-
-    def data(self) -> list[RopeData]:
-        return [self.plant.data()]
-
-    def provenance(self, given: Mapping[str, str]) -> list[Known]:
-        return of_rope(self.case, self.plant.data(), given)
-
-    def pairs(self, recording: Recording) -> list[Pair]:
+def _remarks(hung: Ropes) -> list[str]:
+    """Return what an only rope lacks, and where it is not the one that hoist and drive take it for."""
+    if hung.case.ropes:
         return []
-
-    def remarks(self) -> list[str]:
-        """What the rope lacks, and where it is not the one that hoist and drive take it for."""
-        data, level = self.plant.data(), ""
-        if isinstance(self.plant, FmuRope) and data.level not in ("", self.case.level):
-            level = (
-                f"level = {self.case.level!r} of {self.case.name} is not that of the FMU, {data.level!r}, which was "
-                "wound: export one of that level, or --in-process"
-            )
-        return [
-            *filter(None, (missing_outputs(self.plant.units()), contradictions(self.hoist, data.parameters), level))
-        ]
+    (data,), level = hung.data(), ""
+    if isinstance(hung.plant, FmuRope) and data.level not in ("", hung.case.level):
+        level = (
+            f"level = {hung.case.level!r} of {hung.case.name} is not that of the FMU, {data.level!r}, which was "
+            "wound: export one of that level, or --in-process"
+        )
+    return [*filter(None, (missing_outputs(hung.plant.units()), contradictions(hung.hoist, data.parameters), level))]
 
 
 def _refuse_for_several(options: argparse.Namespace) -> None:
@@ -230,12 +206,6 @@ def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
             _tell(
                 f"{default} is not there: the rope runs in this process; `balance-rope export --outputs all` makes it"
             )
-
-
-def _several(options: argparse.Namespace, case: Case, run: RunData, chosen: Mapping[str, Value]) -> Ropes:
-    """All ropes of a hoist with several, of which values are `chosen`."""
-    kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
-    return ropes_of(case, run, {**chosen, **kernels}, options.level or case.level)
 
 
 def _tell(warning: str) -> None:
@@ -279,12 +249,11 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
     return read_parameters(options.fmu)
 
 
-def _rope(options: argparse.Namespace, case: Case, run: RunData, asked: bool) -> FmuRope | InProcessRope:
-    """The only rope; an FMU is `asked` whether it takes its parameters."""
+def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mapping[str, Value]) -> Ropes:
+    """Return the hoist's ropes, of which values are `chosen`; a chosen FMU is asked whether it takes its own."""
+    kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
     if options.in_process:
-        from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-
-        return rope_in_process(options.hoist, options.kernels, options.level or case.level, run.fmu)
+        return ropes_of(case, run, {**chosen, **kernels}, options.level or case.level)
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
@@ -292,11 +261,11 @@ def _rope(options: argparse.Namespace, case: Case, run: RunData, asked: bool) ->
         )
     outputs = read_outputs(options.fmu)
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
-    if asked and (problems := Probe(options.fmu).rejection(run)):
+    if fmu_part(chosen) and (problems := Probe(options.fmu).rejection(run)):
         raise ValueError("; ".join(problems))
-    kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # of which those are dear
-    return FmuRope(options.fmu, {**kernels, **run.fmu}, recorded)
+    load = partial(FmuRope, options.fmu, {**kernels, **run.fmu}, recorded)
+    return Ropes(case, run, (OneRope("", run.fmu, case.level, case, fmu=load),))
 
 
 def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:

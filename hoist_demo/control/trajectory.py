@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -65,18 +66,6 @@ class Trajectory:
         """Time at which the reference has come to rest for good, waiting before the start included [s]."""
         return self.starts[-1]
 
-    @property
-    def peak_speed(self) -> float:
-        """Largest speed magnitude [m/s]; the speed of a segment is extreme at its ends or where a = 0."""
-        peak = 0.0
-        for k, point in enumerate(self.points):
-            peak = max(peak, abs(point.speed))
-            if point.jerk != 0.0 and k + 1 < len(self.points):
-                dt = -point.acceleration / point.jerk
-                if 0.0 < dt < self.starts[k + 1] - self.starts[k]:
-                    peak = max(peak, abs(point.after(dt).speed))
-        return peak
-
     def holds(self, speed: float) -> tuple[float, ...]:
         """Times [s] from which the given magnitude of speed [m/s] is held."""
         pairs = zip(self.starts, self.points, strict=True)
@@ -87,7 +76,7 @@ class Trajectory:
         """Reference at time t [s]."""
         k = bisect_right(self.starts, t) - 1
         if k < 0:
-            return self.points[0] if self.starts[0] == t else _rest(self.points[0].position)
+            return self.points[0] if self.starts[0] == t else rest(self.points[0].position)
         point = self.points[k].after(t - self.starts[k])
         if self.trip is None or t + self.trip.elapsed < 0.0:
             return point
@@ -98,7 +87,7 @@ class Trajectory:
         k = np.searchsorted(self.starts, times, side="right") - 1
         begun = np.array([point[:4] for point in self.points])[np.maximum(k, 0)]
         rows = np.column_stack(TrajectoryPoint(*begun.T).after(times - np.array(self.starts)[k])[:4])
-        rows[k < 0] = _rest(self.points[0].position)[:4]
+        rows[k < 0] = rest(self.points[0].position)[:4]
         return rows
 
 
@@ -113,7 +102,7 @@ def s_curve(winding: Winding) -> Trajectory:
         t_jerk, t_constant, t_cruise = _phases(abs(winding.travel), winding.speed, winding.acceleration, winding.jerk)
         jerks = (j, 0.0, -j, 0.0, -j, 0.0, j)
         times = (t_jerk, t_constant, t_jerk, t_cruise, t_jerk, t_constant, t_jerk)
-    trip = _chain(winding.start_delay, _rest(0.0), jerks, times, end=winding.travel)
+    trip = chain(winding.start_delay, rest(0.0), jerks, times, end=winding.travel)
     if winding.emergency_at is None:
         return trip
     if winding.emergency_at >= trip.duration:
@@ -136,7 +125,7 @@ def emergency_stop(trip: Trajectory, at: float, deceleration: float, jerk: float
     """`trip` up to time `at` [s], then braked to standstill with the given limits [m/s^2], [m/s^3]."""
     point = trip.at(at)
     if point.speed == 0.0:
-        return _cut(trip, at, Trajectory((at,), (_rest(point.position),)))
+        return _cut(trip, at, Trajectory((at,), (rest(point.position),)))
     sign = math.copysign(1.0, point.speed)
     v, a = abs(point.speed), sign * point.acceleration
     # area under the two ramps alone, from a down to -peak and back to zero, fixes the peak of a short stop
@@ -149,7 +138,7 @@ def emergency_stop(trip: Trajectory, at: float, deceleration: float, jerk: float
     t_on, t_off = (a + peak) / jerk, peak / jerk
     t_hold = max(0.0, (v + (a * a - 2.0 * peak * peak) / (2.0 * jerk)) / peak)
     start = TrajectoryPoint(point.position, point.speed, point.acceleration, 0.0)
-    brake = _chain(at, start, (-sign * jerk, 0.0, sign * jerk), (t_on, t_hold, t_off), end=None)
+    brake = chain(at, start, (-sign * jerk, 0.0, sign * jerk), (t_on, t_hold, t_off), end=None)
     return _cut(trip, at, brake)
 
 
@@ -227,12 +216,13 @@ def _creep_profile(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ..
     return tuple(signs), tuple(times)
 
 
-def _rest(position: float) -> TrajectoryPoint:
+def rest(position: float) -> TrajectoryPoint:
+    """The reference at rest."""
     return TrajectoryPoint(position, 0.0, 0.0, 0.0)
 
 
-def _chain(
-    t: float, point: TrajectoryPoint, jerks: tuple[float, ...], times: tuple[float, ...], end: float | None
+def chain(
+    t: float, point: TrajectoryPoint, jerks: Sequence[float], times: Sequence[float], end: float | None
 ) -> Trajectory:
     """Segments of given jerk and duration from `point` at t, then rest at `end` (None: where they lead)."""
     starts: list[float] = []
@@ -245,7 +235,7 @@ def _chain(
             point = begin.after(dt)
             t += dt
     starts.append(t)
-    points.append(_rest(point.position if end is None else end))
+    points.append(rest(point.position if end is None else end))
     return Trajectory(tuple(starts), tuple(points))
 
 

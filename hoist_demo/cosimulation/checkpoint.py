@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 import zipfile
-from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -23,6 +22,8 @@ from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
+
+TOLD = 6  #: Differences between two runs' data at most that a message lists.
 
 CONTROLLER = "the controller's state"  #: What messages call it.
 
@@ -92,7 +93,7 @@ class Checkpoint:
         return replace(kept, controller=decode(controller, arrays))
 
 
-def _checkpoint(text: Mapping[str, Any], arrays: Mapping[str, Array]) -> Checkpoint:
+def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:
     """The checkpoint of an archive's text and arrays, without the controller's state."""
     found = Checkpoint(controller=None, **{name: decode(value, arrays) for name, value in text.items()})
     kinds = {"plant": PlantState, "memory": Memory, "recording": Recording, "rope": bytes, "input": np.ndarray}
@@ -101,12 +102,12 @@ def _checkpoint(text: Mapping[str, Any], arrays: Mapping[str, Array]) -> Checkpo
     return found
 
 
-def differences(there: str, here: str, most: int = 6) -> str:
+def differences(there: str, here: str) -> str:
     """List the numbers and words that differ between a checkpoint's data and this run's."""
     old, new = (_FIELD.findall(data) for data in (there, here))
     changed = sorted(
         {f"{name} is {value} there" for name, value in old if (name, value) not in new}
         | {f"{name} is {value} here" for name, value in new if (name, value) not in old}
     )
-    more = f" and {len(changed) - most} more" if len(changed) > most else ""
-    return (", ".join(changed[:most]) or "they differ") + more
+    more = f" and {len(changed) - TOLD} more" if len(changed) > TOLD else ""
+    return (", ".join(changed[:TOLD]) or "they differ") + more

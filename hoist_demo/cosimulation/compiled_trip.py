@@ -61,11 +61,9 @@ def _fields(kind: Any, names: str) -> list[tuple[str, Any]]:
     return [(name, kind) for name in names.split()]
 
 
-def _structure(given: int) -> type[Structure]:
-    """Trip of trip.c, where the law is given so many numbers."""
-    fields = (
-        *_fields(c_void_p, "drive z y"),
-        *_fields(c_double * given, "given"),
+class _Trip(Structure):
+    _fields_ = (
+        *_fields(c_void_p, "drive z y given"),
         *_fields(Access, "step motions valid forces sides guard"),
         *_fields(c_void_p, "recorded warning told text heard"),
         *_fields(c_int, "records warnings watched per_sample per_step"),
@@ -75,7 +73,6 @@ def _structure(given: int) -> type[Structure]:
         *_fields(c_double, "step_next torque integral residual exchanges drive_time rope_time"),
         *_fields(c_int, "kept steps evaluations status"),
     )
-    return type("_Trip", (Structure,), {"_fields_": fields})
 
 
 class Reached(NamedTuple):
@@ -100,18 +97,19 @@ class CompiledTrip:
         self._advance = CDLL(str(drive.kernels.library)).advance
         names = run.recorder.names[len(ROW) :]
         known = {"holding_torque": run.holding_torque, "h": coupling.sample_time}
-        argument = [*(known.get(name, 0.0) for name in ARGUMENTS), *astuple(gains), *numbers_of(hoist)]
+        arguments = (known.get(name, 0.0) for name in ARGUMENTS)
+        self._given = np.array([*arguments, *astuple(gains), *numbers_of(hoist)])
         self._table, self._forces = rope.table(names, most), rope.table(ROPE_FORCES, 1)
         self._sides = rope.table(SIDE_FORCES if hoist.play is not None else (), 1)
         self._guard = rope.table([name for name in names if name == "guard.tripped"], 1)
         self._recorded = (Access * len(self._table.accesses))(*self._table.accesses)
         self._samples, self._heard = np.zeros((KEPT, 7)), HEARD(rope.heard)
         self._trajectory: Trajectory | None = None
-        self._trip: Any = _structure(len(argument))(
+        self._trip = _Trip(
             drive=cast(self._advance, c_void_p),
             z=drive.z.ctypes.data,
             y=drive.y.ctypes.data,
-            given=(c_double * len(argument))(*argument),
+            given=self._given.ctypes.data,
             step=rope.step,
             motions=rope.motions,
             valid=rope.valid or Access(),
@@ -213,7 +211,6 @@ def _library(parts: Hoist, kernels: integrator.DriveKernels) -> CDLL:
         **{f"AT_{name.upper()}": found[name].start for name in ("works", "error", "shown")},
         "REACHED": found["works"].stop,
         "SIZE": found["shown"].stop,
-        "LAW_GIVEN": law.numel_in(0),
         **{f"SZ_{n.upper()}": 1 + max(getattr(f, f"sz_{n}")() for f in (law, kernels.advance)) for n in _MEMORY},
     }
     sources = {

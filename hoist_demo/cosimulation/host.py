@@ -237,7 +237,7 @@ class Host:
                 return f"t = {t:.6g} s: the stop that the safety circuit asks for: {error}"
             command = self._sample(run, controller, t, signals)
             if k == run.first and save_to is not None:
-                encode(command.state, CONTROLLER)  # told now and not after a long run
+                encode(command.state, CONTROLLER, {})  # told now and not after a long run
             if k < last:
                 if cause := self._exchange(run, k, command):
                     return cause

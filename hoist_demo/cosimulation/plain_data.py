@@ -7,24 +7,22 @@ nothing but NumPy's own code.
 
 from __future__ import annotations
 
-import base64
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Arrays = Mapping[str, NDArray[Any]]
-NO_ARRAYS: Arrays = {}
+Arrays = dict[str, NDArray[Any]]
 KINDS = "numbers, texts, bytes, NumPy arrays, and lists, tuples, dictionaries, data classes and named tuples of them"
 
 
-def encode(value: Any, name: str, arrays: dict[str, NDArray[Any]] | None = None) -> Any:
+def encode(value: Any, name: str, arrays: Arrays) -> Any:
     """The value as JSON can write it; ValueError with its place under `name` where it is no plain data.
 
-    Arrays go into `arrays`, by their place, where that is given.
+    Arrays, NumPy's numbers and bytes go into `arrays`, by their place.
     """
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
@@ -34,20 +32,16 @@ def encode(value: Any, name: str, arrays: dict[str, NDArray[Any]] | None = None)
     if kind is tuple:
         return {"tuple": encode(list(value), name, arrays)}
     if kind is dict:
-        return {
-            "dict": [[encode(k, f"a key of {name}"), encode(x, f"{name}[{k!r}]", arrays)] for k, x in value.items()]
-        }
+        keys = [encode(key, f"key {k} of {name}", arrays) for k, key in enumerate(value)]
+        inside = [encode(x, f"{name}[{k!r}]", arrays) for k, x in value.items()]
+        return {"dict": [*zip(keys, inside, strict=True)]}
     if kind is bytes:
-        return {"bytes": _text(value)}
+        return {"bytes": _kept(np.frombuffer(value, np.uint8), name, arrays)}
     if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufc":
-        if arrays is not None and kind is np.ndarray:
-            arrays[name] = np.asarray(value)
-            return {"array": name}
-        shape = list(value.shape) if kind is np.ndarray else None
-        return {"array": [value.dtype.str, shape, _text(value.tobytes())]}
+        return {"array" if kind is np.ndarray else "number": _kept(np.asarray(value), name, arrays)}
     if (names := _fields(kind)) is not None and _class(kind.__module__, kind.__qualname__) is kind:
-        inside = {field: encode(getattr(value, field), f"{name}.{field}", arrays) for field in names}
-        return {"class": [kind.__module__, kind.__qualname__, inside]}
+        contents = {field: encode(getattr(value, field), f"{name}.{field}", arrays) for field in names}
+        return {"class": [kind.__module__, kind.__qualname__, contents]}
     at_top = ", and classes must stand at the top of their module" if names is not None else ""
     raise ValueError(
         f"{name} is of type {kind.__qualname__}, which no checkpoint can keep: it must be plain data "
@@ -55,7 +49,14 @@ def encode(value: Any, name: str, arrays: dict[str, NDArray[Any]] | None = None)
     )
 
 
-def decode(value: Any, arrays: Arrays = NO_ARRAYS) -> Any:
+def _kept(array: NDArray[Any], name: str, arrays: Arrays) -> str:
+    """Keep an array; return its name, with a number where another one has that."""
+    name = f"{name} ({len(arrays)})" if name in arrays else name
+    arrays[name] = array
+    return name
+
+
+def decode(value: Any, arrays: Arrays) -> Any:
     """Decode the data that `encode` was given."""
     if isinstance(value, list):
         return [decode(x, arrays) for x in value]
@@ -100,22 +101,11 @@ def _construct(content: list[Any], arrays: Arrays) -> Any:
     return made
 
 
-def _array(content: Any, arrays: Arrays) -> Any:
-    if isinstance(content, str):
-        return arrays[content].copy()
-    kind, shape, text = content
-    flat = np.frombuffer(base64.b64decode(text), dtype=kind)
-    return flat[0] if shape is None else flat.reshape(shape).copy()
-
-
-def _text(data: bytes) -> str:
-    return base64.b64encode(data).decode()
-
-
 _READERS: dict[str, Callable[[Any, Arrays], Any]] = {
     "tuple": lambda content, arrays: tuple(decode(content, arrays)),
-    "dict": lambda content, arrays: {decode(key): decode(x, arrays) for key, x in content},
-    "bytes": lambda content, _: base64.b64decode(content),
-    "array": _array,
+    "dict": lambda content, arrays: {decode(key, arrays): decode(x, arrays) for key, x in content},
+    "bytes": lambda content, arrays: arrays[content].tobytes(),
+    "array": lambda content, arrays: arrays[content].copy(),
+    "number": lambda content, arrays: arrays[content][()],
     "class": _construct,
 }

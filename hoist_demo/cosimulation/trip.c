@@ -31,7 +31,7 @@ typedef struct {
 typedef struct {
     Function drive; /* the kernel advance, */
     double *z, *y;  /* what it is given and finds */
-    double given[LAW_GIVEN];
+    double *given;  /* to the law */
 
     Access step, motions, valid, forces, sides, guard; /* of the rope; without a function what it has not got */
     const Access *recorded;

@@ -38,7 +38,7 @@ def drive(
     if name == "input-shaping":
         return Drive(gains, shape(s_curve(winding), shaper))
     if name == "optimised-trajectory":
-        return Drive(gains, optimise(hoist, winding, gains, trajectory).trajectory)
+        return Drive(gains, optimise(hoist, winding, gains, trajectory))
     return Drive(gains, s_curve(winding))
 
 

@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint, s_curve
+from hoist_demo.control.trajectory import Trajectory, chain, rest, s_curve
 from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, Vector, low_fidelity
 from hoist_demo.parameters import Hoist, Winding, start_heights
 from hoist_demo.parameters.quantity import quantity
@@ -54,17 +54,8 @@ class TrajectoryOptions:
             raise ValueError(f"intervals = {self.intervals!r} must be within 20 and 2000: take about 8 per second")
 
 
-@dataclass(frozen=True)
-class Optimum:
-    """The optimised trip."""
-
-    trajectory: Trajectory
-    duration: float  # s, of the motion
-    iterations: int
-
-
-def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Optimum:
-    """Solve the problem; a solver that does not converge is an error with its status."""
+def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Trajectory:
+    """Return the optimised trip; a solver that does not converge is an error with its status."""
     require_no_creep(winding)
     model = low_fidelity(hoist, gains, *start_heights(hoist, winding))
     N = limits.intervals
@@ -114,7 +105,7 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOpt
             f"trajectory optimisation: IPOPT ended with {status}: change trajectory.intervals or relax the limits"
         ) from error
     duration, found = float(solution.value(T)), winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
-    return Optimum(_chain(winding, duration, found), duration, int(solution.stats()["iter_count"]))
+    return chain(winding.start_delay, rest(0.0), found.tolist(), [duration / N] * N, end=winding.travel)
 
 
 def require_no_creep(winding: Winding) -> None:
@@ -149,14 +140,3 @@ def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
     rest = ca.DM.zeros(1, N_hold)
     _, found = step.mapaccum(N + N_hold)(model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold))
     return ca.Function("swing", [T, jerks], [ca.sum2(found[N:]) / N_hold])
-
-
-def _chain(winding: Winding, duration: float, jerks: Vector) -> Trajectory:
-    """The jerks as a reference that begins after the start delay and rests at the travel."""
-    h = duration / jerks.size
-    point, points = TrajectoryPoint(0.0, 0.0, 0.0, 0.0), []
-    for j in jerks:
-        points.append(TrajectoryPoint(point.position, point.speed, point.acceleration, float(j)))
-        point = points[-1].after(h)
-    starts = tuple(winding.start_delay + k * h for k in range(jerks.size + 1))
-    return Trajectory(starts, (*points, TrajectoryPoint(winding.travel, 0.0, 0.0, 0.0)))

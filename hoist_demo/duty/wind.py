@@ -16,7 +16,6 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.host import Host, Progress
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.design.controllers import Drive, drive
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.incidents import guard_trip, jams
@@ -46,7 +45,7 @@ def wind(
     `torque_free` is whether the rope carries no torque; `progress` gives each trip whom to tell. The last trip is one
     that does not end, or in which the safety circuit opens or a conveyance jams, where there is such a one.
     """
-    drives = [_drive(run) for run in schedule.pattern]
+    drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
         run, chosen = schedule.trip(number), drives[(number - 1) % len(drives)]
         host = Host(
@@ -67,10 +66,6 @@ def wind(
         after = result.end
         if after is None:
             return
-
-
-def _drive(run: RunData) -> Drive:
-    return drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
 
 
 def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule) -> None:

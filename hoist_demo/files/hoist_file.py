@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
 
-from hoist_demo.cases.case import FOLDER, HOISTS, SCENARIOS, Case, Tail
+from hoist_demo.cases.case import FOLDER, NAMED, Case, Tail
 from hoist_demo.cases.rules import completed
 from hoist_demo.files.catalogue import host_parameters, leaves, of_run, rope_parameters
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, schema_of, table_of
@@ -69,7 +68,7 @@ def _said(table: RopeTable) -> dict[str, Any]:
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
     """Return the hoist that `like` names."""
     name = read_text(content)
-    path = FOLDER / f"{name}.toml" if name in (*HOISTS, *SCENARIOS) else beside(info, name)
+    path = FOLDER / f"{name}.toml" if name in NAMED else beside(info, name)
     return read(path, HoistFile, opened_by(info))
 
 
@@ -146,11 +145,6 @@ def _tail(k: int, said: dict[str, Any], shared: dict[str, Given], problems: list
     values = {**shared, **said.get("from", {}), **own}
     kind = {name: said[name] for name in ("construction", "lay") if name in said}
     return Tail(said.get("name") or f"rope{k}", values, number, at, breaks, **kind)
-
-
-def read_hoist(path: Path) -> Case:
-    """Return the hoist of a file; raise FileError with all problems."""
-    return read(path, HoistFile).case
 
 
 def schema() -> dict[str, Any]:

@@ -6,7 +6,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.table import find_case
 from hoist_demo.files.catalogue import of_run
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues

@@ -89,11 +89,8 @@ class Facts(BaseModel):
 def given(parameter: Parameter) -> Any:
     """Return the type of a key for pydantic: what it holds is a Given."""
     read = AfterValidator(partial(_given, parameter))
-    return Annotated[Facts, BeforeValidator(_as_table), read, WithJsonSchema(value_schema(parameter))]
-
-
-def _as_table(content: Any) -> Any:
-    return content if isinstance(content, dict) else {"value": content}
+    table = BeforeValidator(lambda content: content if isinstance(content, dict) else {"value": content})
+    return Annotated[Facts, table, read, WithJsonSchema(value_schema(parameter))]
 
 
 def _given(parameter: Parameter, facts: Facts) -> Given:

@@ -32,13 +32,6 @@ class Spectra(NamedTuple):
     amplitude: Array  # (n, places)
 
 
-class Strongest(NamedTuple):
-    """The highest peak of each spectrum that STANDS_OUT; no frequency (NaN) and the amplitude 0 where there is none."""
-
-    frequency: Array  # Hz, (places,)
-    amplitude: Array
-
-
 def spectra(time: Array, values: Array) -> Spectra:
     """Return spectra of `values` (rows, places) at even times [s]; empty for a short record, NaN where values are.
 
@@ -60,8 +53,8 @@ def spectra(time: Array, values: Array) -> Spectra:
     return Spectra(frequency[kept], np.where(known, np.sqrt(2.0 * power[kept]), np.nan))
 
 
-def strongest(found: Spectra) -> Strongest:
-    """Return the strongest frequency and amplitude at each place."""
+def strongest(found: Spectra) -> tuple[Array, Array]:
+    """Return frequency [Hz] and amplitude (places,) of the highest peak that STANDS_OUT; NaN and 0 without one."""
     places = found.amplitude.shape[1]
     frequency, amplitude = np.full(places, np.nan), np.zeros(places)
     if found.frequency.size:
@@ -75,7 +68,7 @@ def strongest(found: Spectra) -> Strongest:
                 frequency[k], amplitude[k] = found.frequency[best], column[best]
             elif not np.isfinite(column).all():
                 amplitude[k] = np.nan
-    return Strongest(frequency, amplitude)
+    return frequency, amplitude
 
 
 QUANTITIES = ("tension", "curvature", "torque")
@@ -146,8 +139,8 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
     for name, values in rows.items():
         columns |= _extremes(name, recording.time, values) | _counted(name, values)
         if name in VIBRATING:
-            most = strongest(spectra(recording.time, values))
-            columns |= {f"{name}.frequency": most.frequency, f"{name}.amplitude": most.amplitude}
+            frequency, amplitude = strongest(spectra(recording.time, values))
+            columns |= {f"{name}.frequency": frequency, f"{name}.amplitude": amplitude}
     bent = rows["curvature"][:-1] > BENT * np.max(rows["curvature"])
     columns["bent"] = np.sum(bent * np.diff(recording.time)[:, None], axis=0)
     return Recording(columns, UNITS)

@@ -61,17 +61,6 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
     return sorted(found, key=_time)
 
 
-def told_of_jams(recording: Recording) -> str:
-    """All of them as the end of a sentence; "" for none."""
-    told = [f"; the {jam.side} conveyance {_course(jam)} at t = {jam.t:.4g} s" for jam in jams(recording)]
-    told += [
-        f"; the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s on, by "
-        f"{slack.length:.3g} m at most"
-        for slack in slack_ropes(recording)
-    ]
-    return "".join(told)
-
-
 def _time(event: Jam | SlackRopes) -> float:
     return event.t
 
@@ -126,16 +115,6 @@ def largest_ratio(recording: Recording, limit: float) -> float:
     return largest if slip(recording) is None else max(largest, limit)
 
 
-def told_of_slip(recording: Recording) -> str:
-    """Return the slip as the end of a sentence; "" if they held."""
-    if (slid := slip(recording)) is None:
-        return ""
-    return (
-        f"; the head ropes slipped {slid.way:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
-        f"{slid.speed:.3g} m/s" + (f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else "")
-    )
-
-
 GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope that tell it.
 
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
@@ -160,7 +139,21 @@ def guard_trip(recording: Recording) -> GuardTrip | None:
     return GuardTrip(float(recording["guard.time"][-1]), int(recording["guard.cause"][-1]))
 
 
-def told(recording: Recording) -> str:
-    """A run's trip as the end of a sentence; "" for none."""
-    trip = guard_trip(recording)
-    return "" if trip is None else f"; its guard tripped at t = {trip.t:.4g} s ({trip.cause})"
+def incidents(recording: Recording) -> str:
+    """Guards that tripped, conveyances that jammed, head ropes that went slack or slipped: the end of a sentence."""
+    told = []
+    if (trip := guard_trip(recording)) is not None:
+        told.append(f"its guard tripped at t = {trip.t:.4g} s ({trip.cause})")
+    told += [f"the {jam.side} conveyance {_course(jam)} at t = {jam.t:.4g} s" for jam in jams(recording)]
+    told += [
+        f"the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s on, by "
+        f"{slack.length:.3g} m at most"
+        for slack in slack_ropes(recording)
+    ]
+    if (slid := slip(recording)) is not None:
+        still = f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else ""
+        told.append(
+            f"the head ropes slipped {slid.way:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
+            f"{slid.speed:.3g} m/s{still}"
+        )
+    return "".join(f"; {text}" for text in told)

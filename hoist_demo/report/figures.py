@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -98,18 +99,29 @@ def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> 
         values = signals[line.signal] - (signals[line.signal][0] if line.from_start else 0.0)
         ax.plot(time, line.factor * values, label=line.label, **_STYLES[line.style])
     if panel.limit is not None:
-        ax.axhline(panel.limit[0], color=ACCENTS[2], lw=1.0, ls="--", label=panel.limit[1])
+        ax.axhline(panel.limit.value, color=ACCENTS[2], lw=1.0, ls="--", label=panel.limit.label)
     ax.set_ylabel("" if panel.unit == "1" else f"[{panel.unit}]")
     _widen(ax, 0.5 * panel.least)
     legend(ax)
 
 
 def _show_slip(axes: Sequence[Axes], recording: Recording) -> None:
-    """Shade slip of the swivels."""
-    for ax in axes:
-        for end in COLOURS:
-            if (name := f"{end}.swivel.slipping") in recording:
-                _shade(ax, recording.time, recording[name], end)
+    """Tint the upper half (left end) or lower half (right end) where a swivel slips."""
+    for ax, (end, low) in product(axes, (("left", 0.5), ("right", 0.0))):
+        if (name := f"{end}.swivel.slipping") in recording:
+            inside = recording[name] > 0.5
+            ax.fill_between(
+                recording.time,
+                low,
+                low + 0.5,
+                where=inside.tolist(),
+                step="post",
+                transform=ax.get_xaxis_transform(),
+                color=COLOURS[end],
+                alpha=0.12,
+                lw=0.0,
+                label=f"{end} slips" if bool(inside.any()) else None,
+            )
 
 
 #: Title, label of the axis, factor, and columns of a table of trips in one panel with their words.
@@ -248,21 +260,3 @@ def _widen(ax: Axes, least: float, axis: str = "y") -> None:
         middle = (low + high) / 2.0
         set_limits = ax.set_ylim if axis == "y" else ax.set_xlim
         set_limits(middle - least, middle + least)
-
-
-def _shade(ax: Axes, t: Array, slipping: Array, end: str) -> None:
-    """Tint the upper half (left end) or lower half (right end) where the swivel slips."""
-    low, high = (0.5, 1.0) if end == "left" else (0.0, 0.5)
-    inside = slipping > 0.5
-    ax.fill_between(
-        t,
-        low,
-        high,
-        where=inside.tolist(),
-        step="post",
-        transform=ax.get_xaxis_transform(),
-        color=COLOURS[end],
-        alpha=0.12,
-        lw=0.0,
-        label=f"{end} slips" if bool(inside.any()) else None,
-    )

@@ -7,17 +7,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from hoist_demo.cases.case import Case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, holds, pulls
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, Given
 from hoist_demo.files.writing import hoist_text
-from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
-from hoist_demo.ropes.definition import OneRope, ropes_of
-from hoist_demo.study.provenance import SETTING, Known, of_host, of_rope, statuses
+from hoist_demo.ropes.definition import ropes_of
+from hoist_demo.study.provenance import SETTING, Known, of_host, statuses
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import EndMotion, RopeSimulator, Scene, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
@@ -70,13 +68,6 @@ def _spacing(rope: RopeData, run: RunData) -> float:
     return asked if asked + place.x_right - place.x_left == own else own - place.x_right + place.x_left
 
 
-def hung(case: Case, run: RunData) -> list[OneRope]:
-    """Return the ropes of a hoist; ValueError where one cannot be."""
-    if case.ropes:
-        return [*ropes_of(case, run, {}, case.level).ropes]
-    return [OneRope("", case.rope, rope_data(case.rope, case.level), Place(), None, case)]
-
-
 def as_file(case: Case, name: str) -> str:
     """Return the complete file of a hoist; `name` is how it is found."""
     run, ropes, sources = _wound(case, name)
@@ -91,12 +82,9 @@ def known(case: Case, name: str) -> list[Known]:
 def _wound(case: Case, name: str) -> tuple[RunData, list[RopeData], list[Known]]:
     """Return the run that winds the hoist, its ropes and the sources of both."""
     run = build_trip(name, {})
-    ropes = [one.data() for one in hung(case, run)]
-    if not case.ropes:
-        return run, ropes, [*of_host(run, {}), *of_rope(case, ropes[0], {})]
-    several = ropes_of(case, run, {}, case.level)
-    run = replace(run, hoist=several.hoist)
-    return run, ropes, [*of_host(run, {}), *several.provenance({})]
+    ropes = ropes_of(case, run, {}, case.level)
+    run = replace(run, hoist=ropes.hoist)
+    return run, ropes.data(), [*of_host(run, {}), *ropes.provenance({})]
 
 
 def problems(case: Case) -> list[str]:
@@ -124,7 +112,7 @@ def follows(case: Case, name: str) -> tuple[str, list[str]]:
         rows.append(SummaryRow(_HOLD, heads, words))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     warned = []
-    for rope in hung(case, build_trip(name, {})):
+    for rope in ropes_of(case, build_trip(name, {}), {}, case.level).ropes:
         scene, whose = rope.scene, f"{rope.name}: " if rope.name else ""
         plant = balance_rope(scene)
         for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):

@@ -40,6 +40,14 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """A line across a panel."""
+
+    value: float
+    label: str
+
+
+@dataclass(frozen=True)
 class Panel:
     """One plot over time; `least` is the smallest height of its axis, so that rounding errors stay flat."""
 
@@ -48,7 +56,7 @@ class Panel:
     unit: str
     lines: tuple[Line, ...]
     least: float = 0.0
-    limit: tuple[float, str] | None = None
+    limit: Limit | None = None
 
 
 def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
@@ -147,7 +155,7 @@ def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
             ("Motor power", "kW", _lines({"drive.motor_power": "power"}, kilo)),
             ("Brake torque on the sheave", "kN m", (Line("drive.brake_torque", "brake", "c", kilo),)),
             ("Head rope tension at the sheave", "kN", _ends("drive.tension_{}", kilo)),
-            ("Tension ratio on the sheave", "1", ratio, 0.0, (limit, f"ropes slip at exp(µα) = {limit:.2f}")),
+            ("Tension ratio on the sheave", "1", ratio, 0.0, Limit(limit, f"ropes slip at exp(µα) = {limit:.2f}")),
             *(slip if hoist.lining is not None else []),
         ],
         "Balance rope": [

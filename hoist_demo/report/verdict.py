@@ -16,7 +16,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
-from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, told, told_of_jams, told_of_slip
+from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, incidents
 from hoist_demo.recording.nearness import Pair
 from hoist_demo.recording.passages import BODIES, FAR, PASSED, outcome_of, passages
 from hoist_demo.recording.ropes import of_rope
@@ -138,11 +138,6 @@ def _broken(recording: Recording, name: str) -> str:
         f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; of its loop, torques and clearances what was "
         "before is told"
     )
-
-
-def incidents(recording: Recording) -> str:
-    """Guards that tripped, conveyances that jammed, head ropes that went slack or slipped: the end of a sentence."""
-    return told(recording) + told_of_jams(recording) + told_of_slip(recording)
 
 
 def warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope]) -> list[str]:

@@ -1,20 +1,21 @@
-"""Several balance ropes of one hoist, checked before anything is wound: its file has a [[rope]] for each."""
+"""The balance ropes of one hoist, checked before anything is wound: its file has a [[rope]] for each."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 
 from hoist_demo.cases.case import Case, Tail
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
-from hoist_demo.cosimulation.schemes.interface import ENDS
+from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import PLACE
 from hoist_demo.files.values import DERIVED, Given
@@ -36,16 +37,24 @@ _TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CON
 class OneRope:
     """One of the ropes: its data, its place, and whether it breaks."""
 
-    name: str
+    name: str  # "" of the only one, or of equal ones
     parameters: Mapping[str, Value]  # by FMI name; the rest is the level's
-    scene: Scene
-    place: Place
-    breaks: Break | None
+    level: Level
     case: Case  # the hoist with this rope alone
+    place: Place = field(default_factory=Place)
+    breaks: Break | None = None
+    fmu: Callable[[], FmuRope] | None = None  # loads the one that is wound instead
 
     @cached_property
-    def plant(self) -> WholeRope:
+    def scene(self) -> Scene:
+        """All its data."""
+        return rope_data(self.parameters, self.level)
+
+    @cached_property
+    def plant(self) -> WholeRope | FmuRope:
         """The rope to be wound."""
+        if self.fmu is not None:
+            return self.fmu()
         rope, data = InProcessRope(self.scene, name=self.name), self.scene.rope
         if self.breaks is None:
             return rope
@@ -60,16 +69,17 @@ class OneRope:
 
 @dataclass(frozen=True)
 class Ropes:
-    """Several ropes, and the trip on which they are wound."""
+    """The ropes, and the trip on which they are wound."""
 
     case: Case
-    level: Level
     run: RunData
     ropes: tuple[OneRope, ...]
 
     @cached_property
-    def plant(self) -> RopeGroup:
+    def plant(self) -> RopePlant:
         """All ropes as one."""
+        if not self.case.ropes:
+            return self.ropes[0].plant
         group = [Member(rope.name, rope.plant, rope.place) for rope in self.ropes]
         if not self.touching:
             return RopeGroup(group)
@@ -83,7 +93,9 @@ class Ropes:
 
     @property
     def hoist(self) -> Hoist:
-        """The case's, with these ropes."""
+        """The run's, with these ropes."""
+        if not self.case.ropes:
+            return self.run.hoist
         data = [rope.scene.rope for rope in self.ropes]
         return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
 
@@ -93,19 +105,17 @@ class Ropes:
 
     def pairs(self, recording: Recording) -> list[Pair]:
         """Pairs of ropes in the record of a run."""
+        if not (isinstance(self.plant, RopeGroup) and recording.signals):
+            return []
         ropes = [(rope.name, rope.place.origin, rope.scene.rope.diameter) for rope in self.ropes]
-        return pairs(recording, ropes, self.plant.accounts()) if recording.signals else []
-
-    def remarks(self) -> list[str]:
-        """What is to be said beside the ropes' own warnings."""
-        return []
+        return pairs(recording, ropes, self.plant.accounts())
 
     def provenance(self, given: Mapping[str, str]) -> list[Known]:
         """Sources of the ropes' numbers, each under its rope's name; `given` as `of_rope`."""
         return [
-            one._replace(name=f"{rope.name}.{one.name}")
-            for rope in self.ropes
-            for one in of_rope(rope.case, scene_parameters(rope.scene), given)
+            one._replace(name=f"{data.prefix}{one.name}")
+            for rope, data in zip(self.ropes, self.data(), strict=True)
+            for one in of_rope(rope.case, data, given)
         ]
 
 
@@ -114,6 +124,8 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
 
     ValueError with all problems.
     """
+    if not case.ropes:
+        return Ropes(case, run, (OneRope("", {**run.fmu, **fmu_part(chosen)}, level, case),))
     problems: list[str] = []
     values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]
     known = rope_parameters()
@@ -134,7 +146,7 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
         problems += _obstacles_to_contact(ropes, f"{_PRESSED} = {ropes[0].scene.shaft.contact.rope_stiffness:g}")
     if problems:
         raise ValueError("\n".join(problems))
-    return Ropes(case, level, run, tuple(ropes))
+    return Ropes(case, run, tuple(ropes))
 
 
 def _obstacles_to_contact(ropes: Sequence[OneRope], pressed: str) -> list[str]:
@@ -164,4 +176,6 @@ def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case)
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
     apart = Given(spacing, DERIVED, "the rope's place")
     alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
-    return OneRope(tail.name, own, rope_data(own, level), place, breaks, alone)
+    rope = OneRope(tail.name, own, level, alone, place, breaks)
+    _ = rope.scene  # checks it
+    return rope

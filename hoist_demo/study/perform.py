@@ -175,7 +175,8 @@ def _best(
     one, runs = standings[first], tuple(k for k, choice in enumerate(choices) if choice == first)
     variant, *values = study.choice(samples[runs[0]])
     shown = [str(variant)] if variant else []
-    shown += [_valued(key, value, study.units[key]) for key, value in zip(study.chosen, values, strict=True)]
+    chosen = zip(study.chosen, values, strict=True)
+    shown += [f"{key} = {_number(value)} {_unit(study.units[key])}".rstrip() for key, value in chosen]
     what = ", ".join(shown) or f"run {runs[0] + 1}"
     if one.by_share:
         judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
@@ -195,10 +196,6 @@ def _best(
     told += "".join(f". Warning: {text}" for text in warned[:MOST])
     told += f". {len(warned) - MOST} more warnings of its runs" if len(warned) > MOST else ""
     return Best(runs, told, one.comparable)
-
-
-def _valued(key: str, value: Value, unit: str) -> str:
-    return f"{key} = {_number(value)} {_unit(unit)}".rstrip()
 
 
 def _unit(unit: str) -> str:

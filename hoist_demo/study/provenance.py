@@ -20,7 +20,7 @@ from hoist_demo.files.catalogue import CONTROLLER, host_parameters, rope_paramet
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
-from hoist_demo.study.run import RunData
+from hoist_demo.study.run import CONTROLLER_OF, RunData
 from rope_model.texts import csv_cell
 
 SETTING = "setting"
@@ -29,8 +29,6 @@ _FIRST = ("contradicted", VARIED, GIVEN, "data sheet", "measured", "calibrated",
 STATUSES = (*_FIRST, "assumed", SETTING)
 #: of the host and of the rope, whose values are no data
 _SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
-#: data that only one controller uses
-_OF_CONTROLLER = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
 
 
 class Known(NamedTuple):
@@ -88,7 +86,7 @@ def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> s
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
     """Name, value and unit of each single value of the host's data that the run uses; parts that are None have none."""
     for name, parameter in host_parameters().items():
-        if _OF_CONTROLLER.get(name.partition(".")[0], run.controller) == run.controller and name != CONTROLLER.name:
+        if CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller and name != CONTROLLER.name:
             value: Any = run
             for part in name.split("."):
                 value = getattr(value, part, None)

@@ -25,7 +25,7 @@ from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.design.controllers import drive, require_possible
+from hoist_demo.design.controllers import Drive, drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
@@ -55,8 +55,7 @@ ERROR = "error"  #: State of a run that could not be carried out (a dead worker,
 _VERSION = version("balance-rope")
 
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
-_TUNING_OF = {"input-shaping": "shaper", "optimised-trajectory": "trajectory"}
-
+CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
 
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
@@ -79,11 +78,15 @@ class RunData:
     signals: tuple[str, ...] = ()  # time series to keep
     given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # where values come from
 
+    def design(self) -> Drive:
+        """Return the gains and the trajectory of the controller; an optimised one takes seconds."""
+        return drive(self.controller, self.hoist, self.winding, self.gains, self.shaper, self.trajectory)
+
     def key(self, fmu_hash: str) -> str:
         """Name of the run, 24 hexadecimal digits."""
         data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
-        for controller, tuning in _TUNING_OF.items():
+        for tuning, controller in CONTROLLER_OF.items():
             if self.controller != controller:
                 del data[tuning]
         if not self.winding.creeps:
@@ -198,7 +201,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
 def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tuple[Result, float]:
     """The co-simulation of a run with any rope, and the wall time of its design [s]; `progress` as of `Host.run`."""
     begin = time.perf_counter()
-    chosen = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
+    chosen = run.design()
     design_time = time.perf_counter() - begin
     host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
     return host.run(progress), design_time

@@ -79,16 +79,8 @@ class Store:
             table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
             with _whole(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        said = {
-            "status": outcome.status,
-            "cause": outcome.cause,
-            "fidelity": outcome.fidelity,
-            "warnings": outcome.warnings,
-            "missing": outcome.missing,
-            "passed": outcome.passed,
-        }
-        kept = {**said, "metrics": dict(outcome.metrics)}
-        record = {"key": key, "data": asdict(run), "outcome": kept, "clock": dict(outcome.clock), "worker": worker}
+        kept = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units", "clock")}
+        record = {"key": key, "data": asdict(run), "outcome": kept, "clock": outcome.clock, "worker": worker}
         with _whole(self._path(key)) as path:
             path.write_text(json.dumps(record, indent=1), encoding="utf-8")
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.files.reading import read
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
@@ -46,14 +44,6 @@ class Uncertain(RopeQuestion, RunFile):
     """A checked file."""
 
     head: UncertainHead = Field({}, alias="uncertain", validate_default=True)
-
-    @property
-    def samples(self) -> int:
-        return self.head.samples
-
-    @property
-    def measures(self) -> tuple[str, ...]:
-        return self.head.measures
 
     @cached_property
     def known_rope(self) -> KnownRope:
@@ -101,8 +91,3 @@ class Uncertain(RopeQuestion, RunFile):
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
         return build_trip(self.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)
-
-
-def read_uncertain(path: Path) -> Uncertain:
-    """Return the questions of a file; raise FileError with all problems."""
-    return read(path, Uncertain)

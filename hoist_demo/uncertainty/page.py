@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
@@ -18,7 +18,7 @@ NAMED = 0.05
 
 def summary(found: Spread) -> list[SummaryRow]:
     """Return the text for the terminal."""
-    rows = [SummaryRow("Windings", "that count", f"{found.completed} of {found.asked.samples}")]
+    rows = [SummaryRow("Windings", "that count", f"{found.completed} of {found.asked.head.samples}")]
     for name in _measured(found):
         (low, middle, high), unit = _for_people(found.quantiles(name), UNITS[name])
         group = f"{name}, {METRICS[name][1]}"
@@ -34,47 +34,32 @@ def summary(found: Spread) -> list[SummaryRow]:
 
 def too_few(found: Spread) -> str:
     """Return a warning of results without windings, and of too few windings for causes; '' for neither."""
-    return "; ".join(filter(None, (_unshown(found), _untold(found), _spoiled(found))))
+    return "; ".join(_too_few(found))
 
 
-def _unshown(found: Spread) -> str:
-    """Return the results that no completed winding has."""
-    none = [name for name in found.asked.measures if found.completed and not found.wound(name).any()]
-    return (
-        f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = torsional), "
-        "or its event did not happen"
-        if none
-        else ""
-    )
-
-
-def _untold(found: Spread) -> str:
-    """Return the results with fewer windings than a regression needs."""
-    need = found.needed
-    counts = {name: int(found.wound(name).sum()) for name in found.asked.measures}
-    few = [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]
-    return (
-        f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed windings, "
-        f"64 for a first look; raise samples = {found.asked.samples}"
-        if few
-        else ""
-    )
-
-
-def _spoiled(found: Spread) -> str:
-    """Return the results whose shares contradict one another."""
-    spoiled = [f"{name} {number(times)}" for name in found.asked.measures if (times := found.spoiled(name))]
-    return (
-        f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their spread; "
-        f"{found.asked.samples} windings are too few to separate the data; raise samples"
-        if spoiled
-        else ""
-    )
+def _too_few(found: Spread) -> Iterator[str]:
+    measures = found.asked.head.measures
+    if none := [name for name in measures if found.completed and not found.wound(name).any()]:
+        yield (
+            f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
+            "torsional), or its event did not happen"
+        )
+    counts, need = {name: int(found.wound(name).sum()) for name in measures}, found.needed
+    if few := [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]:
+        yield (
+            f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed "
+            f"windings, 64 for a first look; raise samples = {found.asked.head.samples}"
+        )
+    if spoiled := [f"{name} {number(times)}" for name in measures if (times := found.spoiled(name))]:
+        yield (
+            f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their "
+            f"spread; {found.asked.head.samples} windings are too few to separate the data; raise samples"
+        )
 
 
 def remarks(found: Spread) -> list[str]:
     """Return the rope's warnings and why windings do not count, each with its number of windings."""
-    return [f"in {count} of {found.asked.samples} windings: {text}" for text, count in found.remarks.items()]
+    return [f"in {count} of {found.asked.head.samples} windings: {text}" for text, count in found.remarks.items()]
 
 
 def write_table(found: Spread, path: Path) -> Path:
@@ -96,7 +81,7 @@ def write_page(found: Spread, path: Path) -> Path:
     causes = "".join(
         paragraphs([name])
         + bars([Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares], _TICKS, name)
-        for name in asked.measures
+        for name in asked.head.measures
         if (shares := _sorted(found, name))
     )
     data = [
@@ -104,7 +89,7 @@ def write_page(found: Spread, path: Path) -> Path:
         for name, datum in asked.data.items()
         for bounds, unit in [_for_people((datum.low, datum.high), datum.unit)]
     ]
-    wound = f"{found.completed} of {asked.samples} windings count: hoist {asked.hoist}, level {asked.level}."
+    wound = f"{found.completed} of {asked.head.samples} windings count: hoist {asked.hoist}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [
@@ -130,7 +115,7 @@ _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
 
 def _measured(found: Spread) -> list[str]:
     """The results that at least one winding has."""
-    return [name for name in found.asked.measures if found.wound(name).any()]
+    return [name for name in found.asked.head.measures if found.wound(name).any()]
 
 
 def _sorted(found: Spread, name: str) -> list[tuple[str, float]]:

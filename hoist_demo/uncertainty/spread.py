@@ -66,7 +66,7 @@ class Spread:
     def completed(self) -> int:
         """Number of windings that came to their end with a rope that passed through nothing."""
         unfit = (STOPPED, LEFT_OUT)
-        return self.asked.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
+        return self.asked.head.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
 
     @property
     def needed(self) -> int:
@@ -108,14 +108,14 @@ def spread(asked: Uncertain, workers: int, progress: Callable[[Iterable[Wound]],
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             results = list(progress(pool.map(wound, [asked] * len(samples), samples)))
     columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
-    columns |= {name: np.array([found[name] for found, _ in results]) for name in asked.measures}
+    columns |= {name: np.array([found[name] for found, _ in results]) for name in asked.head.measures}
     return Spread(asked, columns, remarks_of([texts for _, texts in results]))
 
 
 def draw(asked: Uncertain) -> list[dict[str, float]]:
     """The values of what varies, one set per winding."""
     sequence = qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.head.seed))
-    shares = sequence.random_base2(round(math.log2(asked.samples)))
+    shares = sequence.random_base2(round(math.log2(asked.head.samples)))
     return [
         {name: datum.at(float(u)) for (name, datum), u in zip(asked.data.items(), row, strict=True)} for row in shares
     ]
@@ -131,9 +131,9 @@ def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
     passed = passages(result.recording)
     if result.completed and PASSED not in passed:
         found = measure(result, run.hoist, run.winding, run.arrival)
-        return {name: found[name] for name in asked.measures}, tuple(f"warning: {text}" for text in warnings)
+        return {name: found[name] for name in asked.head.measures}, tuple(f"warning: {text}" for text in warnings)
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
-    return dict.fromkeys(asked.measures, math.nan), (reason,)
+    return dict.fromkeys(asked.head.measures, math.nan), (reason,)
 
 
 def remarks_of(wound: Sequence[Iterable[str]]) -> dict[str, int]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-import sys
 import tempfile
 from functools import cache
 from pathlib import Path
@@ -20,7 +19,7 @@ from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
 from rope_model.codegen.rules import rules_code, state_signals
 from rope_model.codegen.state_structures import state_structures
 from rope_model.codegen.tables import parameter_bounds, parameter_structures, signal_numbers
-from rope_model.numerics.kernels import FLAGS, cache_folder, compile_library, find_compiler
+from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
 NAME = "rope"
@@ -29,30 +28,13 @@ NAME = "rope"
 @cache
 def sources() -> dict[str, str]:
     """Return the text of all written and generated files, by file name."""
-    return {path.name: path.read_text(encoding="utf-8") for path in _written()} | _generated()
+    return {path.name: path.read_text(encoding="utf-8") for path in written()} | _generated()
 
 
-def _written() -> list[Path]:
+def written() -> list[Path]:
+    """List the files that are not generated."""
     files = (path for path in _FOLDER.rglob("*") if path.suffix in (".c", ".h", ".inc"))
     return sorted(files, key=lambda path: path.name)
-
-
-def lay_out(folder: Path) -> None:
-    """Put all C into ``folder`` for an editor: links to written files, generated files, compile_commands.json."""
-    folder = folder.resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in sources():
-        (folder / name).unlink(missing_ok=True)
-    for path in _written():
-        (folder / path.name).symlink_to(path)
-    for name, text in _generated().items():
-        (folder / name).write_text(text, encoding="utf-8")
-    commands = [
-        {"directory": str(folder), "file": name, "arguments": ["cc", *FLAGS, "-c", name]}
-        for name in sources()
-        if name.endswith(".c")
-    ]
-    (folder / "compile_commands.json").write_text(json.dumps(commands, indent=1), encoding="utf-8")
 
 
 def _generated() -> dict[str, str]:
@@ -105,7 +87,3 @@ def library() -> Path:
             "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
         )
     return compile_library(sources(), compiler, cache_folder(), NAME)
-
-
-if __name__ == "__main__":
-    lay_out(Path(sys.argv[1]))

@@ -18,7 +18,7 @@ element is the same in chains of any length, and is compiled once: ``chain_parts
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import casadi as ca
 
@@ -28,38 +28,10 @@ from rope_model.numerics.newton import newton
 PRESSED = 1
 
 
-class ElementSource(Protocol):
-    """CasADi functions of one element with m degrees of freedom at each of its two nodes; see physics.element."""
-
-    @property
-    def residual(self) -> ca.Function: ...
-
-    @property
-    def tangent(self) -> ca.Function: ...
-
-    @property
-    def balance(self) -> ca.Function: ...
-
-    @property
-    def losses(self) -> ca.Function: ...
-
-    @property
-    def strains(self) -> ca.Function: ...
-
-    @property
-    def momentum(self) -> ca.Function: ...
-
-    @property
-    def reference(self) -> ca.Function: ...
-
-    @property
-    def transport(self) -> ca.Function: ...
-
-
 class ChainParts(NamedTuple):
     """Functions that a chain calls for each element; m degrees of freedom of a node, as the element knows them.
 
-    residual ... transport: the element's own
+    residual ... transport: the element's own, see physics.element
     eliminate:   (D, q, v, a, l, F, free, mass, P, cq, cv, ca) -> next D, factors of D, W, L: one step
     last_factor: D -> its factors
     down:        (y, factors, L, R) -> next y, z
@@ -115,11 +87,10 @@ class ChainFunctions(NamedTuple):
     transport: ca.Function
 
 
-def chain_parts(element: ElementSource) -> ChainParts:
-    """Functions that all chains of this element share."""
-    m = element.residual.size1_in(0) // 2
-    own = (element.residual, element.balance, element.losses, element.strains, element.momentum)
-    return ChainParts(*own, element.reference, element.transport, *_elimination(element.tangent, m), *_substitution(m))
+def chain_parts(tangent: ca.Function, *own: ca.Function) -> ChainParts:
+    """Functions that all chains of an element share: ``own``, the element's own in their order, and by its tangent."""
+    m = own[0].size1_in(0) // 2
+    return ChainParts._make((*own, *_elimination(tangent, m), *_substitution(m)))
 
 
 def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) -> ChainFunctions:

@@ -17,7 +17,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, lru_cache
@@ -161,32 +161,45 @@ def build_library(
 
     ``objects`` hold functions that these call.
     """
-    sources = {"kernels.c": generate_c(tuple(functions))}
-    return _compile(sources, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [*map(str, objects), "-lm"])
+    return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects)
 
 
 def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
     """The functions, compiled once for all that call them."""
     sources = {"parts.c": generate_c(tuple(functions), "parts")}
-    linked = _compile(sources, [*compiler, "-c"], folder, f"{name}.o", [])
-    return CompiledParts(_compile({}, compiler, folder, f"{name}{LIBRARY_SUFFIX}", [str(linked), "-lm"]), linked)
+    made, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
+    return CompiledParts(made, objects["parts.c"])
 
 
-def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str) -> Path:
-    """Return the library of the C files among ``sources`` (text by file name), compiled into ``folder`` once."""
+def compile_library(
+    sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str, linked: Sequence[Path] = ()
+) -> Path:
+    """Return the library of the C files among ``sources`` (text by file name), compiled into ``folder`` once.
+
+    ``linked`` are finished object files of it.
+    """
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
-    made = folder / f"{name}-{_key(*command, *(file.name for file in objects.values()))}{LIBRARY_SUFFIX}"
+    files = [*objects.values(), *linked]
+    made = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
 
     def link() -> None:
         progress.warning(_ANNOUNCED, name, compiler_name(command))
         compile_objects(sources, command, objects)
-        with tempfile.TemporaryDirectory(dir=folder) as scratch:
-            new = Path(scratch) / made.name
-            _run([*command, *map(str, objects.values()), "-o", str(new), "-lm"], folder)
-            new.replace(made)
+        link_library(command, files, made, made.name)
 
     return make_once(made, link)
+
+
+def link_library(
+    command: Sequence[str], objects: Iterable[Path], made: Path, name: str, more: Sequence[str] = ()
+) -> None:
+    """Link the library ``made`` of object files and ``more``, in which its ``name`` may be another."""
+    with tempfile.TemporaryDirectory(dir=made.parent) as folder:
+        # in a folder, by a relative name: no path of this machine gets into the library
+        files = [os.path.relpath(file, folder) for file in objects]
+        _run([*command, *files, "-o", name, "-lm", *more], Path(folder))
+        (Path(folder) / name).replace(made)
 
 
 def make_once(made: Path, make: Callable[[], None]) -> Path:
@@ -257,29 +270,6 @@ def _included(file: str, sources: Mapping[str, str]) -> list[str]:
     for part in found:
         found += (name for name in _INCLUDE.findall(sources[part]) if name in sources and name not in found)
     return list(dict.fromkeys(found))
-
-
-def _compile(
-    sources: Mapping[str, str], command: Sequence[str], folder: Path, name: str, linked: Sequence[str]
-) -> Path:
-    """Run ``command`` on the sources and ``linked`` files; the hash of all is in the result's name."""
-    with_flags = [*command, *FLAGS]
-    parts = [part for file in sorted(sources) for part in (file, sources[file])]
-    key = _key(*parts, compiler_version(tuple(command)), *with_flags, *(Path(file).name for file in linked))
-    made = folder / f"{Path(name).stem}-{key}{Path(name).suffix}"
-
-    def build() -> None:
-        if sources:
-            progress.warning(_ANNOUNCED, Path(name).stem, compiler_name(command))
-        with tempfile.TemporaryDirectory(dir=folder) as scratch:
-            for file, code in sources.items():
-                (Path(scratch) / file).write_text(code, encoding="utf-8")
-            files = [str(Path(scratch) / file) for file in sorted(sources) if file.endswith(".c")]
-            new = Path(scratch) / made.name
-            _run([*with_flags, *files, *linked, "-o", str(new)], folder)
-            new.replace(made)
-
-    return make_once(made, build)
 
 
 def _run(command: Sequence[str], folder: Path) -> None:

@@ -150,7 +150,8 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies
 @cache
 def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
-    return chain_parts(rope_element(fidelity, bodies))
+    e = rope_element(fidelity, bodies)
+    return chain_parts(e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport)
 
 
 def rope_element(fidelity: ElementFidelity, bodies: Kinds = ()) -> ElementFunctions:

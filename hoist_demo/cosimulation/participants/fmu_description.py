@@ -44,12 +44,8 @@ class Variable:
     items: Mapping[str, int]  # of an enumeration
 
 
-def variables_of(description: Any) -> tuple[Variable, ...]:
-    """The variables of FMPy's model description."""
-    return tuple(_variable(v) for v in description.modelVariables)
-
-
 def _variable(stated: Any) -> Variable:
+    """Return a variable of FMPy's model description."""
     kind, declared = _kind(stated.type), stated.declaredType
     ranges = [range(1, length + 1) for length in stated.shape]
     places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
@@ -122,11 +118,6 @@ def read_outputs(path: Path) -> tuple[str, ...]:
     return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
 
 
-def fmi_version(path: Path) -> str:
-    """The version of FMI that the FMU is of."""
-    return str(read_fmu(path).description.fmiVersion)
-
-
 class Fmu(NamedTuple):
     """Contents of an FMU's description."""
 
@@ -167,4 +158,4 @@ def _read(path: Path, changed: int, size: int) -> Fmu:
             f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; this host drives co-simulation of FMI "
             f"{' and '.join(FMI_VERSIONS)}: give the FMU of `balance-rope export`, or run with --in-process"
         )
-    return Fmu(description, variables_of(description))
+    return Fmu(description, tuple(map(_variable, description.modelVariables)))

@@ -11,12 +11,11 @@ from contextlib import suppress
 from ctypes import c_int, create_string_buffer
 from dataclasses import replace
 from importlib.metadata import version
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, access, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
@@ -119,9 +118,6 @@ class InProcessRope:
 
             return Table(accesses, read)
 
-        def went_on() -> None:
-            self._log_warnings(native.done(True))
-
         none = (c_int * 0)()
         return RopeLibrary(
             access("NATIVE", lib.rope_advance_to, rope, none, ends),
@@ -131,7 +127,7 @@ class InProcessRope:
             warning=lib.rope_warning,
             told=create_string_buffer(warnings),
             text=text,
-            heard=went_on,
+            heard=lambda: self._log_warnings(native.done(True)),
         )
 
     def save(self) -> Snapshot:
@@ -155,17 +151,6 @@ class InProcessRope:
 
     def close(self) -> None:
         """Nothing is held."""
-
-
-def rope_in_process(
-    case: str,
-    kernels: Literal["auto", "compiled", "portable"] = "auto",
-    level: Level = "standard",
-    parameters: Mapping[str, Value] | None = None,
-) -> InProcessRope:
-    """The rope of a named case at a level of accuracy, with other parameters by FMI name."""
-    data = rope_data({**find_case(case).rope, **(parameters or {})}, level)
-    return InProcessRope(data.with_(solver=replace(data.solver, kernels=kernels)))
 
 
 def scene_parameters(scene: Scene) -> RopeData:

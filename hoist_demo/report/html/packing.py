@@ -65,13 +65,10 @@ def thin_times(times: Array, most: int) -> Array:
     if len(times) <= most:
         return times
     width = interval(len(times), most)
-    starts = range(0, len(times), width)
-    ends = [min(start + width, len(times)) - 1 for start in starts]
-    pairs = [
-        (start + 0.25 * (end - start), start + 0.75 * (end - start)) for start, end in zip(starts, ends, strict=True)
-    ]
-    places: Array = np.interp(np.array(pairs).ravel(), np.arange(len(times)), times)
-    return places
+    starts = np.arange(0, len(times), width)[:, None]
+    ends = np.minimum(starts + width, len(times)) - 1
+    places = starts + np.array([0.25, 0.75]) * (ends - starts)
+    return np.interp(places.ravel(), np.arange(len(times)), times)
 
 
 def interval(count: int, most: int) -> int:

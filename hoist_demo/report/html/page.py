@@ -51,9 +51,9 @@ def render(kind: str, title: str, body: str, note: str = "", scripts: str = "") 
 def running(files: Sequence[str], data: Mapping[str, object]) -> str:
     """The scripts of a page, and what they read."""
     code = "\n".join(asset(name) for name in ("common.js", *files))
-    return (
-        f'<script type="application/json" id="data">{_json(data)}</script>\n<script>\n"use strict";\n{code}\n</script>'
-    )
+    text = json.dumps(_finite(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    inside = text.replace("<", "\\u003c")  # it may stand in a script element
+    return f'<script type="application/json" id="data">{inside}</script>\n<script>\n"use strict";\n{code}\n</script>'
 
 
 def write(path: Path, text: str) -> Path:
@@ -96,11 +96,6 @@ def unit_text(unit: str) -> str:
     """A unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
     text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
     return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
-
-
-def _json(data: object) -> str:
-    """JSON that can stand inside a script element."""
-    return json.dumps(_finite(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
 def _finite(data: object) -> object:

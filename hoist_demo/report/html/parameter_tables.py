@@ -56,10 +56,7 @@ def rows(data: object, section: str, statuses: Mapping[str, str]) -> list[Row]:
         name, status = key + (f", {meaning}" if meaning else ""), statuses.get(key, "")
         if is_dataclass(value):
             found += rows(value, f"{key}.", statuses)
-        elif isinstance(value, bool):
-            found.append((name, "yes" if value else "no", "", status))
-        elif isinstance(value, str) or value is None:
-            found.append((name, value or "none", "", status))
-        elif isinstance(value, int | float):
-            found.append((name, number(value), "" if unit == _NO_UNIT else unit_text(unit), status))
+        elif value is None or isinstance(value, str | int | float):
+            shown = unit_text(unit) if isinstance(value, int | float) and unit != _NO_UNIT else ""
+            found.append((name, word("none" if value in (None, "") else value), shown, status))
     return found

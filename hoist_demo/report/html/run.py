@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -82,8 +83,8 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
         # a run that stopped at once has one row, and an axis needs a length
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
-        "panels": [_panel(panel, recording) for panel in shown],
-        "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result)],
+        "panels": [asdict(panel) | {"quiet": panels.quiet(recording, panel)} for panel in shown],
+        "marks": [asdict(mark) for mark in panels.marks(result)],
         "transformations": panels.transformations(recording, of_ropes),
         "slips": {end: panels.slips(recording, end, of_ropes) for end in ("left", "right")},
         "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
@@ -97,28 +98,6 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
 
 def _signal(values: Array, unit: str) -> dict[str, object]:
     return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MOST_TIMES))}
-
-
-def _panel(panel: panels.Panel, recording: Recording) -> dict[str, object]:
-    lines = [
-        {
-            "signal": line.signal,
-            "label": line.label,
-            "style": line.style,
-            "factor": line.factor,
-            "rise": line.from_start,
-        }
-        for line in panel.lines
-    ]
-    return {
-        "group": panel.group,
-        "title": panel.title,
-        "unit": panel.unit,
-        "lines": lines,
-        "least": panel.least,
-        "limit": None if panel.limit is None else {"value": panel.limit[0], "label": panel.limit[1]},
-        "quiet": panels.quiet(recording, panel),
-    }
 
 
 def _drawn(own: Recording) -> bool:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import Table
 from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
+from hoist_demo.study.perform import Performed
 from hoist_demo.study.store import SEPARATOR, kind_of
 from rope_model.texts import html_text
 
@@ -32,30 +32,20 @@ _OWN = ("title", "parameters")
 _FIRST = ("judged", "within", "excess", "slip_safety", "clearance", "loop_turns", "rope_force_peak", "sway")
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """Best choice of a study, and its remarks."""
-
-    metrics: Sequence[str] = ()  # that it judges by
-    choices: Sequence[int] = ()  # number of each run's choice; none: each is its own
-    best: Sequence[int] = ()  # places of the runs of the best choice
-    told: str = ""
-    remarks: Sequence[str] = ()
-
-
 def study_report(
     table: pd.DataFrame,
     stated: Mapping[str, str],
     meta: Mapping[str, Any],
     path: str | Path,
     more: Sequence[Table] = (),
-    judged: Judgement | None = None,
+    performed: Performed | None = None,
+    by: Sequence[str] = (),
 ) -> Path:
     """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none).
 
-    `more` are tables of the data.
+    `more` are tables of the data, `performed` the study's outcome, which is judged `by` these metrics.
     """
-    path, judged = Path(path), judged or Judgement()
+    path, best = Path(path), performed.best if performed else None
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values, units = _in_engineering_units(
@@ -65,7 +55,7 @@ def study_report(
     varied = {name for name in names if _differ(values[name])}
     fixed = [name for name in parameters if name in names and name not in varied]
     nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
-    first = [*parameters, *judged.metrics, *_FIRST]
+    first = [*parameters, *by, *_FIRST]
     listed = [name for name in names if name not in {*fixed, *nowhere}]
     # parameters first: they are read before what follows from them; what does not differ comes last
     listed.sort(key=lambda name: (name not in parameters, name not in varied, _place(name, first)))
@@ -85,18 +75,18 @@ def study_report(
         "columns": columns,
         "statuses": [str(status) for status in table[STATUS]],
         "causes": causes,
-        "choices": list(judged.choices) or list(range(len(causes))),
-        "best": list(judged.best),
-        "by": list(judged.metrics),
+        "choices": list(performed.choices if performed else range(len(causes))),
+        "best": list(best.runs) if best else [],
+        "by": list(by),
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
     told = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
-    told += [judged.told and f"{judged.told[:1].upper()}{judged.told[1:]}."]
+    told += [f"{best.told[:1].upper()}{best.told[1:]}."] if best else []
     body = page.fill(
         "study.html",
         outcome="</p><p>".join(html_text(text.strip()) for text in told if text),
-        remarks=_list("Not monotonic", judged.remarks)
+        remarks=_list("Not monotonic", performed.remarks if performed else ())
         + _list("Warnings", _by_text(table, WARNINGS))
         + _list("Missing", _by_text(table, MISSING)),
         given=page.table("Study", rest)

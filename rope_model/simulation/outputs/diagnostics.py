@@ -183,11 +183,3 @@ def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float
     d = interpolate(motion.q, nodes, s)[:, SLOPE]
     along: Array = np.sum(force * d, axis=1) / np.linalg.norm(d, axis=1)
     return along
-
-
-def observation_points(q: Array, bottom: Array) -> Array:
-    """Return (2, 7): r, r', theta on the left and right leg, 3 m above the lowest point as in the source."""
-    i = int(np.argmin(q[:, 1]))
-    height = bottom[1] + 3.0
-    legs = q[i::-1], q[i:]
-    return np.array([[np.interp(height, leg[:, 1], leg[:, k]) for k in range(7)] for leg in legs])

@@ -75,7 +75,7 @@ function makePlots(player, times, values) {
     }
     if (panel.group !== group) add(home, "h3", {}, (group = panel.group));
     const lines = panel.lines.map((line) => {
-      const raw = values(line.signal), from = line.rise ? raw[0] : 0;
+      const raw = values(line.signal), from = line.from_start ? raw[0] : 0;
       return { label: line.label, style: line.style, values: raw.map((value) => line.factor * (value - from)) };
     });
     plots.push(new TimePlot(home, { ...panel, id: `p${k}` }, times, lines, player));

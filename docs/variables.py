@@ -1,0 +1,68 @@
+"""The page of the FMU's variables: ``python -m docs.variables > docs/reference/variables.md``."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+
+from fmu_src.documentation import COMPUTED_BY, HEADS, TEXT, TITLES, rows
+from fmu_src.interface import variables
+from fmu_src.profile import ALWAYS, DEFAULT, GROUPS
+from rope_model.parameters import rope_120
+
+#: differing parts of names and descriptions of rows that share a line, and the words for both
+_SHARED = (
+    (re.compile(r"(?<=`)(left|right)(?=\.)"), re.compile(r"\b(left|right)[. ]"), ""),
+    (re.compile(r"(?<=`divider_)\d"), re.compile(r"(?!)"), ""),
+    (re.compile(r"(?<=`mesh\.counts)\[\d\]"), re.compile(r"segment \w+"), "segments II to VI"),
+    (re.compile(r"(?<=`nearest\.)\w+"), re.compile(r"nearest\.\w+\.clearance|clearance\.\w+"), "that clearance"),
+    (re.compile(r"(?<=`contact\.)\w+(?=\.impulse)"), re.compile(r"contact\.\w+(?= since)"), "that pressure"),
+    (re.compile(r"(?<=`contact\.)\w+(?=`)"), re.compile(r"(?<=between rope and )\w+( ropes)?"), "such bodies"),
+    (re.compile(r"(?:shape|loop)\.[xyz](?=\[|`)"), re.compile(r"^[XYZ]\b"), "X, Y and Z"),
+    (re.compile(r"(?<=`guard\.)\w+(?=_delay)"), re.compile(r"(?!)"), ""),
+    (re.compile(r"(?<=`air\.v)[xz]"), re.compile(r"(?<=along )[XZ]\b"), "X and Z"),
+)
+
+
+def interface_page() -> str:
+    """Return the page; both ends, numbered bodies and places along the rope share a row."""
+    table = variables(rope_120())
+    tables = {
+        causality: [[*row] for row in folded(rows(v for v in table if v.causality == causality))]
+        for causality, _ in TITLES
+    }
+    without_start = [[*row[:2], *row[3:]] for row in tables["output"]]
+    return TEXT.format(
+        fidelities=_table(("outputs", "fidelities "), COMPUTED_BY),
+        groups=_table(("group", "holds "), [(f"`{group}`", holds) for group, holds in GROUPS.items()]),
+        always=" and ".join(f"`{group}`" for group in ALWAYS),
+        left_out=" and ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT),
+        parameters=_table(HEADS, tables["parameter"]),
+        inputs=_table(HEADS, tables["input"]),
+        outputs=_table([head for head in HEADS if head != "start"], without_start),
+    )
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [f"| {' | '.join(heads)}|", "|---" * len(heads) + "|", *(f"| {' | '.join(row)} |" for row in rows)]
+    return "\n".join(lines)
+
+
+def folded(table: Iterable[tuple[str, str, str, str]]) -> Iterator[tuple[str, str, str, str]]:
+    """Join the rows that differ in the end, the number or the kind of body alone."""
+    alike: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
+    for name, unit, start, description in table:
+        shared, words = name, description
+        for in_name, in_description, common in _SHARED:
+            if in_name.search(name):
+                shared, words = in_name.sub("", name), in_description.sub(common, description)
+        alike.setdefault((shared, unit, words), []).append((name, start))
+    for (_, unit, words), group in alike.items():
+        names, starts = zip(*group, strict=True)
+        name = ", ".join(names) if len(names) < 3 else f"{names[0]} ... {names[-1]}"
+        yield name, unit, starts[0] if len(set(starts)) == 1 else ", ".join(starts), words
+
+
+if __name__ == "__main__":
+    sys.stdout.write(interface_page())
