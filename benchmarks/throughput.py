@@ -1,8 +1,8 @@
 """Windings per minute of a study on this machine: ``make bench``, or ``python -m benchmarks.throughput``.
 
 One worker and two, in turns, with the rope of either level, over `docs/studies/throughput.toml`, windings of the 120 m
-rope.  Takes ten minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--python`` no trip is wound in C: run both, in
-turns, for the ratio of the two.
+rope.  Takes ten minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--python`` no trip is wound in C: run
+both in turns for the ratio of the two.
 """
 
 from __future__ import annotations
