@@ -1,7 +1,8 @@
 """Windings per minute of a study on this machine: ``make bench``, or ``python -m benchmarks.throughput``.
 
 One worker and two, in turns, with the rope of either level, over `docs/studies/throughput.toml`, windings of the 120 m
-rope.  Takes ten minutes on a quiet machine; ``--runs 8`` is a trial.
+rope.  Takes ten minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--python`` no trip is wound in C: run
+both in turns for the ratio of the two.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from hoist_demo.cosimulation.host import Host
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.store import Store
@@ -25,29 +27,26 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser("python -m benchmarks.throughput", description=__doc__)
     parser.add_argument("--runs", type=int, default=200, metavar="N", help="runs of the study (%(default)s)")
-    runs: int = parser.parse_args().runs
+    parser.add_argument("--python", action="store_true", help="take the host in Python, as other schemes do")
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "throughput.toml"
-        text = re.sub(r"(?m)^runs = .*$", f"runs = {runs}", STUDY.read_text(encoding="utf-8"))
+        text = re.sub(r"(?m)^runs = .*$", f"runs = {options.runs}", STUDY.read_text(encoding="utf-8"))
         file.write_text(text, encoding="utf-8")
         for fmu in FMUS:
-            one, two = rates(read_study(file, fmu), Path(folder) / fmu.stem)
+            study, found = read_study(file, fmu), dict[int, list[float]]({1: [], 2: []})
+            for number, workers in enumerate(ROUNDS):
+                found[workers].append(wind(study, Path(folder) / fmu.stem / str(number), workers, options.python))
+            one, two = (sum(rates) / len(rates) for rates in found.values())
             efficiency = f"{two:.0f} with two, efficiency {two / one / 2:.2f}"
             print(f"{fmu.stem}: {one:.0f} windings a minute with one worker, {efficiency}", flush=True)
 
 
-def rates(study: Study, folder: Path) -> tuple[float, float]:
-    """Return windings per minute with one and with two workers."""
-    found: dict[int, list[float]] = {1: [], 2: []}
-    for number, workers in enumerate(ROUNDS):
-        found[workers].append(wind(study, folder / str(number), workers))
-    one, two = (sum(found[n]) / len(found[n]) for n in (1, 2))
-    return one, two
-
-
-def wind(study: Study, folder: Path, workers: int) -> float:
+def wind(study: Study, folder: Path, workers: int, in_python: bool) -> float:
     """Return windings per minute, after a run that warms every worker."""
     with cluster(workers, None) as client:
+        if in_python:
+            client.run(setattr, Host, "_compiled", lambda self, run: None)
         run_samples(client, study, study.samples[-workers:], Store(folder / "warm"))
         begin = time.perf_counter()
         keys = run_samples(client, study, study.samples, Store(folder / "timed"))

@@ -18,7 +18,7 @@ from evidence.contact.page import page as contact_page
 from evidence.drawing import draw_to
 from evidence.knowledge.catalogue import catalogue
 from evidence.knowledge.page import page as data_page
-from evidence.promise.page import FIGURES as PROMISE
+from evidence.promise.figures import FIGURES as PROMISE
 from evidence.promise.page import page as promise_page
 from evidence.rendering import DOCS, fill_block, markdown
 from evidence.reproduction.page import FIGURES as REPRODUCTION

@@ -8,7 +8,7 @@ import numpy as np
 from tqdm import tqdm
 
 from evidence.mesh_rule import laws, statics, trips
-from evidence.mesh_rule.rule import longest, shares, slip
+from evidence.mesh_rule.rule import LONGEST_USED, shares, slip
 from evidence.mesh_rule.scenes import FIT, draw
 from evidence.rendering import DOCS
 from evidence.tables import read, write
@@ -31,7 +31,7 @@ def main() -> None:
         print(f"{name:<13} {values:<20} factor left: {np.exp(fit.spread):.2f} (rms), {np.exp(fit.worst):.2f} (largest)")
     print(
         "slip aside over height, elements up to {:.2f} w and longer: {:.2f}, {:.2f}".format(
-            longest(), *slip(tables["loop"])
+            LONGEST_USED, *slip(tables["loop"])
         )
     )
     for asked in (0.05, 5e-3, 1e-3, 2e-4):

@@ -19,6 +19,8 @@ from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RAD
 MANY = 400
 #: loop elements over w on which it hangs too high by more than it trembles; how far from LONGEST one is beyond doubt
 UNLOCKED, AT_LEAST = 0.15, 0.05
+#: the longest elements of the rule in w, in a loop as narrow as a free one
+LONGEST_USED = LONGEST * NATURAL_RADIUS
 
 
 class Shares(NamedTuple):
@@ -43,13 +45,8 @@ def shares(found: Laws, asked: float) -> Shares:
     return Shares(np.array(loop), np.array(cover), np.array(moment))
 
 
-def longest() -> float:
-    """The longest elements of the rule in w, in a loop as narrow as a free one."""
-    return LONGEST * NATURAL_RADIUS
-
-
 def slip(t: Table) -> tuple[float, float]:
     """How far the loop slips aside over how much too high it hangs: at most on elements that are used, and beyond."""
     aside, x = t["aside [m]"] / t["too high [m]"], t["fine [m]"] / t["w [m]"]
-    used = (x > UNLOCKED) & (x < longest() - AT_LEAST)
-    return float(aside[used].max()), float(aside[x > longest() + AT_LEAST].max())
+    used = (x > UNLOCKED) & (x < LONGEST_USED - AT_LEAST)
+    return float(aside[used].max()), float(aside[x > LONGEST_USED + AT_LEAST].max())

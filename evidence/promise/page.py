@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from evidence.promise import scenes
-from evidence.promise.figures import FIGURES
 from evidence.promise.judging import ESTIMATES, NEAR, claims, completed, near, over_asked
 from evidence.promise.wind import FINE, FINE_STEP, REQUESTS
 from evidence.rendering import number, quantity, render
 from evidence.tables import Table, Tables, where
 
-__all__ = ["FIGURES", "page"]
 WORST = 3
 
 
