@@ -121,7 +121,7 @@ def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[S
         for key, sample in zip(keys, samples, strict=True):
             if key not in done:
                 cost = abs(sample.data.gains.speed / 2e5 - 1.0)
-                store.write(key, sample.data, Outcome("completed", "", {"cycle_time": cost}, {}, {}), "w")
+                store.write(key, sample.data, Outcome("completed", "", {"cycle_time": cost}, {}), "w")
                 ran.append(key)
         return keys
 
@@ -262,7 +262,7 @@ def test_choices_are_compared_over_the_same_payloads_within_bounds(read: Read, t
         loaded = sample.data.hoist.payload_left > 0.0
         metrics = {"cycle_time": full if loaded else empty, "slip_safety": safe_full if loaded else safe_empty}
         warned = (f"slip safety {metrics['slip_safety']}",)
-        outcome = Outcome("completed", "", metrics, {}, {}, warnings=warned)
+        outcome = Outcome("completed", "", metrics, {}, warnings=warned)
         store.write(sample.data.key(study.fmu_hash), sample.data, outcome, "w")
     found = perform(study, store, lambda samples: [s.data.key(study.fmu_hash) for s in samples])
     assert found.best is not None

@@ -107,7 +107,7 @@ def _result_of(future: object) -> tuple[Outcome, str]:
         result: tuple[Outcome, str] = future.result()  # type: ignore[attr-defined]
         return result
     except Exception as error:  # whatever the cluster raises is that run's cause
-        return Outcome(ERROR, f"{type(error).__name__}: {error}", dict.fromkeys(UNITS, math.nan), {}, {}), ""
+        return Outcome(ERROR, f"{type(error).__name__}: {error}", dict.fromkeys(UNITS, math.nan), {}), ""
 
 
 def _fmu_of(directory: Path, fmu_hash: str) -> Path:

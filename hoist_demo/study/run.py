@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import time
 import traceback
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -104,7 +103,6 @@ class Outcome:
     cause: str
     metrics: Mapping[str, float]
     signals: Mapping[str, list[float]]  # by name, those that were asked for, and their time
-    clock: Mapping[str, float]  # s: wall time of the design, the rope, the drive and all, processor time; no result
     units: Mapping[str, str] = field(default_factory=dict)  # of the signals
     fidelity: str = ""  # of the rope's model, that ran: why a metric may be missing
     warnings: tuple[str, ...] = ()  # of hoist, coupling and rope
@@ -171,11 +169,10 @@ def execute(run: RunData, fmu: Path) -> Outcome:
 
 
 def _outcome(run: RunData, fmu: Path) -> Outcome:
-    begin, worked = time.perf_counter(), time.process_time()
     try:
         rope = FmuRope(fmu, run.fmu, ROPE_SIGNALS.union(run.signals))
         try:
-            result, design_time = wind(run, rope)
+            result = wind(run, rope)
             data = rope.data()
         finally:
             rope.close()
@@ -184,27 +181,23 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
         cause = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
-        return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {}, {"all": time.perf_counter() - begin})
-    clock = {"design": design_time, "rope": result.rope_clock.wall, "drive": result.drive_clock.wall}
+        return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {})
     # a series means nothing without its instants
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
     kept = {name: result.recording[name].tolist() for name in names if name in result.recording}
     units, fidelity = {name: result.recording.units[name] for name in kept}, ", ".join(fidelities_of(result.recording))
     status = "completed" if result.completed else "stopped"
-    clock |= {"all": time.perf_counter() - begin, "processor": time.process_time() - worked}
     warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradictions(run.hoist, data.parameters))
     missing = missing_swing(result, run.hoist, run.arrival) if math.isnan(metrics["swing_frequency"]) else ""
     passed, told = passages(result.recording), tuple(filter(None, warned))
-    return Outcome(status, result.cause, metrics, kept, clock, units, fidelity, told, missing, passed)
+    return Outcome(status, result.cause, metrics, kept, units, fidelity, told, missing, passed)
 
 
-def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tuple[Result, float]:
-    """The co-simulation of a run with any rope, and the wall time of its design [s]; `progress` as of `Host.run`."""
-    begin = time.perf_counter()
+def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
+    """Return the co-simulation of a run with any rope; `progress` as of `Host.run`."""
     chosen = run.design()
-    design_time = time.perf_counter() - begin
     host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
-    return host.run(progress), design_time
+    return host.run(progress)
 
 
 #: Parameters of the rope of which the hoist has a copy for its controller, and their unit.

@@ -1,11 +1,11 @@
 """A study's folder: every finished run in a file of its own, written at once and whole, and the table of all.
 
-    runs/KEY.json       data, outcome and clock of a run; a file that exists is complete
+    runs/KEY.json       data and outcome of a run; a file that exists is complete
     signals/KEY.parquet its time series and their instants, where the study keeps any; units as in results.parquet
     results.parquet     one row per run in the study's order, units in the schema's field metadata
     results.csv         the same, header `name [unit]`
 
-The table holds no clock and no date: the same study writes the same bytes. pandas and pyarrow are loaded where tables
+The table holds no date: the same study writes the same bytes. pandas and pyarrow are loaded where tables
 are written or read: no worker does, and they took a quarter of the time in which it loads all it needs.
 """
 
@@ -79,8 +79,8 @@ class Store:
             table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
             with _whole(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        kept = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units", "clock")}
-        record = {"key": key, "data": asdict(run), "outcome": kept, "clock": outcome.clock, "worker": worker}
+        kept = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units")}
+        record = {"key": key, "data": asdict(run), "outcome": kept, "worker": worker}
         with _whole(self._path(key)) as path:
             path.write_text(json.dumps(record, indent=1), encoding="utf-8")
 

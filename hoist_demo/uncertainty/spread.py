@@ -126,7 +126,7 @@ def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
     run = asked.run(values)
     with warnings_of("hoist_demo") as warnings:
         rope = InProcessRope(rope_data(run.fmu, asked.level), ROPE_SIGNALS)
-        result, _ = wind(run, rope)
+        result = wind(run, rope)
     result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
     passed = passages(result.recording)
     if result.completed and PASSED not in passed:
