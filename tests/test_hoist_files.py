@@ -18,7 +18,8 @@ from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import HoistFile, schema
 from hoist_demo.files.reading import FileError, nested, read
 from hoist_demo.parameters import GRAVITY
-from hoist_demo.report.hoist import as_file, hung, known
+from hoist_demo.report.hoist import as_file, known
+from hoist_demo.ropes.definition import ropes_of
 from hoist_demo.study.run import build, build_trip
 from rope_model.scene_names import named_parameters
 
@@ -238,7 +239,7 @@ def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(fil
     path = written(tmp_path / "hoist.toml", text)
     one, again = build_trip(name, {}), build_trip(str(path), {})
     cases = [find_case(name), find_case(str(path))]
-    ropes = [hung(case, run) for case, run in zip(cases, (one, again), strict=True)]
+    ropes = [ropes_of(case, run, {}, case.level).ropes for case, run in zip(cases, (one, again), strict=True)]
     first, second = ([(each.name, each.scene, each.place, each.breaks) for each in some] for some in ropes)
     assert first == second
     # the drive of several ropes takes their sum from these

@@ -27,7 +27,6 @@ from hoist_demo.report.verdict import outcome
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
     from hoist_demo.duty.schedule import Schedule
-    from hoist_demo.duty.table import Worst
     from hoist_demo.duty.wind import Trip
 
 STATE = "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
@@ -66,6 +65,7 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
+    from hoist_demo.duty.wind import rows_of
     from hoist_demo.report.rows import told
     from hoist_demo.study.provenance import of_host, of_rope, write_data
     from hoist_demo.study.run import contradictions
@@ -82,7 +82,7 @@ def _duty(options: argparse.Namespace) -> int:
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
-    exposed = _exposure(trips)
+    exposed = together([gather(row) for row in rows_of(trips)]) if "station.s[1]" in trips else None
     run = schedule.pattern[0]
     known = [*of_host(run, schedule.given), *of_rope(find_case(run.case), rope.data(), schedule.given)]
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
@@ -159,23 +159,10 @@ def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[s
     if math.isfinite(change := float(trips["difference"][-1])):
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
-        group = "Worst trip (in the first cycle, from rest)"
-        rows.append(SummaryRow(group, one.name, _worst_text(one, UNITS[one.name])))
+        (value, unit), (first, _) = (for_people(x, UNITS[one.name]) for x in (one.value, one.first_cycle))
+        text = f"{number(value)} {unit}".rstrip() + f" in trip {one.trip} ({number(first)})"
+        rows.append(SummaryRow("Worst trip (in the first cycle, from rest)", one.name, text))
     return rows
-
-
-def _worst_text(one: Worst, unit: str) -> str:
-    value, shown = for_people(one.value, unit)
-    first, _ = for_people(one.first_cycle, unit)
-    return f"{number(value)} {shown}".rstrip() + f" in trip {one.trip} ({number(first)})"
-
-
-def _exposure(trips: Recording) -> Recording | None:
-    """Return the load history of places in the rope over all trips; None if it was not counted."""
-    from hoist_demo.duty.wind import rows_of
-
-    rows = rows_of(trips)
-    return together([gather(row) for row in rows]) if "station.s[1]" in trips else None
 
 
 def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:

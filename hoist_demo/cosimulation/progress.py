@@ -6,6 +6,7 @@ import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from logging.handlers import BufferingHandler
 
 from tqdm import tqdm
 
@@ -27,24 +28,14 @@ def progress_bar() -> Iterator[Callable[[float, float], bool]]:
 
 @contextmanager
 def warnings_of(logger: str) -> Iterator[list[str]]:
-    """The warnings that a logger and those below it get meanwhile, in a list and nowhere else."""
+    """Yield a list that has, afterwards, each warning once that a logger and those below it got; nobody else hears."""
     heard: list[str] = []
-    log = logging.getLogger(logger)
+    log, ear = logging.getLogger(logger), BufferingHandler(sys.maxsize)
+    ear.setLevel(logging.WARNING)
     handlers, propagates = log.handlers, log.propagate
-    log.handlers, log.propagate = [_Ear(heard)], False
+    log.handlers, log.propagate = [ear], False
     try:
         yield heard
     finally:
         log.handlers, log.propagate = handlers, propagates
-
-
-class _Ear(logging.Handler):
-    """Keeps each text once."""
-
-    def __init__(self, heard: list[str]) -> None:
-        super().__init__(logging.WARNING)
-        self._heard = heard
-
-    def emit(self, record: logging.LogRecord) -> None:
-        if (text := record.getMessage()) not in self._heard:
-            self._heard.append(text)
+        heard += dict.fromkeys(record.getMessage() for record in ear.buffer)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +47,7 @@ def jams(recording: Recording) -> list[Jam]:
         last = int(turned[0]) if stood else int(held[-1]) - k
         way = abs(float(y[last] - y[0])) if stood else None
         found.append(Jam(side, float(recording.time[k]), float(y[0]), way, float(np.max(np.abs(ay[: last + 1])))))
-    return sorted(found, key=_time)
+    return sorted(found, key=attrgetter("t"))
 
 
 def slack_ropes(recording: Recording) -> list[SlackRopes]:
@@ -58,11 +59,7 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
             slack, time = recording[name], recording.time
             duration = float(np.sum(np.diff(time)[slack[:-1] > 0.0]))
             found.append(SlackRopes(side, float(time[np.argmax(slack > 0.0)]), duration, float(np.max(slack))))
-    return sorted(found, key=_time)
-
-
-def _time(event: Jam | SlackRopes) -> float:
-    return event.t
+    return sorted(found, key=attrgetter("t"))
 
 
 def _course(jam: Jam) -> str:

@@ -160,12 +160,9 @@ def _still_swinging(recordings: Sequence[Recording]) -> str:
     """Return a remark where neighbours end with more than half of their swing: they may yet strike; "" for none."""
     for recording in recordings:
         sideways, time = np.abs(recording["loop.sideways"]), recording.time
-        last = float(np.nanmax(sideways[time >= time[-1] - Arrival().window]))
-        if last > 0.5 * float(np.nanmax(sideways)):
-            return (
-                f"the loops still swing by {last:.2g} m where the record ends, and may strike each other later: "
-                "wind on with a longer winding.settle"
-            )
+        if (last := np.nanmax(sideways[time >= time[-1] - Arrival().window])) > 0.5 * np.nanmax(sideways):
+            words = f"the loops still swing by {last:.2g} m where the record ends, and may strike each other later"
+            return f"{words}: wind on with a longer winding.settle"
     return ""
 
 
