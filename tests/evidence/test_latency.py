@@ -1,8 +1,7 @@
 """Times of communication steps: what a percentile is, and which steps are slow and why."""
 
-from __future__ import annotations
-
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
 from evidence.latency.measure import COUNTED, STEPS, Case, causes, percentiles, work
@@ -10,24 +9,15 @@ from evidence.latency.measure import COUNTED, STEPS, Case, causes, percentiles, 
 CASE = Case("rope-120", "winding", "draft", "in process")
 
 
-def row(times: np.ndarray) -> dict[str, float]:
-    return dict(zip(STEPS, percentiles(CASE, times, 52), strict=True))  # type: ignore[arg-type]
-
-
-def test_one_hiccup_in_one_round_moves_no_percentile() -> None:
+@pytest.mark.parametrize(("rounds", "time", "largest", "late"), [(1, 3e-2, 5e-5, 0.0), (slice(3), 11e-3, 11e-3, 0.01)])
+def test_a_step_is_late_that_is_long_in_every_round(
+    rounds: int | slice, time: float, largest: float, late: float
+) -> None:
     times = np.full((3, 100), 5e-5)
-    times[1, 40] = 30e-3
-    found = row(times)
-    assert_allclose([found["largest [s]"], found["own largest [s]"]], 5e-5)
-    assert found["late"] == 0.0
-
-
-def test_a_step_that_is_long_in_every_round_is_late() -> None:
-    times = np.full((3, 100), 5e-5)
-    times[:, 40] = 11e-3
-    found = row(times)
-    assert found["late"] == 0.01
-    assert_allclose([found["largest [s]"], found["own largest [s]"]], 11e-3)
+    times[rounds, 40] = time
+    found = dict(zip(STEPS, percentiles(CASE, times, 52), strict=True))  # type: ignore[arg-type]
+    assert_allclose([found["largest [s]"], found["own largest [s]"]], largest)
+    assert found["late"] == late
 
 
 def test_the_slowest_steps_are_told_by_what_happened_in_them() -> None:
