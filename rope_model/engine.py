@@ -232,7 +232,8 @@ class NativeRope(BalanceRope):
     def derivative(self, side: int, name: str, at_step_end: bool = True) -> list[float]:
         """Derivatives of left.fx ... left.mz, right.fx ... right.mz to an input of one side, as an FMU gives them."""
         out = (c_double * 12)()
-        number = 11 * side + list(EndMotion.__dataclass_fields__).index(name)
+        fields = [*EndMotion.__dataclass_fields__]
+        number = len(fields) * side + fields.index(name)
         if not self._lib.rope_load_derivative(self._rope, number, at_step_end, out):
             raise RuntimeError(self._message())
         return list(out)

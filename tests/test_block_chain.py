@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to compare with")
 #: the arguments of ``evaluate``
-STATE = ("q", "v", "a", "R", "l", "F", "load", "friction_load", "node_mass", "P")
+STATE = ("q", "v", "a", "R", "l", "F", "load", "friction_load", "node_mass", "hold", "axis", "P")
 P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.2, 0.9, 0.5, 0.2])
 
 
@@ -33,10 +33,13 @@ def random_chain(elements: int, seed: int) -> dict[str, Array]:
     q[:, 3] += 1.0
     free = (rng.uniform(size=nodes) < 0.67).astype(float)
     normal = partial(rng.normal, size=nodes)
+    axis = np.zeros(nodes)
+    axis[[0, -1]] = rng.normal(size=(2, NODE_DOF))
     return {
         "q": q, "v": normal(), "a": normal(), "R": normal(), "l": l,
         "F": RopeKernels(elements, "portable").reference(q + 0.1 * normal(), l)[0],
-        "load": normal(), "friction_load": normal(), "node_mass": rng.uniform(0.0, 0.5, nodes), "free": free, "P": P,
+        "load": normal(), "friction_load": normal(), "node_mass": rng.uniform(0.0, 0.5, nodes),
+        "hold": (axis != 0) * (axis * axis).sum(axis=1, keepdims=True), "axis": axis, "free": free, "P": P,
         "c": np.array([1.0, 3.0, 40.0]),
     }  # fmt: skip
 
@@ -54,6 +57,10 @@ def direct(x: dict[str, Array]) -> tuple[Array, Array]:
     pressed = np.maximum(x["R"][:, 1:2], 0.0)
     R += (x["node_mass"] * x["a"] - x["load"] - x["friction_load"] * pressed).ravel()
     J += x["c"][2] * np.diag(x["node_mass"].ravel())
+    for i, (hold, axis, q) in enumerate(zip(x["hold"], x["axis"], x["q"], strict=True)):
+        at, spring = slice(NODE_DOF * i, NODE_DOF * (i + 1)), np.diag(hold) - np.outer(axis, axis)
+        R[at] += spring @ q
+        J[at, at] += x["c"][0] * spring
     free = np.flatnonzero(x["free"].ravel())
     correction = np.zeros(size)
     correction[free] = np.linalg.solve(J[np.ix_(free, free)], -R[free])

@@ -177,7 +177,7 @@ def test_same_sources_give_the_same_bytes_others_another_token(fmi: int, fmus: d
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
     inputs = [v for v in variables(rope_120()) if v.causality == "input"]
-    assert len(inputs) == 22
+    assert len(inputs) == 26
     for v in inputs:
         side, name = v.name.split(".")
         for bound in (v.minimum, v.maximum):

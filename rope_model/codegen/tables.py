@@ -29,7 +29,14 @@ from rope_model.texts import c_string
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
 #: suffix of a code's name where the word alone would not do
-_SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "start": "_START", "kind": "_MESH", "fidelity": "_FIDELITY"}
+_SUFFIXES = {
+    "given": "_GIVEN",
+    "mode": "_MODE",
+    "start": "_START",
+    "kind": "_MESH",
+    "fidelity": "_FIDELITY",
+    "attachment": "_ATTACHMENT",
+}
 
 
 def signal_numbers() -> str:

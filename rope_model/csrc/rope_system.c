@@ -15,6 +15,7 @@ System rope_system(const Simulator *rope, State *state) {
                 .wires = state->rubs ? rope->wires : NULL,
                 .curved = is_curved(rope, state) ? rope->curved : NULL,
                 .latest = rope->latest,
+                .paths = state->paths,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
     const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter, rope->scene.layout.spacing);
@@ -25,6 +26,8 @@ System rope_system(const Simulator *rope, State *state) {
         const SwivelState *now = &state->swivels[side];
         s.free[side][SLOPE + 1] = 1;
         s.free[side][ANGLE] = now->phase == SLIP;
+        if (swivel->attachment != PLUMB) s.free[side][SLOPE] = s.free[side][SLOPE + 2] = 1;
+        if (swivel->attachment == CLAMPED) s.stiffness[side] = clamp_stiffness(data, s.shortest);
         s.inertia[side] = swivel->inertia;
         if (now->phase == SLIP && swivel->mode != FREE_MODE) {
             s.load[side] = -now->sign * swivel->seal_moment;
@@ -32,6 +35,17 @@ System rope_system(const Simulator *rope, State *state) {
         }
     }
     return s;
+}
+
+void clamp_force(const System *s, const double *q, double times, double *R) {
+    for (int side = LEFT; side <= RIGHT; side++) {
+        if (s->stiffness[side] == 0) continue;
+        const size_t at = (side ? (size_t)s->elements * DOF : 0) + SLOPE;
+        double held[4];
+        clamp(&s->paths[side], s->time, s->stiffness[side], held);
+        const double along = dot(held + 1, q + at);
+        for (size_t k = 0; k < 3; k++) R[at + k] += times * (held[0] * q[at + k] - held[1 + k] * along);
+    }
 }
 
 /* what the material is counted from besides the frames */

@@ -108,7 +108,8 @@ enum { OWN_SCRATCH = 4 };
    own: NULL where the rope does not press itself.  forces, at `time`: NULL where there are none.
    air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
    element, NULL where no wires rub; latest: WIRE_LATEST of each, where their latest tangent was, scratch as frames are.
-   curved: physics.curved_element.CURVED numbers of each element, NULL of a rope without permanent curvature. */
+   curved: physics.curved_element.CURVED numbers of each element, NULL of a rope without permanent curvature.
+   stiffness: of the clamps at the ends, which lean at `time` as the paths say, 0 without one. */
 typedef struct {
     int elements, free[2][DOF];
     const double *lengths;
@@ -117,7 +118,8 @@ typedef struct {
     OwnContact *own;
     const PointForces *forces;
     const double *wires, *curved;
-    double time, *latest, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
+    const Path *paths;
+    double stiffness[2], time, *latest, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
 } System;
 
 typedef struct {
@@ -188,7 +190,9 @@ void self_contact_take_force(const OwnContact *own, double *R);
 void self_contact_times(const OwnContact *own, const double *x, double *y);
 void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
-/* rope_system.c: of bodies and of the rope with itself, all elements, where they are */
+/* rope_system.c: the forces of the clamps against q, so many times, to R */
+void clamp_force(const System *s, const double *q, double times, double *R);
+/* of bodies and of the rope with itself, all elements, where they are */
 void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 /* the longest of the elements that may touch a body, m; 0 for none */
 double longest_near(const System *s);

@@ -52,6 +52,8 @@ static int path_plausible(const Path *path, double t) {
     path_motion(path, path->stop, motion);
     for (int k = 0; k < 12; k++)
         if (!(fabs(motion[k / 4][k % 4]) <= distant)) return 0;
+    for (int k = 0; k < 4; k++)
+        if (!(fabs(path->leans[k / 2][k % 2]) <= distant)) return 0;
     return 1;
 }
 

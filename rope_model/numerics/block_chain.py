@@ -89,12 +89,13 @@ class ChainFunctions(NamedTuple):
     A node has ``dof`` degrees of freedom of which the element may know but some; the others stay zero.  ``l`` and ``F``
     have a column for each element.
 
-    solve:     (q, v, a, R, l, F, load, grip, node_mass, free, P, c, scale, tolerance) -> q, v, a, R, balance, progress
+    solve:     (q, v, a, R, l, F, load, grip, node_mass, hold, axis, free, P, c, scale, tolerance)
+               -> q, v, a, R, balance, progress
         Newton's method for q; v and a follow by c[1] and c[2] times the corrections, whose size is the largest
         entry times ``scale`` (dof,).  ``progress`` is that of numerics.newton.
-    newton_step: (q, v, a, R, l, F, load, grip, node_mass, free, P, c) -> correction, R
+    newton_step: (q, v, a, R, l, F, load, grip, node_mass, hold, axis, free, P, c) -> correction, R
         solves J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da
-    evaluate:    (q, v, a, R, l, F, load, grip, node_mass, P) -> R, balance summed over the elements
+    evaluate:    (q, v, a, R, l, F, load, grip, node_mass, hold, axis, P) -> R, balance summed over the elements
     losses:    (q, v, l, F, P) -> the balance's powers, summed
     strains:   (q, l, F) -> one column per element
     momentum:  (q, v, l, P) -> the elements' momentum, summed
@@ -102,7 +103,8 @@ class ChainFunctions(NamedTuple):
     transport: (q, v, a, l, F) -> one column per element
 
     ``load`` are dead loads, ``grip`` those that grow with the last known reaction R in direction 1 of the same node
-    (friction), ``node_mass`` concentrated masses (inertias).
+    (friction), ``node_mass`` concentrated masses (inertias).  Springs of the stiffness hold - axis axis^T hold the
+    outermost nodes.
     """
 
     solve: ca.Function
@@ -125,8 +127,8 @@ def chain_parts(element: ElementSource) -> ChainParts:
 def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) -> ChainFunctions:
     """Functions for ``n`` elements that know the degrees of freedom ``kept`` of a node's ``dof``."""
     m, parameters = len(kept), parts.residual.size1_in(5)
-    names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
-    q, v, a, R, load, grip, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
+    names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "hold", "axis", "free")
+    q, v, a, R, load, grip, node_mass, hold, axis, free = (ca.MX.sym(name, m, n + 1) for name in names)
     l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
     F, Ps = ca.MX.sym("F", parts.residual.size1_in(4), n), ca.repmat(P, 1, n)
     factorize, substitute = _factorize(n, parts, m), _substitute(n, parts, m)
@@ -138,14 +140,15 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     residual_map, balance_map = parts.residual.map(n), parts.balance.map(n)
 
     def residual(q: ca.MX, v: ca.MX, a: ca.MX, R: ca.MX) -> ca.MX:
-        return _assemble(residual_map(*(_both_ends(x) for x in (q, v, a)), l, F, Ps), m) + nodal(a, R)
+        springs = hold * q - axis * ca.repmat(ca.sum1(axis * q), m, 1)
+        return _assemble(residual_map(*(_both_ends(x) for x in (q, v, a)), l, F, Ps), m) + nodal(a, R) + springs
 
     # Newton's method: x holds q, v, a and R side by side
     x = ca.MX.sym("x", m, 4 * (n + 1))
     motions = ca.horzsplit(x, n + 1)
-    fixed = [l, F, load, grip, node_mass, free, P, c, scale]
+    fixed = [l, F, load, grip, node_mass, hold, axis, free, P, c, scale]
     factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(factorize.n_out())]
-    made = factorize(*motions[:3], l, F, node_mass, free, P, c)
+    made = factorize(*motions[:3], l, F, node_mass, hold, axis, free, P, c)
     step = substitute(*factors, free * motions[3])
     weighted = ca.vec(step * ca.repmat(scale, 1, n + 1))
     # the largest entry loses NaN, the sum of squares does not
@@ -165,13 +168,13 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
         return ca.sum2(balance_map(_both_ends(q), _both_ends(v), l, F, Ps))
 
     R_a = residual(q, v, a, R)
-    correction = substitute(*factorize(q, v, a, l, F, node_mass, free, P, c), free * R_a)
+    correction = substitute(*factorize(q, v, a, l, F, node_mass, hold, axis, free, P, c), free * R_a)
     losses = ca.sum2(parts.losses.map(n)(_both_ends(q), _both_ends(v), l, F, Ps))
     strains = parts.strains.map(n)(_both_ends(q), l, F)
     momentum = ca.sum2(parts.momentum.map(n)(_both_ends(q), _both_ends(v), l, Ps))
     reference = parts.reference.map(n)(_both_ends(q), l)
     transport = parts.transport.map(n)(*(_both_ends(x) for x in (q, v, a)), l, F)
-    system = {"l": l, "F": F, "load": load, "friction_load": grip, "node_mass": node_mass}
+    system = {"l": l, "F": F, "load": load, "friction_load": grip, "node_mass": node_mass, "hold": hold, "axis": axis}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
     limits = {"scale": scale, "tolerance": tolerance}
@@ -196,7 +199,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
 
 
 #: arguments and results with a row for each degree of freedom of a node
-_NODAL = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free", "scale")
+_NODAL = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "hold", "axis", "free", "scale")
 
 
 def _widen(
@@ -254,13 +257,19 @@ def _elimination(tangent: ca.Function, m: int) -> tuple[ca.Function, ca.Function
 
 
 def _factorize(n: int, parts: ChainParts, m: int) -> ca.Function:
-    """(q, v, a, l, F, node_mass, free, P, c) -> factors: of the n eliminated blocks, W, L, and of the last block."""
-    q, v, a, node_mass, free = (ca.MX.sym(s, m, n + 1) for s in ("q", "v", "a", "node_mass", "free"))
+    """(q, v, a, l, F, node_mass, hold, axis, free, P, c) -> factors: of the n eliminated blocks, W, L, the last."""
+    names = ("q", "v", "a", "node_mass", "hold", "axis", "free")
+    q, v, a, node_mass, hold, axis, free = (ca.MX.sym(s, m, n + 1) for s in names)
     l, F = ca.MX.sym("l", 1, n), ca.MX.sym("F", parts.residual.size1_in(4), n)
     P, c = ca.MX.sym("P", parts.residual.size1_in(5)), ca.MX.sym("c", 3)
     diagonal = c[2] * node_mass
+
+    def spring(node: int) -> ca.MX:
+        held, along = free[:, node] * hold[:, node], free[:, node] * axis[:, node]
+        return c[0] * (ca.diag(held) - along @ along.T)
+
     Ds, factors, Ws, Ls = parts.eliminate.mapaccum("factor_sweep", n)(
-        ca.diag(free[:, 0] * diagonal[:, 0] + 1 - free[:, 0]),
+        ca.diag(free[:, 0] * diagonal[:, 0] + 1 - free[:, 0]) + spring(0),
         *(_both_ends(x) for x in (q, v, a)),
         l,
         F,
@@ -269,8 +278,8 @@ def _factorize(n: int, parts: ChainParts, m: int) -> ca.Function:
         ca.repmat(P, 1, n),
         *(ca.repmat(c[i], 1, n) for i in range(3)),
     )
-    last = parts.last_factor(Ds[:, -m:])
-    return ca.Function("factorized", [q, v, a, l, F, node_mass, free, P, c], [factors, Ws, Ls, last])
+    last = parts.last_factor(Ds[:, -m:] + spring(n))
+    return ca.Function("factorized", [q, v, a, l, F, node_mass, hold, axis, free, P, c], [factors, Ws, Ls, last])
 
 
 def _substitution(m: int) -> tuple[ca.Function, ca.Function, ca.Function]:

@@ -27,7 +27,7 @@ from rope_model.physics.shaft import KINDS
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
 from rope_model.simulation.contact.self_contact import SelfTouchingRope
 from rope_model.simulation.contact.surroundings import surroundings
-from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
+from rope_model.simulation.ends.ends import HangingEnds, Phase, clamp_stiffness, nominal_points
 from rope_model.simulation.ends.paths import EndPath
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
@@ -88,7 +88,9 @@ class RopeModel:
         return self.pushed(system, state.motion.t)
 
     def pushed(self, system: RopeSystem, t: float) -> RopeSystem:
-        """``system`` with the forces that act at ``t``."""
+        """``system`` with the forces that act at ``t``, its clamps as they lean then."""
+        clamps = ends_of(system).clamps(t, clamp_stiffness(self.scene.rope, system.lengths.min()))
+        system = system if clamps is None else system.with_clamps(clamps)
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
     def ends(self, state: RopeState) -> HangingEnds:
@@ -255,6 +257,8 @@ def powers(system: RopeSystem, motion: Motion) -> Powers:
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]
         moment = ends.moment(side, motion.reaction)
         at_ends += float(force @ velocity)
+        if ends.swivels[side].attachment == "clamped":
+            at_ends += float(motion.reaction[-side, SLOPE] @ motion.v[-side, SLOPE])
         spin = float(motion.v[-side, ANGLE])
         if ends.states[side].phase is Phase.SLIP:
             rate = float(ends.relative(side, motion.t, 0.0, spin)[1])

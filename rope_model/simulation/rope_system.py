@@ -135,7 +135,8 @@ class RopeSystem:
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
         self._scale[SLOPE] = lengths.min()
-        self._loads = self.load, boundary.friction_load(nodes), self.node_mass
+        nothing = np.zeros((nodes, NODE_DOF))
+        self._loads = self.load, boundary.friction_load(nodes), self.node_mass, nothing, nothing
         self._refer()
 
     def _refer(self) -> None:
@@ -162,6 +163,30 @@ class RopeSystem:
         other._loads = other.load, *self._loads[1:]
         other._constants = self.lengths, self.frames, *other._loads
         return other
+
+    def with_clamps(self, clamps: Array) -> RopeSystem:
+        """Return this system with these ``clamps`` (2, 4) of its ends: stiffness k, and axis times its root."""
+        other = self._alike()
+        hold, axis = np.zeros((2, *self.free.shape))
+        hold[[0, -1], SLOPE], axis[[0, -1], SLOPE] = clamps[:, :1], clamps[:, 1:]
+        other._loads = *self._loads[:3], hold, axis
+        other._constants = self.lengths, self.frames, *other._loads
+        return other
+
+    @property
+    def clamps(self) -> tuple[Array, Array]:
+        """Springs of the stiffness hold - axis axis^T at the nodes (nodes, 7)."""
+        return self._loads[3:]
+
+    def clamp_force(self, q: Array) -> Array:
+        """Return (nodes, 7): the forces of the clamps against ``q``."""
+        hold, axis = self.clamps
+        force: Array = hold * q - axis * (axis * q).sum(axis=1, keepdims=True)
+        return force
+
+    def _of_surroundings(self, R: Array, q: Array) -> Array:
+        """Return the residual ``R`` with the forces of the clamps among those of the surroundings."""
+        return R - self.clamp_force(q) if self.clamps[0].any() else R
 
     def with_reference(self, q: Array, z: Array = NO_MEMORY) -> RopeSystem:
         """Return this system with the frame counted from ``q``, where its wires have ``z``."""
@@ -216,7 +241,8 @@ class RopeSystem:
             found = self._newton(near, q, v, a, reaction, c, tolerance)
             more = self._near(found.q, 0.0) if found.newton.converged else _NOTHING
             if not more.any() or (near.any() and not (more & ~near).any()):
-                return found
+                R = self._of_surroundings(found.evaluation.reaction, found.q)
+                return replace(found, evaluation=replace(found.evaluation, reaction=R))
             q, v, a, reaction, near = found.q, found.v, found.a, found.evaluation.reaction, near | more
 
     def _newton(
@@ -275,11 +301,11 @@ class RopeSystem:
 
     def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
         """Solver of J x = -R, J that of the chain alone: R is put in as a load."""
-        lengths, frames, load, grip, mass = constants
+        lengths, frames, load, *others = constants
         known = kernels.evaluate(*at, *constants, P)[0]
 
         def solve(R: Array) -> Array:
-            x: Array = kernels.newton_step(*at, lengths, frames, load + known - R, grip, mass, self._free, P, c)[0]
+            x: Array = kernels.newton_step(*at, lengths, frames, load + known - R, *others, self._free, P, c)[0]
             return x
 
         return solve
@@ -295,13 +321,13 @@ class RopeSystem:
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         x, R = kernels.newton_step(q, v, a, reaction, *constants, self._free, P, c)
-        return x, R
+        return x, self._of_surroundings(R, q)
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         """Residual and balance; the inertia of concentrated masses is added to the kinetic energy."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         R, sums = kernels.evaluate(q, v, a, reaction, *constants, P)
-        return self._evaluation(v, R, kernels.balance, sums)
+        return self._evaluation(v, self._of_surroundings(R, q), kernels.balance, sums)
 
     def _evaluation(self, v: Array, R: Array, names: tuple[str, ...], sums: Array) -> Evaluation:
         balance = dict(zip(names, sums.tolist(), strict=True))

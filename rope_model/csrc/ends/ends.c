@@ -4,7 +4,7 @@
 
 enum { YAW = 3, AXES = 4 };
 /* of the conveyance's yaw in theta */
-static const double YAW_SENSE[2] = {-1.0, 1.0};
+const double YAW_SENSE[2] = {-1.0, 1.0};
 
 static int largest(const double sizes[AXES]) {
     int worst = 0;
@@ -39,6 +39,13 @@ void ends_refusal(const Inputs *inputs, const EndMotion *target, const double li
     if (!(peaks[worst] <= inputs->acceleration_max))
         say_inputs_do_not_fit(message, SIDE_NAMES[side], worst == YAW ? "yaw" : names[worst], peaks[worst],
                               worst == YAW ? "rad/s^2" : "m/s^2", inputs->acceleration_max);
+}
+
+void not_clamped(const Swivel *swivel, const EndMotion *target, int side, char *message) {
+    const double leans[2] = {target->lean, target->lean_z};
+    for (int k = 0; k < 2 && !message[0]; k++)
+        if (leans[k] != 0 && swivel->attachment != CLAMPED)
+            say_not_clamped(message, SIDE_NAMES[side], k ? "lean_z" : "lean", leans[k]);
 }
 
 void ends_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {

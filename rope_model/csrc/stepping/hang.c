@@ -126,7 +126,29 @@ static int relax(Simulator *rope, State *state, const Before *before, char *mess
     return 1;
 }
 
-int hang(Simulator *rope, State *state, char *message) {
+void ends_on_the_way(const Scene *scene, const EndMotion ends[2], double part, EndMotion placed[2]) {
+    for (int side = LEFT; side <= RIGHT; side++)
+        placed[side] = not_plumb(scene) ? partly_placed(&scene->layout, &scene->rope, &ends[side], &ends[!side],
+                                                        YAW_SENSE[side], part)
+                                        : ends[side];
+}
+
+/* the state between these ends, their clamps leaned with the sections that they hold */
+static void leaned(Simulator *rope, State *state, const EndMotion ends[2]) {
+    const Arrays m = state_arrays(state);
+    double *rest = rope->trial.v;
+    memset(rest, 0, sizeof(double) * (size_t)m.nodes * DOF);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        double *slope = m.q + (side ? (size_t)m.elements * DOF : 0) + SLOPE, found[3];
+        state->paths[side] = path_resting(state->t, &ends[side]);
+        if (rope->scene.swivels[side].attachment != CLAMPED) continue;
+        clamped_slope(&state->paths[side], state->t, YAW_SENSE[side], slope, found);
+        memcpy(slope, found, sizeof found);
+    }
+    state->offsets[RIGHT] += rope_system_transport(rope, state, m.q, rest, rest, rest);
+}
+
+static int hang_plumb(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
@@ -137,4 +159,19 @@ int hang(Simulator *rope, State *state, char *message) {
     rope->corrections = 0;
     return let_curve(rope, state, message) && turn_in(rope, state, twist, message) &&
            relax(rope, state, &before, message);
+}
+
+int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message) {
+    const int attachments[2] = {rope->scene.swivels[LEFT].attachment, rope->scene.swivels[RIGHT].attachment};
+    const int steps = not_plumb(&rope->scene) ? PLACING_STEPS : 0;
+    EndMotion placed[2];
+    for (int side = LEFT; side <= RIGHT; side++) rope->scene.swivels[side].attachment = PLUMB;
+    int found = hang_plumb(rope, state, message);
+    for (int side = LEFT; side <= RIGHT; side++) rope->scene.swivels[side].attachment = attachments[side];
+    for (int k = 1; k <= steps && found; k++) {
+        ends_on_the_way(&rope->scene, ends, (double)k / PLACING_STEPS, placed);
+        leaned(rope, state, placed);
+        found = equilibrium_in_frame(rope, state, INFINITY, message);
+    }
+    return found;
 }

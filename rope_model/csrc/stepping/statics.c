@@ -40,6 +40,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         rope->corrections++;
         const double c[3] = {1, 0, pow(tau, -2)};
         chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, now);
+        clamp_force(&s, m.q, 1, now);
         previous = imbalance(&s, now);
         const double move = rope_system_norm(&s, x, 1),
                      norm = rope_system_norm(&s, x, s.shortest); /* x is 0 where it is held */
@@ -54,6 +55,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         const double step = fmin(relaxed, LARGEST_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
         chain->evaluate(&s, trial, rest, rest, now, R, balance);
+        clamp_force(&s, trial, 1, R);
         const double force = imbalance(&s, R);
         /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
            that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given */
@@ -70,6 +72,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         balanced += force <= rounding;
         if (balanced > BALANCED || (tau > 1e8 && norm < TOLERANCE * m.s[m.elements])) {
             state->offsets[RIGHT] += turned;
+            clamp_force(&s, m.q, -1, m.reaction);
             return 1;
         }
         tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));

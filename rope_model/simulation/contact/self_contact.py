@@ -156,7 +156,7 @@ class SelfTouchingRope(RopeSystem):
             return super().newton_step(q, v, a, reaction, c)
         R = self.evaluate(q, v, a, reaction).reaction
         solve = self._solver(*self._with_bodies(self._near(q, 0.0), q, v), Iterate(q, v, a, reaction), c)
-        return conjugate_gradients(solve, touches.times, R), R
+        return conjugate_gradients(solve, touches.times, R + self.clamp_force(q)), R
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         return self._with_touches(super().evaluate(q, v, a, reaction), q, v)

@@ -1,7 +1,10 @@
 """The rope's two ends: how the conveyances move them, and how the swivels hold them.
 
 An end is vertical (tangent -Y on the left, +Y on the right); its position and tangent direction are prescribed, only
-the stretch |r'| is free.  theta is prescribed while the swivel holds and free while it slips:
+the stretch |r'| is free.  An end with another attachment has all of r' free.  A clamp holds it along its axis n by the
+energy 1/2 k |r' - n (n . r')|^2, so stiffly that it gives way by 1/CLAMP of the outermost element.  A hinge does not
+hold it.  Both let the end's section follow the tangent without spin about it.  theta is prescribed while the swivel
+holds and free while it slips:
 
     theta = offset + s yaw + b,   s = -1 on the left, +1 on the right
 
@@ -20,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.parameters import Inputs, Swivel
-from rope_model.physics.elementary import atan2
+from rope_model.physics.elementary import atan2, cos, dot, hypot, larger, sin, smaller, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.following import Following, Limits
 from rope_model.simulation.ends.paths import PATH, REACH, EndMotion, EndPath
@@ -28,10 +31,16 @@ from rope_model.simulation.ends.swivel_phases import Phase as Phase
 from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
 from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
-from rope_model.simulation.rope_system import ANGLE, Array
+from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
 
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)
+#: stiffness of a clamp over that of an element
+CLAMP = 1e4
+#: rad or m: less is as good as none
+LEAST_LEAN = 1e-9
+#: width between ends at which a rope is hung up in a loop, over the length that it has for it
+HANGING_WIDTH = 0.4
 
 
 @dataclass(frozen=True)
@@ -51,8 +60,10 @@ class HangingEnds:
         free = np.ones((nodes, 7), dtype=bool)
         free[[0, -1]] = False
         free[[0, -1], 4] = True
-        for node, state in zip((0, -1), self.states, strict=True):
+        for node, state, swivel in zip((0, -1), self.states, self.swivels, strict=True):
             free[node, ANGLE] = state.phase is Phase.SLIP
+            if swivel.attachment != "plumb":
+                free[node, SLOPE] = True
         return free
 
     def prescribed_motion(self, t: float, nodes: int) -> Array:
@@ -89,6 +100,13 @@ class HangingEnds:
         tension, held = float(reaction[-side, 1]), float(reaction[-side, ANGLE])
         return float(moment_of_swivel(self.swivels[side], self.states[side], tension, held))
 
+    def clamps(self, t: float, stiffness: float) -> Array | None:
+        """Return (2, 4): stiffness and axis of each end as in ``clamp``, 0 without one; None for plumb ends."""
+        if all(swivel.attachment == "plumb" for swivel in self.swivels):
+            return None
+        held = [stiffness * (swivel.attachment == "clamped") for swivel in self.swivels]
+        return np.array([clamp(path, t, k) for path, k in zip(self.paths, held, strict=True)])
+
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """The swivel's angle b (rad) and rate b_t (rad/s)."""
         yaw, yaw_rate = self.paths[side].yaw(t)
@@ -103,6 +121,37 @@ def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: flo
         (vx, vy, vz, 0.0, 0.0, 0.0, sense * yaw_rate),
         (ax, ay, az, 0.0, 0.0, 0.0, sense * yaw_acceleration),
     )
+
+
+def clamp(path: Any, t: Any, stiffness: Any) -> tuple[Any, ...]:
+    """Stiffness (N m) of a clamp, and its axis times the root of that."""
+    lean, lean_z = path.leaning(t)
+    angle, root = sqrt(lean * lean + lean_z * lean_z), sqrt(stiffness)
+    aside = root * where(angle > LEAST_LEAN, sin(angle) / larger(angle, LEAST_LEAN), 1.0)
+    return stiffness, aside * lean, -root * cos(angle), aside * lean_z
+
+
+def clamped_slope(path: Any, t: Any, sense: Any, slope: Any) -> tuple[Any, ...]:
+    """r' in the clamp, as long as ``slope`` (3,)."""
+    axis, length = clamp(path, t, 1.0)[1:], sqrt(dot(slope, slope))
+    return tuple(-sense * length * x for x in axis)
+
+
+def clamp_stiffness(rope: Any, shortest: Any) -> Any:
+    """Stiffness (N m) of the clamps of a rope whose shortest element is so long (m)."""
+    return CLAMP * larger(rope.EI, rope.EI_stick) / shortest
+
+
+def partly_placed(layout: Any, rope: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
+    """End ``own`` on its way from where the rope hangs in a loop (part 0) to its place and lean (part 1).
+
+    ``sense`` is -1 on the left, 1 on the right.
+    """
+    x, z = other.x - own.x - sense * layout.spacing, other.z - own.z
+    narrow = HANGING_WIDTH * (rope.length - abs(other.y - own.y)) / larger(hypot(x, z), LEAST_LEAN)
+    aside = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
+    lean, lean_z = (part * angle for angle in own.leans)
+    return EndMotion(own.x + aside * x, own.y, own.z + aside * z, yaw=own.yaw, lean=lean, lean_z=lean_z)
 
 
 def nominal_points(spacing: float) -> Array:
@@ -133,6 +182,14 @@ def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str
     if not limits.peaks[worst[0]] <= inputs.acceleration_max:
         unit = "rad/s^2" if worst[0] == 3 else "m/s^2"
         return messages.inputs_do_not_fit(side, PATH[worst[0]], limits.peaks[worst[0]], unit, inputs.acceleration_max)
+    return ""
+
+
+def not_clamped(swivel: Swivel, target: EndMotion, side: str) -> str:
+    """Return '' unless the motion leans an end that has no clamp; else cause and cure."""
+    for name, lean in zip(("lean", "lean_z"), target.leans, strict=True):
+        if lean != 0 and swivel.attachment != "clamped":
+            return messages.not_clamped(side, name, lean)
     return ""
 
 

@@ -62,7 +62,9 @@ Axis = tuple[float, float, float]
 class Following(NamedTuple):
     """Last input of an end, its way of following, and its faults since the start; y alone shows the causes."""
 
-    given: tuple[float, float, float, float, float, float, float, float, float, float, float] = (0.0,) * 11
+    given: tuple[float, float, float, float, float, float, float, float, float, float, float, float, float] = (
+        0.0,
+    ) * 13
     given_at: float = 0.0  # s, of the latest sample that is no repetition
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
     asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
@@ -174,10 +176,8 @@ def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> An
     stops_below = manner.hardest * (since + 1.0 / manner.estimate)
     too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
     trusted = [getattr(manner, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
-    same = (
-        either(trust < 1, a == b)
-        for trust, a, b in zip((*trusted, manner.position, manner.speed), values, now.given, strict=True)
-    )
+    trusted += manner.position, manner.speed, manner.position, manner.position
+    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, now.given, strict=True))
     return both(manner.position > 0, where(manner.speed > 0, moves, too_fast), *same)
 
 
@@ -242,7 +242,8 @@ def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
         for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
     )
     x, y, z, yaw = axes
-    return EndPath(start, stop, (x, y, z, yaw))
+    *_, lean, lean_z = now.given
+    return EndPath(start, stop, (x, y, z, yaw), (path.leans[1], (lean, lean_z)))
 
 
 def _followed(

@@ -86,9 +86,10 @@ def _swung(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any
     fades = lasts / (lasts + h)
     c, s = cos(omega * h), sin(omega * h)
     a, b, d, e = added
-    x, x_t = a - d / omega**2, (b - e / omega**2) / omega
-    y = a + h * (b + 0.5 * h * (d + h * e / 3.0)) - (d + h * e) / omega**2
-    y_t = (b + h * (d + 0.5 * h * e) - e / omega**2) / omega
+    square = omega * omega
+    x, x_t = a - d / square, (b - e / square) / omega
+    y = a + h * (b + 0.5 * h * (d + h * e / 3.0)) - (d + h * e) / square
+    y_t = (b + h * (d + 0.5 * h * e) - e / square) / omega
     free = fades * (c * wave[0] + s * wave[1]), fades * (c * wave[1] - s * wave[0])
     swung = free[0] + (y - c * x - s * x_t), free[1] + (y_t - c * x_t + s * x)
     mean = a + 0.5 * h * (b + h * (d / 3.0 + h * e / 12.0))

@@ -21,6 +21,8 @@ SIDES = ("left", "right")
 PATH = ("x", "y", "z", "yaw")
 #: m/s and rad/s: an end that moves no faster is at rest
 RESTS_BELOW = 1e-6
+#: s: a path that takes less is held
+SHORTEST_PATH = 1e-12
 
 #: m and rad, m/s and rad/s, m/s^2 and rad/s^2: motions beyond are refused
 FARTHEST, FASTEST, HARDEST = 1e4, 60.0, 100.0
@@ -35,7 +37,8 @@ def _motion(unit: str, description: str, reach: float) -> float:
 class EndMotion:
     """Motion of a conveyance's suspension point; x and z from the nominal point, y the height in the shaft.
 
-    Metres, seconds, radians; yaw about Y (up).
+    Metres, seconds, radians; yaw about Y (up).  A clamp leans after it has yawed; as it leans on, yaw is its spin about
+    its axis.
     """
 
     x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", FARTHEST)
@@ -49,6 +52,10 @@ class EndMotion:
     az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", HARDEST)
     yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
     yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
+    lean: float = _motion("rad", "lean of the {side} clamp from plumb, in plane; with attachment = clamped", math.pi)
+    lean_z: float = _motion(
+        "rad", "lean of the {side} clamp from plumb, out of plane; with attachment = clamped", math.pi
+    )
 
     def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
         """Return the motion ``after`` (s) from here, on quintics to the motion ``to``, ``h`` (s) from here."""
@@ -59,7 +66,9 @@ class EndMotion:
             for start, stop in zip(starts, stops, strict=True)
         ]
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_rate, _) = motions
-        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+        leans = zip(self.leans, to.leans, strict=True)
+        lean, lean_z = (start + after / h * (stop - start) for start, stop in leans)
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, lean, lean_z)
 
     @property
     def position(self) -> tuple[float, float, float]:
@@ -76,30 +85,41 @@ class EndMotion:
         """Second rates of x, y, z, m/s^2."""
         return self.ax, self.ay, self.az
 
+    @property
+    def leans(self) -> Leans:
+        """Lean of the clamp in and out of plane, rad; its axis is off plumb by the root of their squares."""
+        return self.lean, self.lean_z
+
 
 #: coefficients of 1, s, s^2 ... of one coordinate
 Quintic = tuple[float, float, float, float, float, float]
 #: of x, y, z and yaw
 OfAxes = tuple[Any, Any, Any, Any]
+#: of a clamp, in and out of plane
+Leans = tuple[float, float]
 
 
 class EndPath(NamedTuple):
-    """A quintic in s = t - start for each values of x, y, z and yaw; held from ``stop`` on."""
+    """A quintic in s = t - start for each values of x, y, z and yaw; held from ``stop`` on.
+
+    ``leans`` are those of a clamp at ``start`` and ``stop``, linear in between.
+    """
 
     start: float
     stop: float
     coefficients: tuple[Quintic, Quintic, Quintic, Quintic]
+    leans: tuple[Leans, Leans] = ((0.0, 0.0), (0.0, 0.0))
 
     @staticmethod
     def at_rest(t: float, at: EndMotion) -> EndPath:
         """No motion at all."""
         x, y, z, yaw = ((place, 0.0, 0.0, 0.0, 0.0, 0.0) for place in (*at.position, at.yaw))
-        return EndPath(t, t, (x, y, z, yaw))
+        return EndPath(t, t, (x, y, z, yaw), (at.leans, at.leans))
 
     def at_constant_acceleration(self, t: float) -> EndPath:
         """The motion at ``t`` with its accelerations kept, before and after."""
         x, y, z, yaw = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in zip(*self.motion(t), strict=True))
-        return EndPath(t, math.inf, (x, y, z, yaw))
+        return EndPath(t, math.inf, (x, y, z, yaw), (self.leaning(t), self.leaning(t)))
 
     def height(self, t: float) -> Any:
         """y at ``t``."""
@@ -108,6 +128,18 @@ class EndPath(NamedTuple):
     def yaw(self, t: float) -> tuple[Any, Any]:
         """Yaw and its rate at ``t``."""
         return quintic.rates(self.coefficients[3], smaller(t, self.stop) - self.start)[:2]
+
+    def leaning(self, t: float) -> tuple[Any, Any]:
+        """Leans at ``t``."""
+        part = (smaller(t, self.stop) - self.start) / larger(self.stop - self.start, SHORTEST_PATH)
+        (x, z), (to_x, to_z) = self.leans
+        return x + part * (to_x - x), z + part * (to_z - z)
+
+    def leaned(self, axis: int, change: float) -> EndPath:
+        """The path with one of its leans changed (rad)."""
+        gains = change * (axis == 0), change * (axis == 1)
+        start, stop = ((x + gains[0], z + gains[1]) for x, z in self.leans)
+        return self._replace(leans=(start, stop))
 
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
         """Position, velocity and acceleration at ``t``."""
@@ -118,7 +150,7 @@ class EndPath(NamedTuple):
     def at(self, t: float) -> EndMotion:
         """The motion at ``t``."""
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
-        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *self.leaning(t))
 
     def peak_accelerations(self) -> OfAxes:
         """Largest accelerations on the path, sampled; NaN where the first sample is."""

@@ -77,7 +77,8 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
     rest, row, l = np.zeros_like(q_e), np.ones((1, n)), system.lengths[None, :]
     F, P = element.reference.map(n)(q_e, l), np.tile(system.P[:, None], n)
     J = element.tangent.map(n)(q_e, rest, rest, l, F, P, *(x * row for x in c))[1]
-    return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel())
+    clamps = sp.block_diag([np.diag(hold) - np.outer(axis, axis) for hold, axis in zip(*system.clamps, strict=True)])
+    return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel()) + c[0] * clamps
 
 
 def assembled(J: Array, n: int) -> sp.csc_matrix:

@@ -43,14 +43,17 @@ class Linearised(Protocol):
 def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = True) -> Array:
     """(12,): of LOADS to the field ``name`` of an end's EndMotion; 0 where inputs.given does not trust it."""
     state, place = rope.state, _NAMES.index(name)
-    kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE)
+    kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE) if place < 11 else (0, ANGLE + place - 10)
     h, size, sample = state.last_interval, _SIZES[kind], [0.0, 0.0, 0.0]
     sample[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
     if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
         sample[2] = sample[1] / h
-    change = np.array(sample_moves(manner_of(rope.scene), h, 0.0 if at_step_end else h, sample))
+    manner, ahead = manner_of(rope.scene), 0.0 if at_step_end else h
+    # a lean is taken as it is given
+    change = np.array(sample if dof > ANGLE else sample_moves(manner, h, ahead, sample))
     # friction does not know the yaw, nor does the rigid rope
     unfelt = dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid")
+    unfelt |= dof > ANGLE and rope.ends.swivels[side].attachment != "clamped"
     if unfelt or not change.any():
         return np.zeros(12)
     derivative: Array = _change_of_loads(rope, side, dof, change) / size

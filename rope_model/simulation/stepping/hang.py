@@ -4,6 +4,8 @@ Its swivels hold.  If one that starts relaxed cannot, the rope is hung up anew w
 of its slip: neither coupling nor installed twist winds up its loop.  That friction is below what holds it at rest.  A
 straight rope at rest carries the same torque all along, so the swivel with the least friction turns alone.  On a curved
 rope the other may have to turn as well.
+
+A rope whose ends are not plumb hangs so first, its ends close together.  They then move apart and lean by and by.
 """
 
 from __future__ import annotations
@@ -14,18 +16,24 @@ from dataclasses import replace
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
+from rope_model.parameters import Scene
 from rope_model.simulation.curvature import is_curved
+from rope_model.simulation.ends.ends import YAW_SENSE, clamped_slope, partly_placed
+from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.adaptation import with_loop_yaw
 from rope_model.simulation.messages import messages
+from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.model import RopeModel, ends_of, energies
-from rope_model.simulation.rope_system import ANGLE
+from rope_model.simulation.rope_system import ANGLE, SLOPE
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 
 #: parts in which the permanent curvature comes in
 CURVATURE_STEPS = 8
+#: parts in which ends that are not plumb get to their places: a clamp leans by 0.1 rad at most
+PLACING_STEPS = 32
 #: rad of twist put in at once, at most and at least
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
@@ -34,7 +42,44 @@ MOST_TURN = 2.0
 MOST_CORRECTIONS = 100_000
 
 
-def hang(model: RopeModel, state: RopeState) -> RopeState:
+def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
+    """``state`` at rest, its rope hung up between plumb ends, which are then put and leaned as ``ends`` say."""
+    scene = model.scene
+    if not not_plumb(scene):
+        return _hang_plumb(model, state)
+    left, right = (replace(swivel, attachment="plumb") for swivel in (scene.left, scene.right))
+    state = _hang_plumb(replace(model, scene=scene.with_(left=left, right=right)), state)
+    for k in range(1, PLACING_STEPS + 1):
+        placed = ends_on_the_way(scene, ends, k / PLACING_STEPS)
+        state, _ = equilibrium_in_frame(model, _leaned(model, state, placed))
+    return state
+
+
+def ends_on_the_way(scene: Scene, ends: tuple[EndMotion, EndMotion], part: float) -> tuple[EndMotion, EndMotion]:
+    """``ends`` on their way, as ends.partly_placed; where all are plumb there is no way to go."""
+    if not not_plumb(scene):
+        return ends
+    left, right = (
+        partly_placed(scene.layout, scene.rope, own, other, sense, part)
+        for own, other, sense in zip(ends, reversed(ends), YAW_SENSE, strict=True)
+    )
+    return left, right
+
+
+def _leaned(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
+    """``state`` between these ``ends``, their clamps leaned with the sections that they hold."""
+    t, q, scene = state.motion.t, state.motion.q.copy(), model.scene
+    left, right = (EndPath.at_rest(t, end) for end in ends)
+    for side, swivel in enumerate((scene.left, scene.right)):
+        if swivel.attachment == "clamped":
+            q[-side, SLOPE] = clamped_slope((left, right)[side], t, YAW_SENSE[side], q[-side, SLOPE])
+    turned = model.system(state).frame_turn(q)
+    q[:, ANGLE] += turned
+    state = state._replace(paths=(left, right), motion=replace(state.motion, q=q))
+    return _turn_right_end(state, float(turned[-1]))
+
+
+def _hang_plumb(model: RopeModel, state: RopeState) -> RopeState:
     """``state`` at rest, hung up straight and untwisted, then curved, turned in and relaxed."""
     held = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
     twist, straight = held[1] - held[0], _untwisted(state, held[0])

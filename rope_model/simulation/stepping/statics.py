@@ -79,6 +79,7 @@ def find_equilibrium(
     tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
         x, now = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        now = now + system.clamp_force(q)
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
         previous = _imbalance(system, now)
         if not np.all(np.isfinite(x)):
@@ -93,7 +94,7 @@ def find_equilibrium(
         last = error
         step = min(relaxed, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        following = system.evaluate(trial, rest, rest, now).reaction
+        following = system.evaluate(trial, rest, rest, now).reaction + system.clamp_force(trial)
         force = _imbalance(system, following)
         # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
         # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given
@@ -110,7 +111,7 @@ def find_equilibrium(
         system, q, reaction = system.with_reference(trial), trial, following
         balanced += force <= rounding
         if balanced > BALANCED or (tau > 1e8 and system.norm(x) < tolerance * scale):
-            return Equilibrium(q, reaction, k, turn)
+            return Equilibrium(q, reaction - system.clamp_force(q), k, turn)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
     raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > most_turn)
 
