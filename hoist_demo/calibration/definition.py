@@ -12,6 +12,7 @@ All errors of a file are told at once. [rope] and [known] are those of the param
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -22,13 +23,14 @@ from typing import Annotated, Any, Literal, Union
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from hoist_demo.calibration.measurements import DEFAULTS, FOLLOWING, KINDS, MAGNITUDES, PLANES, Bench, Measurement
+from hoist_demo.calibration.tracks import Markers, read_track
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.fixed import cure, fixed_model, fixed_values, plain, statuses
 from hoist_demo.files.reading import FileError, Table, flat, optional, read_toml, validated
 from hoist_demo.files.values import Given, Text, given
-from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, rope
-from rope_model.catalogue import Lay
+from rope_model import SIGNALS, Datum, DatumStatus, KnownRope, Rope, rope
+from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
 
 #: groups of parameters that may be looked for beside the properties
@@ -144,7 +146,7 @@ def _model() -> type[Table]:
         for name in kind.texts:
             fields[name] = (Signal if name == "signal" else Literal[PLANES], ...)
         kinds.append(create_model(what.title().replace(" ", ""), __base__=_Measured, **fields))
-    union: Any = Annotated[Union[tuple(kinds)], Field(discriminator="what")]  # noqa: UP007 (of a tuple)
+    union: Any = Annotated[Union[(*kinds, Markers)], Field(discriminator="what")]
     made: type[Table] = create_model(
         "MeasurementsFile",
         __base__=Table,
@@ -166,8 +168,14 @@ def read_measured(path: Path) -> Measured:
     fixed = fixed_values(file.fixed)
     problems += follows_from_properties(fixed)
     sought = _sought(path, file.sought, problems)
-    found = [_measurement(one) for one in file.measured]
-    for number, m in enumerate(found, 1):
+    found = []
+    for number, one in enumerate(file.measured, 1):
+        try:
+            m = _measurement(one, path.parent, known.length if known else math.inf)
+        except ValueError as error:
+            problems.append(f"measured {number}: {error}")
+            continue
+        found.append(m)
         problems += [f"measured {number}: {problem}" for problem in _out_of_reach(m, known.length if known else 0.0)]
     if problems or known is None:
         raise FileError(path, problems)
@@ -187,11 +195,20 @@ def follows_from_properties(fixed: Mapping[str, Given]) -> list[str]:
 def known_rope(path: Path, asked: RopeAsked, known: Mapping[str, Range], problems: list[str]) -> KnownRope | None:
     """Return the catalogue's rope with the ranges of [known]; None where something is wrong, as the problems say."""
     diameter, length = (None if one is None else float(one.value) for one in (asked.diameter, asked.length))
-    if not asked.construction or diameter is None:
-        problems.append("[rope] construction or diameter is missing: the catalogue needs both")
+    needed = [] if asked.construction else [name for name in PROPERTIES if name not in known]
+    if diameter is None or needed:
+        also = f", without a construction [known] {', '.join(needed)}" if needed else ""
+        problems.append(f"[rope] construction or diameter is missing: the catalogue needs both{also}")
         return None
+    size = Rope.length if length is None else length
     try:
-        found = rope(asked.construction, diameter, lay=asked.lay, **({} if length is None else {"length": length}))
+        # without a construction the file alone says what bounds a property
+        anything = {name: Datum(0.0, math.inf, one.unit, "assumed", "") for name, one in PROPERTIES.items()}
+        found = (
+            rope(asked.construction, diameter, size, asked.lay)
+            if asked.construction
+            else KnownRope("", diameter, size, asked.lay, anything)
+        )
     except ValueError as error:
         problems.append(f"[rope] {error}")
         return None
@@ -232,8 +249,12 @@ def _sought(path: Path, table: Mapping[str, Any], problems: list[str]) -> dict[s
     return found
 
 
-def _measurement(table: Any) -> Measurement:
-    """One of the measurements."""
+def _measurement(table: Any, folder: Path, length: float) -> Measurement:
+    """One of the measurements of a rope of ``length`` (m); ``folder`` is that of the file."""
+    if isinstance(table, Markers):
+        track = read_track(folder, table, length)
+        values = (0.0,) * (int(track.seen.sum()) + track.seen[0].size + 1)
+        return Measurement(table.name or table.file, table.what, "m", values, table.sigma, {}, {}, track)
     kind = KINDS[table.what]
     texts = {name: getattr(table, name) for name in kind.texts}
     name = table.name or texts.get("signal", table.what)

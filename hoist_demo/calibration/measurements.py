@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.calibration.tracks import Track
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, Datum, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
@@ -129,9 +130,13 @@ class Measurement:
     sigma: float
     numbers: Numbers
     texts: Mapping[str, str]
+    track: Track | None = None
 
     def predict(self, trial: Trial) -> Sequence[float]:
-        """Predict the values."""
+        """Predict the values; of a track, whose values are 0, residuals."""
+        if self.track is not None:
+            residuals: list[float] = (self.sigma * self.track.residuals(trial.scene)).tolist()
+            return residuals
         return KINDS[self.what].model(trial, self)
 
     def each(self, *names: str) -> list[tuple[float, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from pathlib import Path
 
@@ -142,6 +143,10 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
     """Name, measured, predicted, sigma and unit of each value."""
     predicted, rows = iter(found.predicted), []
     for m in found.measured.measurements:
+        if m.track is not None:
+            rms = math.sqrt(sum(float(next(predicted)) ** 2 for _ in m.values) / len(m.values))
+            rows.append((f"{m.name}, RMS", 0.0, rms, m.sigma, m.unit))
+            continue
         for k, value in enumerate(m.values, 1):
             name = f"{m.name} {k}" if len(m.values) > 1 else m.name
             rows.append((name, value, float(next(predicted)), m.sigma, m.unit))
