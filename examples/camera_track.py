@@ -28,9 +28,8 @@ part = np.clip((t - 0.2) / 0.8, 0.0, 1.0)
 part = part**3 * (10 - 15 * part + 6 * part**2)
 aside = np.column_stack((0.15 * part, 0.1 * np.sin(2 * math.pi * part), 0.12 * part))  # m, of the left gripper
 lean = 0.5 * math.pi - 0.5 * part  # rad, from plumb
-nothing = np.zeros_like(lean)
 grippers = np.stack((np.add(aside, [-0.2, 0.0, 0.0]), np.add(0.0 * aside, [0.2, 0.0, 0.0])), axis=1)
-ways = np.stack(([np.sin(lean), -np.cos(lean), nothing], [nothing - 1.0, nothing, nothing]))  # out of them
+ways = np.stack(([np.sin(lean), -np.cos(lean), 0 * t], [0 * t - 1.0, 0 * t, 0 * t]))  # out of them
 
 
 def seen() -> np.ndarray:

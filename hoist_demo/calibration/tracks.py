@@ -26,7 +26,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.interpolate import BSpline, CubicHermiteSpline, make_smoothing_spline
+from scipy.interpolate import BSpline, CubicHermiteSpline, make_interp_spline, make_smoothing_spline, make_splrep
 from scipy.ndimage import median_filter
 
 from hoist_demo.files.reading import Table
@@ -43,6 +43,8 @@ REST, FIRST = 25, 5
 ROBUST = 3.0
 #: samples of the running median, and standard errors from it that are a leap
 MEDIAN, LEAP = 5, 8.0
+#: m or rad: a path with less is gone through as it is
+LEAST_NOISE = 1e-7
 #: corrections of offsets and delay
 ROUNDS = 5
 
@@ -136,10 +138,8 @@ def read_track(folder: Path, asked: Markers, length: float) -> Track:
 
     for name, s in asked.places.items():
         if not 0.0 <= s <= length:
-            raise ValueError(
-                f"places.{name} = {s:g} m must be from 0 to {length:g} m: measure it from the left"
-            )
-    t = vectors_of_time(columns, asked.file)
+            raise ValueError(f"places.{name} = {s:g} m must be from 0 to {length:g} m: measure it from the left")
+    t = _times(columns, asked.file)
     axes, origin, spacing = _axes(unit * vectors("left"), unit * vectors("right"), asked)
     ends, leaning = [], "left.dx" in columns
     if leaning and asked.ends != "clamped":
@@ -150,9 +150,12 @@ def read_track(folder: Path, asked: Markers, length: float) -> Track:
         lean = _leans(vectors(name, DIRECTION) @ axes.T) if leaning else np.zeros((t.size, 2))
         path = np.hstack((place, lean))
         whole = np.isfinite(path).all(axis=1)
+        if whole.sum() < 2 * FIRST:
+            raise ValueError(
+                f"{asked.file} has {whole.sum()} places of the {name} end, needed are {2 * FIRST}: give more"
+            )
         rest = np.broadcast_to(path[whole][:FIRST].mean(axis=0), (REST, 5))
-        spline = make_smoothing_spline(np.concatenate((before, t[whole])), np.vstack((rest, path[whole])))
-        ends.append(spline)
+        ends.append(_smooth(np.concatenate((before, t[whole])), np.vstack((rest, path[whole]))))
     markers = np.stack([(unit * vectors(name) - origin) @ axes.T for name in asked.places], axis=1)
     markers = _masked(markers, asked.sigma)
     markers[t < t[0] + asked.skip] = np.nan
@@ -161,7 +164,15 @@ def read_track(folder: Path, asked: Markers, length: float) -> Track:
     return Track(asked, np.concatenate((before, t)), spacing, (ends[0], ends[1]), markers)
 
 
-def vectors_of_time(columns: dict[str, Array], file: str) -> Array:
+def _smooth(t: Array, x: Array) -> BSpline:
+    """Spline of fifth degree through ``x`` (n, m), as far from it as a cubic one by generalised cross-validation."""
+    noise = np.square(x - make_smoothing_spline(t, x)(t)).sum(axis=0)
+    noise[noise < t.size * LEAST_NOISE**2] = 0.0
+    found = [make_splrep(t, one, k=5, s=s) for one, s in zip(x.T, noise, strict=True)]
+    return make_interp_spline(t, np.column_stack([spline(t) for spline in found]), k=5)
+
+
+def _times(columns: dict[str, Array], file: str) -> Array:
     """Return the times (n,), s, in order."""
     t = columns.get("t", np.array([]))
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
