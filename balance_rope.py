@@ -10,12 +10,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import copyfile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 try:  # NumPy and CasADi take a second to load, in which a user may change his mind
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
+    from fmu_src.ssp import Datum, Version
     from hoist_demo.cases.case import Case
+    from hoist_demo.cases.rules import with_values
     from hoist_demo.cases.table import NAMED, find_case
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.hoist import add_hoist_commands
@@ -26,9 +28,9 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.files.catalogue import CONTROLLER, Catalogue, rope_parameters
+    from hoist_demo.files.catalogue import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.rope_file import read_rope_file
-    from hoist_demo.study.run import tail_rope
+    from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
     from rope_model.parameters import LEVELS
@@ -167,6 +169,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export.add_argument(
         "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
     )
+    export.add_argument("--ssp-version", choices=get_args(Version), default="1.0", help="version of SSP (%(default)s)")
     export.add_argument(
         "--without",
         nargs="+",
@@ -202,6 +205,7 @@ def _export(options: argparse.Namespace) -> int:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
                 more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
+                more |= {"version": options.ssp_version, "data": _data(case, options.hoist)}
                 copyfile(export_hoist(Path(folder), case, ropes, *made, **more).system, ssp)
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
@@ -216,6 +220,14 @@ def _export(options: argparse.Namespace) -> int:
     return 0
 
 
+def _data(case: Case, name: str) -> list[Datum]:
+    """Return the hoist's data with their statuses."""
+    from hoist_demo.report.hoist import known
+    from hoist_demo.study.provenance import SETTING
+
+    return [Datum(*one) for one in known(case, name) if one.status != SETTING]
+
+
 def _size(path: Path) -> str:
     return f"{path.stat().st_size / 1e6:.2f} MB"
 
@@ -226,14 +238,13 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 
-    catalogue = Catalogue()
-    identified = {} if path is None else read_rope_file(path, catalogue)
-    own = {**{key: one.value for key, one in identified.items()}, **settings(texts, catalogue)}
+    identified = {} if path is None else read_rope_file(path)
+    own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
-    rope_data({**case.rope, **own})  # what is wrong with the rope is told in its own names, not in the hoist's
-    shared: dict[str, Any] = tail_rope(own)
-    return replace(case, rope={**case.rope, **own}, hoist=replace(case.hoist, **shared))
+    # what is wrong with the rope is told in its own names, not in the hoist's
+    rope_data({**case.rope, **plain(identified), **settings(texts, parameters())})
+    return with_values(case, own)
 
 
 def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
@@ -265,12 +276,14 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
     from hoist_demo.study.run import build_trip
 
     run, members, trajectory = build_trip(options.hoist, {}), (), None
+    if not case.ropes:
+        case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:
         at_once = replace(run.winding, start_delay=0.0)
         followed = drive(run.controller, run.hoist, at_once, run.gains, run.shaper, run.trajectory)
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory
     if not case.ropes:
-        return _with_rope(case, options.rope, options.set), members, trajectory
+        return case, members, trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)
     return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory
 

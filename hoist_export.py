@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from fmu_src.export import export_fmu
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import Profile
-from fmu_src.ssp import Component, export_ssp
+from fmu_src.ssp import Component, Datum, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.drive_fmu.interface import Tail
@@ -77,6 +77,8 @@ def export_hoist(
     without: Collection[str] = (),
     trajectory: Trajectory | None = None,
     step: float | None = None,
+    version: Version = "1.0",
+    data: Sequence[Datum] = (),
 ) -> HoistFiles:
     """Write drive, ropes and their system into ``folder``: an FMU each, and ``name``.ssp, which contains these.
 
@@ -96,6 +98,10 @@ def export_hoist(
     step
         Communication step of the system [s], at most 0.02; the controller samples at each. None: LIGHT_STEP, or
         HEAVY_STEP where the balance ropes weigh more than HEAVY of the lighter conveyance.
+    version
+        Of SSP.
+    data
+        The data's statuses, which go into the system.
 
     Raises
     ------
@@ -116,7 +122,8 @@ def export_hoist(
     # drive and ropes step at the same time: the ropes extrapolate the motion
     components = [Component(one, path, {} if one == DRIVE else _TOGETHER) for one, path in fmus.items()]
     system = folder / f"{name}.ssp"
-    export_ssp(system, "FrictionHoist", components, drive.duration, step or step_of(case), drive.description)
+    pace = step or step_of(case)
+    export_ssp(system, "FrictionHoist", components, drive.duration, pace, drive.description, version, data)
     return HoistFiles(system, fmus)
 
 

@@ -28,6 +28,8 @@ from evidence.stability.page import FIGURES as STABILITY
 from evidence.stability.page import page as stability_page
 from evidence.tables import Tables, read
 from evidence.validation.page import page as validation_page
+from hoist_demo.cases.rules import LENGTH, RULES
+from hoist_demo.files.catalogue import host_parameters
 from hoist_demo.study.metrics import METRICS
 
 #: front matter of a page outside the navigation
@@ -80,9 +82,30 @@ def metrics(tables: Tables) -> str:
     return markdown([(f"`{name}`", unit, text) for name, (unit, text) in METRICS.items()], "name", "unit", "")
 
 
+RULED = {rule.key: rule.words for rule in (LENGTH, *RULES)}
+
+
+def rules(tables: Tables) -> str:
+    """Return the table of what follows by rules."""
+    return markdown([(f"`{key}`", words) for key, words in RULED.items()], "key", "what it is where nobody gives it")
+
+
+def host(tables: Tables) -> str:
+    """Return the table of the host's keys, with "none" of a part that a hoist need not have."""
+    rows = []
+    for p in host_parameters().values():
+        value = "none" if p.start is None else f"{p.start:.6g}" if isinstance(p.start, float) else str(p.start)
+        start = "by rule" if p.name in RULED else f"none; {value}" if p.name.count(".") > 1 else value
+        meaning = ", ".join(filter(None, (p.meaning, " or ".join(p.choices))))
+        rows.append((f"`{p.name}`", "" if p.unit == "1" else p.unit, start, meaning))
+    return markdown(rows, "key", "unit", "default", "meaning")
+
+
 BLOCKS = {
     "levels": Block("README.md", "levels", "chart", levels),
     "metrics": Block("docs/reference/files.md", "metrics", "knowledge", metrics),
+    "rules": Block("docs/reference/files.md", "rules", "knowledge", rules),
+    "host": Block("docs/reference/files.md", "host", "knowledge", host),
     "signals": Block("docs/howto/motion.md", "signals", "signals", signals),
     "catalogue": Block("docs/howto/rope_data.md", "catalogue", "knowledge", lambda tables: catalogue()),
 }

@@ -1,4 +1,4 @@
-"""A hoist of one's own, 150 m deep, with head rope modes, a brake and a balance rope similar to the known one.
+"""A hoist of one's own, 150 m deep, with head rope modes, a brake and a balance rope of the catalogue.
 
     python examples/own_hoist.py build/rope.fmu
 
@@ -11,13 +11,14 @@ from pathlib import Path
 from hoist_demo.control.controller import Gains
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.files.new import round_rope
+from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.time_series import write_csv
 from hoist_demo.report.rows import render, render_verdict
 from hoist_demo.report.summary import summarize
 from hoist_demo.report.verdict import judge
+from rope_model import rope
 
 if len(sys.argv) != 2:
     sys.exit("usage: python examples/own_hoist.py FMU")
@@ -29,11 +30,12 @@ hoist = Hoist(
 )  # fmt: skip
 winding = Winding(travel=150.0, speed=10.0, acceleration=0.8, settle=5.0)
 gains = Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5)
-tail = round_rope(hoist.tail_rope_length, hoist.tail_rope_mass, spacing=2.2, coupling=0.1)
-rope = FmuRope(fmu, tail)
-result = Host(rope, hoist, winding, gains=gains).run()
-data = rope.data()
-rope.close()
-print(render_verdict(judge(result, hoist, data)))
+known = rope("34x7", diameter=0.049, length=hoist.tail_rope_length).rope(mass_per_length=hoist.tail_rope_mass)
+tail = {f"rope.{name}": getattr(known, name) for name in FOLLOWING} | {"layout.spacing": 2.2}
+plant = FmuRope(fmu, tail)
+result = Host(plant, hoist, winding, gains=gains).run()
+data = plant.data()
+plant.close()
+print(render_verdict(judge(result, hoist, [data])))
 print(render(summarize(result, hoist, winding, Coupling())))
 write_csv(result.recording, fmu.with_name("signals.csv"))

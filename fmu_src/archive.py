@@ -9,10 +9,10 @@ from pathlib import Path
 
 
 def write_archive(destination: Path, files: Mapping[str, bytes]) -> None:
-    """``files`` by their paths in the archive, with forward slashes; replaces ``destination`` atomically."""
+    """Write ``files``, contents by path with forward slashes, into an archive that replaces ``destination`` at once."""
     destination.parent.mkdir(parents=True, exist_ok=True)
     scratch = destination.with_suffix(".tmp")
-    with zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+    with zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
@@ -23,6 +23,6 @@ def write_archive(destination: Path, files: Mapping[str, bytes]) -> None:
 
 
 def read_archive(path: Path) -> dict[str, bytes]:
-    """The files of an archive, backslashes in their names put right."""
+    """Return the contents of an archive by path, with forward slashes."""
     with zipfile.ZipFile(path) as archive:
         return {name.replace("\\", "/"): archive.read(name) for name in archive.namelist()}

@@ -33,21 +33,27 @@ of this FMU has no such needs: balance-rope export --native.
 
 def attachments(described: Collection[Variable], case: RopeCase, fmi: int, native: bool) -> dict[str, bytes]:
     """Path in the FMU -> contents."""
-    files = {
-        "documentation/index.html": index_html(described, native).encode(),
-        "documentation/licenses/license.txt": license_text().encode(),
-        "terminalsAndIcons/terminalsAndIcons.xml": xml_bytes(terminals_and_icons(described)),
-    }
-    for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
-        files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
-    if fmi == 2:
-        files["model.png"] = files["terminalsAndIcons/icon.png"]
-    files["documentation/licenses/fmi-headers.txt"] = (_HERE / "native" / "include" / "LICENSE.txt").read_bytes()
+    files = {"documentation/index.html": index_html(described, native).encode(), **licenses()}
+    if fmi == 3:
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = xml_bytes(terminals_and_icons(described))
+        for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
+            files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
+    else:  # FMI 2.0.4 takes the terminals of FMI 3.0 as they are, and FMI Library refuses their other fmiVersion
+        files["model.png"] = (_HERE / "pictures" / "icon.png").read_bytes()
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
     results = reference_files(case, MODEL, [v.name for v in described])
     return files | {f"{_EXTRA}/{name}": data for name, data in results.items()}
+
+
+def licenses() -> dict[str, bytes]:
+    """Path in the FMU -> licences of this project and of the FMI headers."""
+    headers = (_HERE / "pages" / "fmi-headers.txt").read_bytes()
+    return {
+        "documentation/licenses/license.txt": license_text().encode(),
+        "documentation/licenses/fmi-headers.txt": headers,
+    }
 
 
 def license_text(package: str = "balance-rope") -> str:
@@ -60,7 +66,7 @@ def license_text(package: str = "balance-rope") -> str:
 
 
 def terminals_and_icons(described: Collection[Variable]) -> Element:
-    """terminalsAndIcons.xml of FMI 3.0 (and 2.0.4): a terminal at each end of the rope, with its motion and its force.
+    """terminalsAndIcons.xml of FMI 3.0: a terminal at each end of the rope, with its motion and its force.
 
     The members of a terminal are named as the variables without the side.
     """

@@ -35,7 +35,7 @@ from fmu_src.profile import Profile
 from rope_model.parameters import Level
 from rope_model.scene_names import Value
 from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.mesh.partition import fit_mesh, partition
+from rope_model.simulation.mesh.partition import mesh_elements
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed
 
@@ -61,8 +61,7 @@ def export_fmu(
     chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
     scene, table = data.scene, variables(data)
-    mesh = fit_mesh(scene)
-    elements = partition(mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+    elements = mesh_elements(scene)
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"

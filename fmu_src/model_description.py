@@ -1,7 +1,8 @@
 """The interface table as modelDescription.xml of FMI 2.0 and 3.0.
 
-Outputs depend on no input of their instant: a step alone changes them. During initialisation they follow the list in
-``Build.initial``; no list of dependencies means all inputs and parameters.
+Outputs depend on no input of their instant: a step alone changes them. FMI Library takes empty lists alone for none at
+all, and PyFMI then assumes loops; so ``status.message``, which nobody connects, has no list. During initialisation
+outputs follow the list in ``Build.initial``; no list of dependencies means all inputs and parameters.
 """
 
 from __future__ import annotations
@@ -103,10 +104,8 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     at_start = (
         node("Unknown", dependencies=_followed(build, name, indices), index=index) for name, index in outputs.items()
     )
-    structure = [
-        node("Outputs", *(node("Unknown", index=index, dependencies="") for index in outputs.values())),
-        node("InitialUnknowns", *at_start),
-    ]
+    later = (node("Unknown", dependencies=_followed_later(name), index=index) for name, index in outputs.items())
+    structure = [node("Outputs", *later), node("InitialUnknowns", *at_start)]
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
 
@@ -139,7 +138,9 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     listed += map(_variable3, gathered)
     numbers = {array.name: array.reference for array in gathered}
     outputs = {array.name: array.reference for array in gathered if array.variable.causality == "output"}
-    structure = [node("Output", valueReference=number, dependencies="") for number in outputs.values()]
+    structure = [
+        node("Output", valueReference=number, dependencies=_followed_later(name)) for name, number in outputs.items()
+    ]
     structure += [
         node("InitialUnknown", dependencies=_followed(build, name, numbers), valueReference=number)
         for name, number in outputs.items()
@@ -197,6 +198,11 @@ def _followed(build: Build, name: str, numbers: Mapping[str, int]) -> str | None
     """Return what an output follows during initialisation, by the ``numbers`` that identify variables."""
     follows = build.initial.get(name)
     return None if follows is None else " ".join(str(numbers[other]) for other in follows)
+
+
+def _followed_later(name: str) -> str | None:
+    """Return what an output follows after initialisation: nothing."""
+    return None if name == "status.message" else ""
 
 
 def _common_attributes(v: Variable) -> dict[str, str]:

@@ -37,7 +37,6 @@ DEFAULT = tuple(group for group in GROUPS if group not in ("shape", "station"))
 ALL = tuple(GROUPS)
 #: descriptions of the arrays as a whole
 DESCRIPTIONS = {
-    "mesh.counts": "numbers of elements of the segments II to VI, kind 0",
     **{f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop" for axis in "xyz"},
     "shape.s": "places of these points along the rope, from its left end",
     "shape.tension": "tension at these points",
@@ -97,10 +96,13 @@ class Array(NamedTuple):
 
 
 def arrays(described: Mapping[int, Variable]) -> list[Array]:
-    """``shape.x[1]``, ``shape.x[2]`` ... become ``shape.x`` with the first one's value reference."""
+    """``shape.x[1]``, ``shape.x[2]`` ... become ``shape.x`` with the first one's value reference.
+
+    Parameters stay scalars: importers without arrays read them all, and of the outputs those that are asked for.
+    """
     found: list[Array] = []
     for reference, variable in described.items():
-        match = re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
+        match = variable.causality == "output" and re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
         if match and match[2] != "1":
             found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
         else:

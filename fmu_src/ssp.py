@@ -1,4 +1,4 @@
-"""A system of FMUs as an SSP archive (System Structure and Parameterization 1.0, ssp-standard.org).
+"""A system of FMUs as an SSP archive (System Structure and Parameterization 1.0 or 2.0, ssp-standard.org).
 
 An output and an input of the same name in two different FMUs are connected. So are two of which one has the other's
 name behind that of the other's component, as the input `lively.left.fy_mean` and `left.fy_mean` of `lively`, or the
@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
@@ -25,6 +26,13 @@ NAMESPACES = {
     "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
     "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
+Version = Literal["1.0", "2.0"]
+#: of SSP Traceability 1.1, for the data's statuses
+_TRACEABILITY = {
+    "srmd": "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData",
+    "stc": "http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon",
+}
+_STATUSES = "resources/data.srmd"
 _KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
 #: types of FMI 3.0 in the words of SSP 1.0, where they differ
 _TYPES3 = {"Float64": "Real", "Int32": "Integer"}
@@ -39,30 +47,50 @@ class Component:
     parameters: Mapping[str, float | int | bool | str]
 
 
+class Datum(NamedTuple):
+    """A number that the system rests on, and its status: assumed, published, measured ..."""
+
+    name: str
+    value: object
+    unit: str
+    status: str
+
+
 @dataclass(frozen=True)
 class _Port:
     """A variable that is connected, with its unit ('' for none)."""
 
     component: str
     name: str
-    kind: str  # Real, Integer, Boolean
+    kind: str  # Real, Float64, Integer, Int32, Boolean
     causality: str
     unit: str
 
 
 def export_ssp(
-    destination: Path, name: str, components: Sequence[Component], stop: float, step: float, description: str = ""
+    destination: Path,
+    name: str,
+    components: Sequence[Component],
+    stop: float,
+    step: float,
+    description: str = "",
+    version: Version = "1.0",
+    data: Sequence[Datum] = (),
 ) -> Path:
     """Write the system with its FMUs; stop time and communication step in s. Same FMUs, same bytes.
 
-    The step is an annotation, one that libcosim reads and one that OMSimulator asks for; SSP 1.0 itself has no place
-    for it, and knows the types of FMI 3.0 by the names of FMI 2.0.
+    The step is an annotation, one that libcosim reads and one that OMSimulator asks for; SSP itself has no place for
+    it. SSP 1.0 knows the types of FMI 3.0 by the names of FMI 2.0, and does not name the file with the status of the
+    ``data``.
     """
     described = {c.name: _read(c) for c in components}
-    ports = [port for c in components for port in _ports(c.name, described[c.name])]
+    types = _TYPES3 if version == "1.0" else {}
+    ports = [port for c in components for port in _ports(c.name, described[c.name], types)]
     pairs = _pairs(ports)
     connected = {port for pair in pairs for port in pair}
-    elements = (_component(c, [p for p in ports if p.component == c.name and p in connected]) for c in components)
+    elements = (
+        _component(c, [p for p in ports if p.component == c.name and p in connected], version) for c in components
+    )
     connections = (
         node(
             "ssd:Connection",
@@ -89,6 +117,7 @@ def export_ssp(
         name=name,
         description=description,
     )
+    named = {"kind": "general", "type": "application/x-srmd-meta-data", "source": _STATUSES}
     algorithm = node("osp:Algorithm", node("osp:FixedStepAlgorithm", baseStepSize=repr(step)))
     root = node(
         "ssd:SystemStructureDescription",
@@ -100,15 +129,35 @@ def export_ssp(
             startTime="0.0",
             stopTime=repr(stop),
         ),
-        version="1.0",
+        *([node("ssc:MetaData", **named)] if data and version == "2.0" else ()),
+        version=version,
         name=name,
         **{f"xmlns:{prefix}": uri for prefix, uri in NAMESPACES.items()},
         generationTool="balance-rope",
     )
     files = {"SystemStructure.ssd": xml_bytes(root)}
     files |= {f"resources/{c.name}.fmu": c.fmu.read_bytes() for c in components}
+    if data:
+        files[_STATUSES] = xml_bytes(_statuses(name, data))
     write_archive(destination, files)
     return destination
+
+
+def _statuses(name: str, data: Sequence[Datum]) -> Element:
+    """Simulation resource meta data: an entry for each datum, of which the text is the status."""
+    entries = []
+    for datum in data:
+        told = f"{datum.value} {datum.unit}".strip()
+        entries.append(node("stc:ClassificationEntry", keyword=datum.name, description=told))
+        entries[-1].text = datum.status
+    return node(
+        "srmd:SimulationResourceMetaData",
+        node("stc:Classification", *entries, type="org.balance-rope.status"),
+        version="1.1",
+        name=name,
+        **{f"xmlns:{prefix}": uri for prefix, uri in _TRACEABILITY.items()},
+        generationTool="balance-rope",
+    )
 
 
 def _annotations(tool: str, content: Element) -> Element:
@@ -134,13 +183,13 @@ def _variables(description: Element) -> list[Element]:
     return list(description.find("ModelVariables") or ())
 
 
-def _ports(component: str, description: Element) -> list[_Port]:
+def _ports(component: str, description: Element, types: Mapping[str, str]) -> list[_Port]:
     ports = []
     for variable in _variables(description):
         name, causality = str(variable.get("name")), str(variable.get("causality"))
         kind = variable[0] if variable.tag == "ScalarVariable" else variable
         if causality in ("input", "output"):
-            ports.append(_Port(component, name, _TYPES3.get(kind.tag, kind.tag), causality, kind.get("unit", "")))
+            ports.append(_Port(component, name, types.get(kind.tag, kind.tag), causality, kind.get("unit", "")))
     return ports
 
 
@@ -160,7 +209,7 @@ def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
     return pairs
 
 
-def _component(component: Component, ports: Sequence[_Port]) -> Element:
+def _component(component: Component, ports: Sequence[_Port], version: Version) -> Element:
     connectors = (
         node("ssd:Connector", node(f"ssc:{port.kind}", unit=port.unit or None), name=port.name, kind=port.causality)
         for port in ports
@@ -170,7 +219,7 @@ def _component(component: Component, ports: Sequence[_Port]) -> Element:
         for name, value in component.parameters.items()
     ]
     # the name by which ecos and libcosim apply a set
-    bound = node("ssv:ParameterSet", node("ssv:Parameters", *values), version="1.0", name="initialValues")
+    bound = node("ssv:ParameterSet", node("ssv:Parameters", *values), version=version, name="initialValues")
     binding = node("ssd:ParameterBindings", node("ssd:ParameterBinding", node("ssd:ParameterValues", bound)))
     return node(
         "ssd:Component",

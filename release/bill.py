@@ -63,7 +63,7 @@ def _file(path: Path) -> dict[str, object]:
 
 
 def _headers() -> list[dict[str, object]]:
-    """Of the Modelica Association, as fmu_src/native/include has them."""
+    """FMI headers of the Modelica Association, in the sources of each FMU."""
     return [
         {
             "type": "library",

@@ -287,7 +287,7 @@ def rope_of(
     torsional_stiffness: float,
     bending_stiffness: float,
 ) -> Rope:
-    """The parameters that follow from the properties of PROPERTIES."""
+    """Return the rope with these values of PROPERTIES."""
     coupling = {"right-hand": 1.0, "left-hand": -1.0}[lay] * torque_factor * axial_stiffness * diameter
     return Rope(
         length=length,
@@ -303,7 +303,7 @@ def rope_of(
 
 
 def properties_of(rope: Rope) -> dict[str, float]:
-    """The properties of PROPERTIES of a rope whose Qb is its Qc; the inverse of ``rope_of`` but for the lay."""
+    """Return the values of PROPERTIES of a rope with Qb = Qc; the inverse of ``rope_of`` but for the lay."""
     return {
         "mass_per_length": rope.mass_per_length,
         "axial_stiffness": rope.Qa,

@@ -46,7 +46,7 @@ _hints = cache(get_type_hints)
 
 
 def _event(event: EventStructure) -> Event:
-    """The event in RopeSimulator's words."""
+    """Return the event with the words of RopeSimulator."""
     side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
     words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
     return Event(event.t, words[event.what], event.kinetic, event.potential)
@@ -134,6 +134,14 @@ class NativeRope(BalanceRope):
         return "native"
 
     @property
+    def library(self) -> tuple[ctypes.CDLL, int, int, Any]:
+        """The library, its rope, the number of its warnings and room for one, for C that steps the rope itself.
+
+        ``done`` is to be told whether that went well.
+        """
+        return self._lib, self._rope, len(WARNINGS), self._text
+
+    @property
     def elements(self) -> int:
         return int(self._lib.rope_elements(self._rope))
 
@@ -159,12 +167,12 @@ class NativeRope(BalanceRope):
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
-        return self._done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
+        return self.done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         self._require_state()
         at = t if given_at is None else given_at
-        return self._done(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
+        return self.done(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
         self._require_state()
@@ -225,7 +233,7 @@ class NativeRope(BalanceRope):
             raise ValueError(status.message)
 
     def retune(self, scene: Scene) -> None:
-        if not (status := self._done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
+        if not (status := self.done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
             raise ValueError(status.message)
         self._scene = scene
 
@@ -239,7 +247,7 @@ class NativeRope(BalanceRope):
         return list(out)
 
     def native_state(self) -> bytes:
-        """The state as the native rope keeps it."""
+        """Return the state in the memory layout of the native rope."""
         self._require_state()
         data = ctypes.create_string_buffer(self._lib.rope_state_bytes(self._rope))
         self._lib.rope_save(self._rope, data)
@@ -247,13 +255,14 @@ class NativeRope(BalanceRope):
 
     def restore_native(self, data: bytes) -> Status:
         """Go on from a ``native_state``."""
-        return self._done(self._lib.rope_restore(self._rope, data, len(data)))
+        return self.done(self._lib.rope_restore(self._rope, data, len(data)))
 
     def _require_state(self) -> None:
         if not self._lib.rope_is_initialized(self._rope):
             raise RuntimeError(messages.no_state())
 
-    def _done(self, well: int) -> Status:
+    def done(self, well: int) -> Status:
+        """Return the status after a call of the library."""
         if well:
             self._state = None
         return _VALID if well else Status(False, self._message())
@@ -311,6 +320,7 @@ def _unpack(data: bytes) -> RopeState:
             s.pattern.coarse,
             s.pattern.end_levels,
             s.pattern.grading_length,
+            tuple(s.pattern.windows),
         ),
         fidelity=_FIDELITY_NAMES[s.fidelity],
         fidelity_reason=s.fidelity_reason.decode(),
@@ -328,7 +338,7 @@ def _pack(state: RopeState) -> bytes:
         h=m.h,
         power_ends=state.powers.ends,
         power_swivel=state.powers.swivel,
-        pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels),
+        pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels, p.windows),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),
         fidelity_reason=state.fidelity_reason.encode()[: MESSAGE - 1],
@@ -339,7 +349,7 @@ def _pack(state: RopeState) -> bytes:
 
 
 def _read(hint: Any, x: Any) -> Any:
-    """The value of its type that C has as ``x``."""
+    """Return the Python value, of the type ``hint``, of the ctypes value ``x``."""
     if get_origin(hint) is tuple:
         return tuple(map(_read, cycle(of for of in get_args(hint) if of is not ...), x))
     if hint in PARTS:
@@ -348,7 +358,7 @@ def _read(hint: Any, x: Any) -> Any:
 
 
 def _written(x: Any) -> Any:
-    """``x`` as C has it."""
+    """Return ``x`` as a ctypes value; the inverse of ``_read``."""
     if type(x) in PARTS:
         return PARTS[type(x)](**{name: _written(getattr(x, name)) for name in x._fields})
     if isinstance(x, tuple):

@@ -116,5 +116,5 @@ def run(tmp_path: Path, **more: np.ndarray) -> Path:
     wound = result(signals | shaped(shapes) | more, **{"left.fy": "N", "conveyance.left.y": "m"})
     wound.winding = Winding(emergency_at=5.0)
     rope = RopeData({}, {"right.swivel.mode": 0}, {})
-    report = Report("A <trip> & its rope", judge(wound, Hoist(), rope))
-    return run_report(wound, Hoist(), report, tmp_path / "run.html", rope)
+    report = Report("A <trip> & its rope", judge(wound, Hoist(), [rope]))
+    return run_report(wound, Hoist(), report, tmp_path / "run.html", [rope])

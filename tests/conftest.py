@@ -7,12 +7,13 @@ import os
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import fmpy
 import numpy as np
 import pytest
-from exports import EXPORTS, make_once
+from exports import EXPORTS
 from hypothesis import settings
 from native_host import Host
 from native_parts import parts as parts
@@ -22,7 +23,7 @@ from stand_in import VERSIONS, stand_in
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from fmu_src.profile import FULL
-from rope_model.numerics.kernels import find_compiler
+from rope_model.numerics.kernels import find_compiler, make_once
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
 
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 
 # processes that tests start run this checkout, too
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH"))))
+# what Python compiles for one of them serves the others
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # what is compiled on this machine, in this process or another, serves a test and not a year of windings
 if os.name == "posix" and "OPTIMISING_CC" not in os.environ and len(compiler := find_compiler() or ()) == 1:
     os.environ |= {"OPTIMISING_CC": compiler[0], "CC": str(Path(__file__).with_name("quick") / "cc")}
@@ -54,7 +57,12 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """The FMU of a kind in ``exports.EXPORTS``, made once, however many processes share the tests."""
     own = tmp_path_factory.getbasetemp()
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "exports"
-    return lambda kind: make_once(folder / f"{kind}.fmu", EXPORTS[kind])
+
+    def found(kind: str) -> Path:
+        path = folder / f"{kind}.fmu"
+        return make_once(path, lambda: EXPORTS[kind](path))
+
+    return found
 
 
 @pytest.fixture(scope="session")
@@ -84,6 +92,12 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
 @pytest.fixture(scope="session")
 def folders(fmus: dict[int, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[int, str]:
     return {fmi: fmpy.extract(str(path), str(tmp_path_factory.mktemp("unzipped"))) for fmi, path in fmus.items()}
+
+
+@pytest.fixture
+def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures whose layout is not optimised, which takes half of their time."""
+    monkeypatch.setitem(import_module("hoist_demo.report.figures").STYLE, "figure.constrained_layout.use", False)
 
 
 @pytest.fixture(params=VERSIONS)

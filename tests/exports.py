@@ -1,7 +1,5 @@
 """The FMUs that are tested."""
 
-import shutil
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -73,22 +71,3 @@ ARCHIVES_EVERYWHERE: dict[str, Callable[[Path], Path]] = {
 }
 #: what the tests share: these, and the FMU of the draft level
 EXPORTS = {**ARCHIVES, **ARCHIVES_EVERYWHERE, "draft": native(2, (host_platform(),), level="draft")}
-
-
-def make_once(path: Path, make: Callable[[Path], object]) -> Path:
-    """``path``, made by the first process that asks for it; the others wait until it is there."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    lock = path.with_name(f"{path.name}.lock")
-    while not path.exists():
-        try:
-            lock.mkdir()
-        except FileExistsError:
-            time.sleep(0.05)
-            continue
-        try:
-            if not path.exists():
-                make(lock / path.name)
-                (lock / path.name).replace(path)
-        finally:
-            shutil.rmtree(lock)
-    return path

@@ -80,9 +80,10 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
         "fit_mesh": (GROUPS[Mesh], p),
-        "partition_elements": (n, p, x, p),
-        "partition": (None, p, x, x, n, p, p),
-        "partition_transform": (None, p, n, n, p),
+        "partition_elements": (n, p, x, p, p),
+        "partition": (None, p, x, x, p, n, p, p),
+        "partition_transform": (None, p, n, p, n, p),
+        "window_due": (n, p, p),
         "mesh_centre": (x, p),
         "mesh_distance_to_due": (x, p, x),
         "mesh_transformation_due": (x, p, x, x),

@@ -12,7 +12,6 @@ from hoist_demo.cases.table import CASES, find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.schemes.interface import Reader
 from hoist_demo.ropes.definition import Ropes, ropes_of
-from hoist_demo.ropes.table import READ
 from hoist_demo.study.run import build_trip
 from rope_model import EndMotion, Status
 
@@ -24,7 +23,7 @@ def rope(coupling: float = KNOWN, **more: float) -> InProcessRope:
     """A draft rope with torsion."""
     given = {name.replace("_", ".", 1): value for name, value in more.items()}
     values = {**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}
-    return InProcessRope(rope_data(values, "draft"), READ)
+    return InProcessRope(rope_data(values, "draft"))
 
 
 def ropes_in(path: Path) -> Ropes:

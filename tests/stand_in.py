@@ -14,13 +14,17 @@ from rope_model.codegen.tables import parameter_structures, signal_numbers
 
 ROOT = Path(__file__).resolve().parent.parent
 VERSIONS = (2, 3)
+#: what is freed is filled, and what is written beside a block aborts when that is freed
+CHECKED_HEAP = {"MALLOC_PERTURB_": "165", "MALLOC_CHECK_": "3", "LD_PRELOAD": "libc_malloc_debug.so.0"}
 #: platform -> what runs its programs here
 RUNNERS = {
     host_platform(): (),
     "valgrind": ("valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"),
     "aarch64-linux": ("qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu"),
     "x86_64-windows": ("wine",),
+    "sanitizers": (),
 }
+SANITIZED = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover"]
 
 
 def stand_in() -> dict[str, str]:
@@ -30,12 +34,15 @@ def stand_in() -> dict[str, str]:
 
 
 def live(fmu: Path, folder: Path, way: str) -> list[int]:
-    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS."""
+    """Allocations while stepping, in each of the lives of tests/native/life_cycle.c, run in one of RUNNERS.
+
+    Two instances, states, refused calls, a failed initialisation, reset, all again.
+    """
     runner = RUNNERS[way]
     if runner and shutil.which(runner[0]) is None:
         pytest.skip(f"needs {runner[0]}")
-    name = host_platform() if way == "valgrind" else way
-    compiler = ["cc"]
+    name = host_platform() if way in ("valgrind", "sanitizers") else way
+    compiler = ["cc", *(SANITIZED if way == "sanitizers" else ())]
     if name != host_platform():
         compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target.replace("2.17", "2.31")]
     elif not name.endswith("linux") or shutil.which("cc") is None:
@@ -46,8 +53,13 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     command = [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries]
     subprocess.run(command, check=True)
     binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
+    if way == "sanitizers":
+        files = map(str, sorted((unzipped / "sources").glob("*.c")))
+        shared = ["-DHAS_WIDE_FORM=0", "-fPIC", "-shared", "-fvisibility=hidden", "-o", str(binary)]
+        subprocess.run([*compiler, "-std=gnu99", *shared, *files, "-lm"], check=True)
     command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
+    environment |= CHECKED_HEAP if way == host_platform() else {}
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-3000:]
     return [int(line) for line in done.stdout.split()]

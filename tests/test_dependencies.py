@@ -47,7 +47,10 @@ def test_no_input_and_no_parameter_changes_an_output_before_the_next_step(host: 
             assert outputs(host) == before, v.name
     assert host.step(3 * H) == ""
     assert outputs(host) != before
-    assert all(unknown.dependencies == [] for unknown in host.description.outputs)
+    listed = {unknown.variable.name: unknown.dependencies for unknown in host.description.outputs}
+    # FMI Library takes empty lists alone for missing ones
+    assert listed.pop("status.message") is None
+    assert all(follows == [] for follows in listed.values())
 
 
 def test_inputs_act_on_the_outputs_while_initialising(host: Host) -> None:
@@ -73,8 +76,13 @@ def test_initial_unknowns_name_what_acts_on_them(host: Host) -> None:
     host.call("Reset")
     host.enter()
     acting: dict[str, set[str]] = {name: set() for name in listed}
-    for v in host.variables.values():
-        if v.type not in ("Real", "Float64") or v.causality not in ("input", "parameter"):
+    changed = [v for v in host.variables.values() if v.type in ("Real", "Float64")]
+    inputs = [v for v in changed if v.causality == "input"]
+    # the start pulls act where the inputs are 0
+    starts = [v for v in changed if v.name.endswith(".fy_start")]
+    for v in (*inputs, *(v for v in changed if v.causality == "parameter" and v not in starts), None, *starts):
+        if v is None:
+            host.set(**{one.name: 0.0 for one in inputs})
             continue
         before = host.get(*listed)
         host.set(**{v.name: 0.99 * host.get(v.name)[0]})

@@ -101,6 +101,19 @@ def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_
     assert drive.step(H) == ""
 
 
+def test_drive_that_is_given_no_pull_at_the_start_rests_under_the_weight_of_the_rope(drive: Host) -> None:
+    """A container initialises connected inputs with 0; then the pull comes, and nothing may move."""
+    weights = dict(zip(INPUTS, rest_forces(SETUP), strict=True))
+    for parameters, rests in (({}, True), ({"left__fy_start": 0.0, "right__fy_start": 0.0}, False)):
+        drive.set(**dict.fromkeys(INPUTS, 0.0))
+        drive.start(**parameters)
+        drive.set(**weights)
+        assert drive.step(0.0) == ""
+        # the reference waits: motions are rounding of the equilibrium, of 1e-9 m of stretch; a jolt moves millimetres
+        assert (abs(drive.get("left.vy")[0]) < 1e-8) == rests
+        drive.call("Reset")
+
+
 def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> None:
     drive.start(solver__step_max=0.001)
     drive.set(**{INPUTS[1]: -1e6})

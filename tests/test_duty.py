@@ -1,6 +1,5 @@
 """Trips of a duty: what is carried over, what a dwell changes, when they repeat, and how a duty goes on."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -15,6 +14,8 @@ from hoist_demo.duty.wind import Trip, read_state, wind, write_state
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
+Place = tuple[float, float]
 DUTY = """
 [duty]
 hoist = "rope-120"
@@ -54,8 +55,16 @@ def wound(schedule: Schedule) -> list[Trip]:
     return list(wind(schedule, rope_of(schedule), torque_free=False))
 
 
-def test_a_trip_begins_with_what_the_one_before_has_left(tmp_path: Path) -> None:
-    first, second = wound(schedule_of(tmp_path, settle=2.0))
+@pytest.fixture(scope="module")
+def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Trip], Place]:
+    """Return the trips of two repetitions, and the place of the loop at rest."""
+    schedule = schedule_of(tmp_path_factory.mktemp("duty"), repeat=2, settle=15.0)
+    rest = place_at_rest(schedule, rope_of(schedule))
+    return wound(schedule), rest
+
+
+def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: tuple[list[Trip], Place]) -> None:
+    first, second, *_ = trips_at_rest[0]
     before, after = first.result.recording, second.result.recording
     assert after.time[0] == before.time[-1]
     for name in ("loop.yaw", "loop.x", "loop.z", "left.fy", "left.swivel.torque", "conveyance.left.y"):
@@ -74,10 +83,9 @@ def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
         assert after - before == pytest.approx(change * GRAVITY, rel=2e-3)
 
 
-def test_trips_from_rest_miss_what_builds_up(tmp_path: Path) -> None:
-    schedule = schedule_of(tmp_path, repeat=2, settle=15.0)
-    rest = place_at_rest(schedule, rope_of(schedule))
-    trips = table([row(trip, rest) for trip in wound(schedule)], 2)
+def test_trips_from_rest_miss_what_builds_up(trips_at_rest: tuple[list[Trip], Place]) -> None:
+    wound, rest = trips_at_rest
+    trips = table([row(trip, rest) for trip in wound], 2)
     found = {one.name: one for one in worst(trips, 2)}
     assert found["loop_yaw"].trip > 2
     assert found["loop_yaw"].missed > 0.3
@@ -102,7 +110,7 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     again = [row(trip, rest) for trip in wind(schedule, other, torque_free=False, after=end, done=2)]
     for name in COLUMNS:
         assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
-    longer = replace(schedule, pattern=schedule_of(tmp_path, settle=3.0, travel=20.0).pattern)
+    longer = schedule.model_copy(update={"pattern": schedule_of(tmp_path, settle=3.0, travel=20.0).pattern})
     with pytest.raises(ValueError, match=r"but settle is 2\.0 there, settle is 3\.0 here: give"):
         read_state(path, other, longer)
 
@@ -120,7 +128,7 @@ def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundr
     ("wrong", "right", "told"),
     [
         ("winding.travel = -90.0", "winding.travel = 90.0", r"trip 2: winding.travel = 90 m leads to 180 m"),
-        ("hoist.payload_left = 5000", "hoist.sheave_radius = 2.0", r"trip 1 hoist.sheave_radius = .* the same"),
+        ("hoist.payload_left = 5000", "hoist.sheave_radius = 2.0", r"trip 1: hoist.sheave_radius = .* the same"),
         ("hoist.payload_left = 0", 'hoist.payload_left = { value = 0, unit = "m" }', r"the same as kg"),
         ("winding.travel = 90.0", "winding.travel = 90.0\nwinding.emergency_at = 5", r"emergency_at must be left out"),
     ],

@@ -4,14 +4,17 @@ import csv
 from pathlib import Path
 
 import pytest
+from pydantic import TypeAdapter
 
 from balance_rope import main
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.files.fixed import fixed_model, fixed_values
-from hoist_demo.files.fixed import statuses as file_statuses
+from hoist_demo.files.run_values import Values
+from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses
 from hoist_demo.study.run import build
+
+pytestmark = pytest.mark.usefixtures("plain_figures")
 
 SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2\n"
 
@@ -47,7 +50,7 @@ def test_what_is_set_is_given_or_what_its_file_says(tmp_path: Path) -> None:
     file = tmp_path / "rope.toml"
     file.write_text('[known]\nbending_stiffness = { low = 1, high = 2, status = "calibrated" }\n[fixed]\nrope.EI = 1\n')
     table = {"from": str(file), "rope": {"Qd": 900.0}, "hoist": {"payload_left": {"value": 1e3, "status": "measured"}}}
-    found = file_statuses(fixed_values(fixed_model().model_validate(table)))
+    found = file_statuses(TypeAdapter(Values).validate_python(table))
     wanted = {"rope.EI": "calibrated", "rope.Qd": "given", "hoist.payload_left": "measured"}
     assert found == wanted
     data = statuses(known("rope-120", found))
@@ -73,7 +76,8 @@ def test_commands_say_whence_numbers_are(command: str, tmp_path: Path, capsys: p
     file.write_text(_FILES[command])
     options = ["--workers", "1"] if command == "uncertain" else []
     assert main([command, str(file), "--out", str(out), *options]) == 0
-    assert "Data that this rests on, by status" in capsys.readouterr().out
+    said = (out / "report.md").read_text(encoding="utf-8") if command == "wind" else capsys.readouterr().out
+    assert "Data that this rests on, by status" in said
     with (out / "data.csv").open(encoding="utf-8", newline="") as table:
         rows = {row["name"]: row["status"] for row in csv.DictReader(table)}
     assert rows[_SAID[command]] == {"uncertain": "varied", "identify": "calibrated"}.get(command, "given")

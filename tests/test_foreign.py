@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from scenes import ends_at
 
 from fmu_src.native.build import PLATFORMS, host_platform
+from fmu_src.native.export import header_folder
 from hoist_demo.cases.table import CASES
 from hoist_demo.control.trajectory import s_curve
 
@@ -85,11 +86,10 @@ def script(described: ElementTree.Element) -> str:
 
 def _compile(folder: Path, platform: str) -> Path:
     host = folder / ("host.exe" if platform.endswith("windows") else "host")
-    headers = ROOT / "fmu_src" / "native" / "include"
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]
     source = ROOT / "tests" / "native" / "foreign_host.c"
     libraries = [] if platform.endswith("windows") else ["-ldl"]
-    subprocess.run([*compiler, f"-I{headers}", str(source), "-o", str(host), *libraries], check=True)
+    subprocess.run([*compiler, f"-I{header_folder()}", str(source), "-o", str(host), *libraries], check=True)
     return host
 
 

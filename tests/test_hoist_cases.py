@@ -11,15 +11,14 @@ from numpy.testing import assert_allclose
 
 from fmu_src.interface import case_with, variables
 from hoist_demo.cases.case import Case
+from hoist_demo.cases.rules import TAIL_SPARE
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, rope_in_process
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.files.hoist_file import TAIL_SPARE
-from hoist_demo.files.new import round_rope
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
-from rope_model import EndMotion, Layout, Rope, Scene, parameters, rope_120
+from rope_model import EndMotion, Scene, parameters, rope_120
 from rope_model.scene_names import with_values
 
 INSTALLED = {name: case for name, case in CASES.items() if not name.startswith("rope-")}
@@ -37,11 +36,6 @@ def test_the_balance_rope_is_that_of_the_hoist(case: Case) -> None:
     assert case.rope["rope.mass_per_length"] == hoist.tail_rope_mass
     assert_allclose(hoist.tail_mass / hoist.rope_mass, 1.0, rtol=1e-14)
     require_trip_fits(hoist, case.winding)
-
-
-def test_the_known_rope_is_similar_to_itself() -> None:
-    known = rope_data(round_rope(120.0, 8.0, 2.0, coupling=1.0))
-    assert (known.rope, known.layout) == (Rope(), Layout())
 
 
 @pytest.mark.parametrize(("name", "rpm"), [("kiruna-355", 64.7), ("kiruna-710", 100.0)])

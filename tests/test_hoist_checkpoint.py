@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
@@ -132,6 +132,7 @@ plain = st.recursive(
 
 
 @given(plain)
+@settings(max_examples=40)  # each of some eight leaves
 def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
     back = decode(json.loads(json.dumps(encode(value, "x"))))
     assert back == value

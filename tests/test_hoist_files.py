@@ -10,11 +10,14 @@ from numpy.testing import assert_allclose
 
 from balance_rope import main
 from hoist_demo.cases.case import FOLDER
+from hoist_demo.cases.rules import TAIL_SPARE
 from hoist_demo.cases.table import NAMED, find_case
-from hoist_demo.files.documentation import filled
-from hoist_demo.files.hoist_file import TAIL_SPARE, read_hoist, schema
+from hoist_demo.duty.schedule import read_schedule
+from hoist_demo.files.hoist_file import read_hoist, schema
 from hoist_demo.files.reading import FileError, nested
 from hoist_demo.parameters import GRAVITY
+from hoist_demo.report.hoist import known
+from hoist_demo.study.run import build
 
 ROOT = Path(__file__).parents[1]
 SHIPPED = [*(FOLDER / f"{name}.toml" for name in NAMED), *sorted((ROOT / "docs" / "hoists").glob("*.toml"))]
@@ -42,9 +45,12 @@ right.swivel.mode = "locked"
 
 @cache
 def checked() -> jsonschema.Draft202012Validator:
-    """Checks files by the schema, which is itself a schema."""
-    jsonschema.Draft202012Validator.check_schema(schema())
+    """Checks files by the schema."""
     return jsonschema.Draft202012Validator(schema())
+
+
+def test_the_schema_of_hoist_files_is_a_schema() -> None:
+    jsonschema.Draft202012Validator.check_schema(schema())
 
 
 def written(path: Path, text: str) -> Path:
@@ -112,9 +118,9 @@ WRONG: list[tuple[str, str, str, str]] = [
     ('"22 t"', "true", "hoist.payload_left = True must be a finite number", "hoist/payload_left"),
     ('"22 t"', "[1, 2]", "hoist.payload_left = [1, 2] must be a finite number", "hoist/payload_left"),
     ('"22 t"', "{ unit = 't' }", "has no value: write { value", ""),
-    ('"22 t"', "{ value = 1, unti = 't' }", "hoist.payload_left.unti is not known", "hoist/payload_left"),
-    ('"22 t"', "{ value = 1, status = 'x' }", "hoist.payload_left has status = 'x', which must", "hoist/payload_left"),
-    ('"22 t"', "{ value = 1, unit = 3 }", "payload_left has unit = 3, which must be a text", "hoist/payload_left"),
+    ('"22 t"', "{ value = 1, unti = 't' }", "is not a key: did you mean hoist.payload_left.unit", "hoist/payload_left"),
+    ('"22 t"', "{ value = 1, status = 'x' }", "payload_left.status = 'x' must be 'measured'", "hoist/payload_left"),
+    ('"22 t"', "{ value = 1, unit = 3 }", "payload_left.unit = 3 must be a text", "hoist/payload_left"),
     ('"22 t"', "-5", "hoist: payload_left = -5.0 must be finite and at least 0", ""),
     ("head_rope_number = 4", "head_rope_number = 4.5", "rope_number = 4.5 must be a whole", "hoist/head_rope_number"),
     ("brake.torque", "brake = 3 #", "hoist.brake = 3 must be one table", "hoist/brake"),
@@ -133,12 +139,12 @@ WRONG: list[tuple[str, str, str, str]] = [
     ('"52 mm"', "0.0", "rope 1: rope.diameter = 0.0 must be within", "rope/0/diameter"),
     ("number = 2", "number = 0", "rope 1 number = 0 must be greater", "rope/0/number"),
     ("number = 2", "number = 'two'", "rope 1 number = 'two' must be a valid integer", "rope/0/number"),
-    ("number = 2", "name = 'a b'", "rope 1 name = 'a b' must be", "rope/0/name"),
+    ("number = 2", "name = 'a b'", "rope 1 name = 'a b' must match", "rope/0/name"),
     ("number = 2", "breaks_at = 3", "rope 1: breaks_at and breaks_s must stand together", ""),
     ("number = 2", "z = 'left'", "rope 1: rope.z = 'left' must be a finite number", "rope/0/z"),
     ("number = 2", "EJ = 3", "rope 1 EJ = 3 is not a key: did you mean rope.EI", "rope/0"),
     ("number = 2", "contact.friction = 1", "rope 1 contact = {'friction': 1} is not a key", "rope/0"),
-    ("number = 2", "from = 'none.toml'", "rope 1: ", ""),
+    ("number = 2", "from = 'none.toml'", "rope 1 from: ", ""),
     ('"coulomb"', '"kulomb"', "rope 1: rope.swivels.mode = 'kulomb' must be one of 0 (locked)", "rope/0/swivels/mode"),
     ('"coulomb"', "7", "rope 1: rope.swivels.mode = 7 must be one of 0 (locked)", "rope/0/swivels/mode"),
     ("[winding]", "[mesh]\nkind = 'fine'\n[winding]", "mesh.kind = 'fine' must be one of 0 (tmn)", "mesh/kind"),
@@ -150,6 +156,10 @@ WRONG: list[tuple[str, str, str, str]] = [
     ('name = "Own"', 'name = "Own"\nsignals = "loop.y"', "signals = 'loop.y' must be a list", "signals"),
     ('name = "Own"', 'name = "Own"\nlike = "nowhere"', "cannot be read", ""),
     ('name = "Own"', 'name = "Own"\nname = "b"', "is not TOML: Cannot overwrite a value", ""),
+    ('name = "Own"', 'name = "Own"\n"hoist.payload_left" = 3', "hoist.payload_left is given twice, with its dots", ""),
+    ('name = "Own"', 'name = "Own"\n"hoist.brake" = 3', "hoist.brake is given twice, with its dots", ""),
+    ('name = "Own"', 'name = "Own"\nlike = "a\\u0000b"', "like: 'a\\x00b' must be a line of printable", ""),
+    ('name = "Own"', 'name = "Own"\nx = ' + "[" * 2000 + "]" * 2000, "is nested too deeply: write [table]s", ""),
 ]  # fmt: skip
 
 
@@ -163,6 +173,45 @@ def test_a_wrong_file_is_refused_with_its_place(old: str, new: str, message: str
     if place:
         found = checked().iter_errors(nested(tomllib.loads(text)))
         assert place in ["/".join(map(str, error.absolute_path)) for error in found]
+
+
+def test_a_value_that_is_set_counts_as_if_it_stood_in_the_file_and_one_that_varies_does_not(tmp_path: Path) -> None:
+    own = str(written(tmp_path / "own.toml", OWN))
+    run = build(own, {"rope.mass_per_length": 20.0, "hoist.shaft_travel": 600.0})
+    text = OWN.replace("shaft_travel = 870", "shaft_travel = 600")
+    text = text.replace("number = 2\n", "number = 2\nmass_per_length = 20.0\n")
+    there = build(str(written(tmp_path / "there.toml", text)), {})
+    assert (run.hoist, run.winding, run.gains, run.fmu) == (there.hoist, there.winding, there.gains, there.fmu)
+    assert_allclose(run.hoist.rope_mass, 2.0 * 20.0)
+    assert run.given["hoist.head_rope_mass"] == "derived"
+    # a rope of the catalogue, with a tenth more of diameter
+    other = build(own, {"rope.diameter": 1.1 * 0.052}).hoist
+    assert_allclose(other.tail_mass / find_case(own).hoist.tail_mass, 1.1**2)
+    # nothing follows from what differs between runs of one hoist
+    varied, case = build(own, {}, varied={"hoist.payload_left": 0.0}), find_case(own)
+    assert (varied.hoist.payload_left, varied.hoist.torque_limit) == (0.0, case.hoist.torque_limit)
+    assert varied.gains == case.gains
+
+
+def test_files_that_a_file_names_are_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    written(folder / "own.toml", OWN)
+    written(folder / "rope.toml", "[fixed]\nrope.EI = 77.0\n")
+    text = '[duty]\nhoist = "own.toml"\n[fixed]\nfrom = "rope.toml"\n[[trip]]\nwinding.travel = 870.0\n'
+    schedule = read_schedule(written(folder / "duty.toml", text))
+    assert (schedule.trip(1).hoist.shaft_travel, schedule.trip(1).fmu["rope.EI"]) == (870.0, 77.0)
+
+
+def test_a_rope_of_several_has_the_statuses_of_its_own_numbers(tmp_path: Path) -> None:
+    text = "name = 'two'\nlike = 'rope-120'\nstatus = 'measured'\n[[rope]]\nEI = 90.0\n[[rope]]\nz = 1.0\nQc = 0.0\n"
+    path = written(tmp_path / "two.toml", text)
+    case = read_hoist(path)
+    status = {one.name: one.status for one in known(case, str(path))}
+    assert "exported" not in status.values()
+    assert [status[f"rope{k}.rope.EI"] for k in (1, 2)] == ["measured", "assumed"]
+    assert [status[f"rope{k}.rope.Qc"] for k in (1, 2)] == ["published", "measured"]
 
 
 def test_all_errors_come_at_once_and_far_values_are_remarked_on(tmp_path: Path) -> None:
@@ -187,8 +236,3 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
     assert case.rope["rope.mass_per_length"] != own.rope["rope.mass_per_length"]
     with pytest.raises(FileError, match="break the circle"):
         find_case(str(written(tmp_path / "c.toml", 'name = "c"\nlike = "c.toml"\n')))
-
-
-def test_the_page_has_the_keys_and_rules_that_there_are() -> None:
-    text = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
-    assert filled(text) == text, "python -m hoist_demo.files.documentation docs/reference/files.md"

@@ -130,7 +130,7 @@ def test_a_rope_that_cannot_hang_stops_before_the_first_row() -> None:
     result = _run(FakeRope(fails_at=-1.0), Winding(travel=2.0))
     assert (result.completed, result.steps) == (False, 0)
     assert "no hanging shape" in result.cause
-    assert "no hanging shape" in judge(result, Hoist(), RopeData({}, {}, {})).words
+    assert "no hanging shape" in judge(result, Hoist(), [RopeData({}, {}, {})]).words
 
 
 def test_an_emergency_stop_comes_to_rest_before_the_landing() -> None:
@@ -150,6 +150,7 @@ def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Pa
     np.testing.assert_allclose(back, np.column_stack([short.recording[name] for name in names]), rtol=5e-10, atol=0)
 
 
+@pytest.mark.usefixtures("plain_figures")
 def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> None:
     again = _run(FakeRope(shows_shape=True), Winding(travel=2.0, settle=1.0))
     for k, result in enumerate((short, again)):

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 
+from balance_rope import main
 from hoist_demo.command_line import results
 from hoist_demo.command_line.results import hear_hang_ups, interruption
 from hoist_demo.cosimulation.participants.rope_data import RopeData
@@ -74,7 +75,7 @@ VERDICTS = [
 def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, parameters, row, value, kept) -> None:
     record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
     ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
-    verdict = judge(ended, Hoist(tail_rope_number=3), RopeData({}, parameters, {}))
+    verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
     (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
     assert (found.value, found.holds) == (value, kept)
     assert (found.quantity in verdict.words) == (kept is False)
@@ -83,21 +84,16 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 @pytest.mark.parametrize("fmi", [pytest.param("2", marks=pytest.mark.slow), "3"])
 def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, tmp_path: Path) -> None:
-    export, demo = ([sys.executable, "-m", "balance_rope", name] for name in ("export", "demo"))
     fmu, out = tmp_path / "mine.fmu", tmp_path / "out"
-
     (scratch := tmp_path / "scratch").mkdir()
-
-    def run(command: list[str]) -> str:
-        where = os.environ | {"TMPDIR": str(scratch)}
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False, env=where)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
-
-    run([*export, "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)])
-    said = run([*demo, "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)])
+    export = ["export", "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)]
+    assert main(export) == 0
+    demo = ["demo", "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)]
+    command, where = [sys.executable, "-m", "balance_rope", *demo], os.environ | {"TMPDIR": str(scratch)}
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False, env=where)
+    assert done.returncode == 0, done.stderr
     title = "Published rope of 120 m: the left conveyance 0.5 m up at up to 8 m/s"
-    assert said.startswith(f"{title}\n")
+    assert done.stdout.startswith(f"{title}\n")
     for name in ("report.md", "report.html"):
         text = (out / name).read_text(encoding="utf-8")
         assert hashlib.sha256(fmu.read_bytes()).hexdigest() in text

@@ -1,5 +1,6 @@
 """`demo --set` and `--signals`: values and columns by name, errors that name them, and every message once."""
 
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -13,13 +14,14 @@ from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
-from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.catalogue import parameters
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.run import contradictions
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
 ROOT = Path(__file__).parents[1]
-CATALOGUE = Catalogue()
+KNOWN = parameters()
 DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"]
 
 
@@ -36,7 +38,7 @@ DEMO = ["demo", "--in-process", "--quick", "--travel", "0.5", "--level", "draft"
     ],
 )
 def test_a_value_has_its_parameters_type_and_a_choice_its_word(given: str, name: str, value: object) -> None:
-    assert settings([given], CATALOGUE) == {name: value}
+    assert settings([given], KNOWN) == {name: value}
 
 
 @pytest.mark.parametrize(
@@ -49,13 +51,12 @@ def test_a_value_has_its_parameters_type_and_a_choice_its_word(given: str, name:
         ("right.swivel.mode=sticky", r"mode = 'sticky' must be one of 0 \(locked\), 1 \(free\), 2 \(coulomb\)"),
         ("winding.emergency_law=brake", r"must be one of drive, deceleration, torque, two-stage: choose one"),
         ("hoist.head_rope_number=2.5", r"hoist\.head_rope_number = 2\.5 must be a whole number"),
-        ("shaper.kind=ZV", r"shaper\.kind is for studies"),
-        ("inputs_at_step_end=true", "inputs_at_step_end cannot be chosen"),
+        ("inputs_at_step_end=true", "inputs_at_step_end is not a parameter: the host sets it"),
     ],
 )
 def test_what_cannot_be_set_is_named(given: str, words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        settings([given], CATALOGUE)
+        settings([given], KNOWN)
 
 
 def test_a_hoist_and_a_rope_that_contradict_each_other_are_told_with_both_values() -> None:
@@ -90,6 +91,28 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(
     assert main([*DEMO, "--out", str(tmp_path)]) == 1
     assert (tmp_path / "report.md").read_text(encoding="utf-8") == text
     assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")
+
+
+def test_a_run_is_gone_on_with_whose_hoist_is_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, asked, out = tmp_path / "own.toml", iter(range(99)), ["--out", str(tmp_path / "out")]
+    file.write_text("name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8")
+    with monkeypatch.context() as patch:
+        patch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: next(asked) > 60))
+        assert main([*DEMO, str(file), *out]) == 1
+    assert main([*DEMO, "--resume", str(tmp_path / "out" / "last_good.npz"), *out]) == 0
+    assert "| hoist.payload_left | 4321 |" in (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
+
+
+def test_a_level_that_the_fmu_has_not_is_told(
+    tmp_path: Path, fmu_of: Callable[[str], Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")
+    short = ["--quick", "--travel", "0.5", "--out", str(tmp_path / "out")]
+    assert main(["wind", str(file), "--fmu", str(fmu_of("draft")), *short]) == 0
+    assert "level = 'reference' of" in capsys.readouterr().err
 
 
 def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:

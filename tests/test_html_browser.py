@@ -211,7 +211,7 @@ def test_a_run_that_stopped_after_one_row_or_never_began_is_shown(tmp_path: Path
     ):
         path = tmp_path / f"run{len(signals)}.html"
         ended = result(signals, "no <shape>")
-        page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), RopeData({}, {}, {}))), path)
+        page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), [RopeData({}, {}, {})])), path)
         seen = look(page, f"seen.found = document.{probe};", 800)
         assert seen.console == []
         assert expected in seen.said["found"]
@@ -244,7 +244,7 @@ def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_pat
     parameters = {"lining.width": 5.0, "lining.depth": 3.0, "lining.rounding": 0.5, "sump.level": -15.5}
     parameters |= {"divider_2.size": 0.2, "divider_2.y": -13.0, "divider_2.rounding": 1.0, "guard.rise": 0.5}
     rope, ended = RopeData({}, parameters, {}), result(signals)
-    page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), rope)), tmp_path / "run.html", rope)
+    page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), [rope])), tmp_path / "run.html", [rope])
     seen = look(page, _SHAFT, 1000)
     assert seen.console == []
     assert seen.said["opened"] == "floor"  # the page opens on the strike

@@ -1,7 +1,7 @@
 """What is known of a rope: `balance-rope identify` finds what is measured, `uncertain` winds over the ranges."""
 
-import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,20 +11,31 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from balance_rope import _with_rope, main
-from hoist_demo.calibration.definition import Properties, RopeAsked, known_rope, read_measured
+from hoist_demo.calibration.definition import read_measured
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
-from hoist_demo.calibration.measurements import FOLLOWING, Bench, Measurement
+from hoist_demo.calibration.measurements import (
+    AtRest,
+    Bench,
+    LoopWidth,
+    Mass,
+    SampleExtension,
+    SampleTorque,
+    Swept,
+    Track,
+)
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.files.fixed import fixed_model, fixed_values, plain, statuses
-from hoist_demo.files.reading import FileError
-from hoist_demo.files.rope_file import read_rope_file
+from hoist_demo.files.reading import FileError, read
+from hoist_demo.files.rope_file import FOLLOWING, RopeFile, read_rope_file
+from hoist_demo.files.run_values import Values
+from hoist_demo.files.values import plain, statuses
 from hoist_demo.uncertainty.definition import read_uncertain
 from hoist_demo.uncertainty.page import too_few
-from hoist_demo.uncertainty.spread import Spread, draw
-from rope_model import KnownRope, Rope, Scene, rope
+from hoist_demo.uncertainty.spread import Spread, draw, remarks_of, wound
+from rope_model import Rope, Scene, rope
+
+pytestmark = pytest.mark.usefixtures("plain_figures")
 
 ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
@@ -83,11 +94,11 @@ def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
 def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
     bench = Bench(rope("34x7", diameter=0.046, length=120.0), Scene())
     plan = [
-        Measurement("", "mass", "kg/m", (0.0,), 0.01, {}, {}),
-        Measurement("", "loop width", "m", (0.0,), 0.01, {}, {}),
-        Measurement("", "sample torque", "N.m", (0.0,) * 2, 0.1, {"load": (1e4,), "twist": (0.0, 0.05)}, {}),
-        Measurement("", "sample extension", "m", (0.0,), 1e-5, {"load": (5e4,), "length": (10.0,)}, {}),
-        Measurement("", "at rest", "rad", (0.0,), 0.01, {"left_y": (0.0,), "right_y": (0.0,)}, {"signal": "loop.yaw"}),
+        Mass(value=1.0, sigma=0.01),
+        LoopWidth(value=1.0, sigma=0.01),
+        SampleTorque(value=[0.0] * 2, sigma=0.1, load=1e4, twist=[0.0, 0.05]),
+        SampleExtension(value=1.0, sigma=1e-5, load=5e4, length=10.0),
+        AtRest(value=0.0, sigma=0.01, left_y=0.0, right_y=0.0, signal="loop.yaw"),
     ]
     truth = np.array([0.3, 0.6, 0.7, 0.55, 0.4])
     _, sigmas = stacked(plan)
@@ -98,13 +109,9 @@ def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
 
 def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
     bench = Bench(rope("34x7", diameter=0.046, length=30.0), Scene())
-    trip = {"travel": (4.0,), "speed": (2.0,), "acceleration": (0.75,), "jerk": (0.5,)}
-    where = {"left_y": (0.0,), "right_y": (4.0,), **trip}
+    where: Any = {"left_y": 0.0, "right_y": 4.0, "travel": 4.0, "speed": 2.0, "signal": "loop.x", "sigma": 1.0}
     times = tuple(np.linspace(3.0, 5.0, 21))
-    plan = [
-        Measurement("", "track", "m", (0.0,) * 21, 1.0, {"t": times, **where}, {"signal": "loop.x"}),
-        Measurement("", "swept", "m", (0.0,), 1.0, {"t": (3.0,), "until": (5.0,), **where}, {"signal": "loop.x"}),
-    ]
+    plan = [Track(value=[0.0] * 21, t=times, **where), Swept(value=0.0, t=3.0, until=5.0, **where)]
     *places, swept = bench.predict(np.full(5, 0.5), plan)
     assert swept > 0.05
     assert_allclose(swept, np.ptp(places))
@@ -134,29 +141,20 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert "loop width" in report
     assert "<script" not in report
 
-    found = read_rope_file(made, Catalogue())
+    found = read_rope_file(made)
     values = plain(found)
     assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
-    given = fixed_model().model_validate({"from": str(made), "rope": {"EI": 99.0}})
-    assert plain(fixed_values(given)) == values | {"rope.EI": 99.0}
+    given = TypeAdapter(Values).validate_python({"from": str(made), "rope": {"EI": 99.0}})
+    assert plain(given) == values | {"rope.EI": 99.0}
     wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
     assert wanted.items() <= statuses(found).items()
     exported = _with_rope(CASES["rope-120"], made, [])
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
-    again = read_back(made)
-    assert isinstance(again, KnownRope)
+    again = read(made, RopeFile).catalogue_rope
     assert again.data["bending_stiffness"].status == "calibrated"
     assert again.data["mass_per_length"].status == "published"
     assert isinstance(rope_data(values).rope, Rope)
-
-
-def read_back(path: Path) -> KnownRope | None:
-    raw, problems = tomllib.loads(path.read_text(encoding="utf-8")), list[str]()
-    properties = TypeAdapter(Properties).validate_python(raw["known"])
-    found = known_rope(path, RopeAsked.model_validate(raw["rope"]), properties, problems)
-    assert not problems
-    return found
 
 
 def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -167,8 +165,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
     assert "contradicted: " in told.out
     made = tmp_path / "rope.toml"
     assert "# the measurements contradict the model" in made.read_text(encoding="utf-8")
-    again = read_back(made)
-    assert isinstance(again, KnownRope)
+    again = read(made, RopeFile).catalogue_rope
     bending = again.data["bending_stiffness"]
     assert bending.status == "contradicted"
     # no interval follows from them: the range of before stands
@@ -186,7 +183,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
         (ROPE + "[known]\nbending_stiffness = { low = 3.0, high = 2.0 }\n" + WIDTH, "low = 3 must be at most"),
         (ROPE + "[fixed]\nrope.EI = 3.0\n" + WIDTH, r"rope.EI follows from the properties: give \[known\]"),
         (ROPE + '[[measured]]\nwhat = "sample torque"\nload = [1, 2, 3]\nvalue = [1, 2]\nsigma = 1\n', "load has 3"),
-        (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }: give both"),
+        (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }, in order"),
         (ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n", "must be less than .* = 120 m apart"),
         (ROPE + WIDTH + "[want]\n", r"want = {} is not a key"),
     ],
@@ -249,6 +246,20 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     held = table["torque_factor"] * 0.044 * 7.7 * 9.81 * (15**2 + 105**2) / 240
     assert_allclose(table["left_swivel_torque"], held, rtol=0.05)
     assert "bending stiffness" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None:
+    coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
+    asked = read_uncertain(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"))
+    values = {name: datum.middle for name, datum in asked.data.items()}
+    found, (told,) = wound(asked, values)
+    assert np.isnan([*found.values()]).all()
+    assert told.startswith("left out: the rope passed through its other leg")
+
+
+def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
+    texts = [[f"yawed by {yaw} rad (bound 0.5 rad)"] for yaw in ("9.5e-01", "0.61", "10")]
+    assert remarks_of([*texts, [], ["struck"]]) == {"yawed by 0.61 to 10 rad (bound 0.5 rad)": 3, "struck": 1}
 
 
 @pytest.mark.parametrize(

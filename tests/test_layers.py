@@ -45,19 +45,20 @@ fmu_src: rope_model.parameter_table rope_model.parameters rope_model.scene_names
     rope_model.simulation rope_model.texts rope_model.version
 hoist_demo.parameters: rope_model.physics
 hoist_demo.drive: .parameters rope_model.numerics
-hoist_demo.control: .parameters rope_model.physics
+hoist_demo.control: .parameters .drive rope_model.physics
 hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control .cases .cosimulation.participants rope_model rope_model.simulation
 hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table rope_model.scene_names
     rope_model.texts
-hoist_demo.files: .parameters .control .design .cases rope_model rope_model.scene_names rope_model.texts
+hoist_demo.files: .parameters .control .design .cases rope_model rope_model.catalogue rope_model.scene_names
+    rope_model.texts
 hoist_demo.cases: .parameters .control .files rope_model
 hoist_demo.cosimulation.schemes: rope_model
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
     rope_model.scene_names
 hoist_demo.cosimulation: .parameters .drive .control .recording .cosimulation.schemes .cosimulation.participants
-    rope_model
-hoist_demo.report: .parameters .cases .design .files .recording .cosimulation .cosimulation.participants .study
+    rope_model rope_model.numerics
+hoist_demo.report: .parameters .cases .design .files .recording .cosimulation .cosimulation.participants .study .ropes
     rope_model rope_model.simulation rope_model.texts
 hoist_demo.study: .files .parameters .control .design .cases .recording .cosimulation .cosimulation.participants
     .cosimulation.schemes rope_model rope_model.scene_names rope_model.texts
@@ -82,7 +83,7 @@ casadi: rope_model.physics.element rope_model.physics.air_element rope_model.phy
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
     rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.rules
     rope_model.codegen.formulas rope_model.codegen.tables rope_model.simulation.outputs.linear hoist_demo.design
-    hoist_demo.drive
+    hoist_demo.drive hoist_demo.control.kernel
     hoist_demo.drive_fmu.kernels
 scipy: rope_model.simulation.outputs.modal rope_model.simulation.outputs.linear
     hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning

@@ -1,5 +1,6 @@
 """The TMN-ETM pattern, its transformation there and back, and what a transfer keeps."""
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -12,8 +13,23 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rope_model.parameters import Mesh
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh.mesh_fit import DUE
-from rope_model.simulation.mesh.mesh_pattern import fewest_outer, inner_length, transformation_due
-from rope_model.simulation.mesh.partition import GRADING, LEG_LENGTHS, Partition, partition, transform
+from rope_model.simulation.mesh.mesh_pattern import (
+    WINDOW,
+    WINDOW_DUE,
+    WINDOW_PARTS,
+    fewest_outer,
+    inner_length,
+    transformation_due,
+)
+from rope_model.simulation.mesh.partition import (
+    GRADING,
+    LEG_LENGTHS,
+    NOWHERE,
+    Partition,
+    partition,
+    transform,
+    window_due,
+)
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 
@@ -146,6 +162,44 @@ def test_elements_of_the_legs_are_as_long_as_end_and_loop_allow(length: float, p
             assert size <= from_end + 1e-6
             assert GRADING * (size - 1) <= to_loop + 1e-6
             assert p.coarse * size**2 <= growth * (to_loop + 1e-6)
+
+
+#: the leg's end, so far from which it faces a divider, is the left one; and the right one
+SIDES = st.sampled_from([0, 1])
+
+
+def facing(side: int, place: float) -> tuple[float, ...]:
+    return tuple(place if k == 2 + side else math.inf for k in range(len(NOWHERE)))
+
+
+@settings(max_examples=100, deadline=None)
+@given(length=st.floats(120.0, 1000.0), bottom=st.floats(0.3, 0.7), part=st.floats(-0.1, 1.1), side=SIDES)
+def test_a_leg_is_refined_about_the_divider_that_it_faces(length, bottom, part, side) -> None:
+    mesh, place = Mesh(coarse_length=1.0), part * length
+    plain, p = partition(mesh, length, bottom * length), partition(mesh, length, bottom * length, facing(side, place))
+    assert p.lengths.size == plain.lengths.size + WINDOW * (WINDOW_PARTS - 1)  # wherever it is
+    assert p.counts == plain.counts
+    assert_allclose(p.lengths.sum(), length, rtol=1e-12)
+    s, leg = nodes(p) if side == 0 else length - nodes(p)[::-1], p.counts[6 * side] * p.coarse
+    lengths = np.diff(s)
+    # a window begins within half an l of its place
+    reach = (0.5 * WINDOW - 0.5 - 1e-6) * p.coarse
+    near = (s[:-1] < place + reach) & (s[1:] > place - reach)
+    within = near & (s[:-1] > p.coarse * (1 - 1e-9)) & (s[1:] < leg * (1 + 1e-9))
+    assert np.all(lengths[within] <= p.coarse / WINDOW_PARTS * (1 + 1e-9))
+
+
+@given(place=st.floats(20.0, 35.0), moves=st.floats(-10.0, 10.0), side=SIDES)
+def test_a_window_follows_its_divider(place: float, moves: float, side: int) -> None:
+    p = partition(Mesh(coarse_length=1.0), 120.0, 60.0, facing(side, place))
+    off = abs((place + moves) / p.coarse - 0.5 * WINDOW - p.windows[2 + side])
+    there = facing(side, place + moves)
+    assert window_due(p, there) == (off > WINDOW_DUE)
+    followed = transform(p, 0, there)
+    assert not window_due(followed, there)
+    assert followed.counts == p.counts
+    assert followed.lengths.size == p.lengths.size
+    assert followed.windows == partition(Mesh(coarse_length=1.0), 120.0, 60.0, there).windows
 
 
 def carry(x: Array, old_s: Array, new_s: Array) -> Array:

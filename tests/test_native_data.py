@@ -80,36 +80,33 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
     assert native.text_exact(room, ct.c_double(x)).decode() == repr(x)
 
 
-def end_message(native: Any, target: EndMotion, limits: Limits, side: int) -> str:
+def assert_same_refusal(native: Any, target: EndMotion, limits: Limits = NO_LIMITS, side: int = 0) -> str:
     inputs, sizes = scene_structure(Scene()).inputs, (ct.c_double * 12)(*(x for row in limits for x in row))
-    return text_of(native.ends_refusal, ct.byref(inputs), ct.byref(c_end(target)), sizes, side)
+    said = refusal(Inputs(), target, limits, SIDES[side])
+    assert text_of(native.ends_refusal, ct.byref(inputs), ct.byref(c_end(target)), sizes, side) == said
+    return said
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])
 @pytest.mark.parametrize("side", [0, 1])
 def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, name: str) -> None:
     for value in (math.nan, -math.nan, math.inf, -math.inf, -100000.25, 1.234567e9, 60.0, 60.001, 100.0, 100.1, 1e4):
-        target = EndMotion(**{name: value})
-        assert end_message(native, target, NO_LIMITS, side) == refusal(Inputs(), target, NO_LIMITS, SIDES[side])
-    assert refusal(Inputs(), EndMotion(**{name: 1e9}), NO_LIMITS, SIDES[side])
+        assert_same_refusal(native, EndMotion(**{name: value}), side=side)
+    assert assert_same_refusal(native, EndMotion(**{name: 1e9}), side=side)
 
 
 @pytest.mark.parametrize("name", ["x", "y", "z", "yaw", "vx", "vy", "vz", "yaw_rate"])
 def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, name: str) -> None:
     for value in (0.001, 0.4321, 0.6, 50.0):
         target = EndMotion(**{name: value})
-        limits = Follower().step(0.02, target).limits
-        assert end_message(native, target, limits, 1) == refusal(Inputs(), target, limits, "right")
+        said = assert_same_refusal(native, target, Follower().step(0.02, target).limits, 1)
     # a yaw's acceleration is not given, but follows from its rate
-    bound = "acceleration_max" if name == "yaw_rate" else "misfit_max"
-    assert f"inputs.{bound}" in refusal(Inputs(), target, limits, "right")
+    assert f"inputs.{'acceleration_max' if name == 'yaw_rate' else 'misfit_max'}" in said
 
 
 def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> None:
     limits = NO_LIMITS._replace(peaks=(0.0, 1.0, 100.1, 5.0))
-    message = end_message(native, EndMotion(), limits, 0)
-    assert message == refusal(Inputs(), EndMotion(), limits, "left")
-    assert "inputs.acceleration_max = 100" in message
+    assert "inputs.acceleration_max = 100" in assert_same_refusal(native, EndMotion(), limits)
 
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:

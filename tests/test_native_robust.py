@@ -2,7 +2,6 @@
 
 import ctypes
 import math
-import os
 import shutil
 import struct
 import subprocess
@@ -22,15 +21,10 @@ from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_a
 from native_host import ERROR, OK, SMALL, Host, reseal
 
 from fmu_src.native.build import available_platforms
-from fmu_src.native.export import native_table, rope_sources, shell_sources
-from fmu_src.native.start import Start, c_start
-from fmu_src.native.table import start_values
-from rope_model.parameters import rope_120
 
 if not available_platforms():
     pytest.skip("no compiler builds the native FMU here", allow_module_level=True)
 
-ROOT = Path(__file__).resolve().parent.parent
 LINUX = sys.platform == "linux"
 Fmu = tuple[Path, str]
 
@@ -78,7 +72,7 @@ def test_eight_threads_step_eight_instances_as_one_alone(unpacked: Callable[[str
 
 
 @pytest.mark.skipif(threads.why_not() != "", reason=threads.why_not())
-@pytest.mark.parametrize(("flavour", "count", "runs"), [("python", 8, 1), ("native-2", 16, 5)])
+@pytest.mark.parametrize(("flavour", "count", "runs"), [("python", 4, 1), ("native-2", 16, 5)])
 def test_many_threads_have_the_bits_of_one(flavour: str, count: int, runs: int, fmu_of: Any, tmp_path: Path) -> None:
     program, fmu = threads.build(tmp_path), fmu_of(flavour)
     unzipped = Path(fmpy.extract(str(fmu), str(tmp_path / "unzipped")))
@@ -133,37 +127,6 @@ def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fm
     memory = {name for name in asked if any(word in name for word in ("alloc", "free", "mmap", "brk"))}
     assert memory == (set() if fmi == 2 else {"calloc", "free"})
     assert not asked & {"open", "fopen", "write", "printf", "time", "exit", "abort", "setlocale", "rand", "pthread_create"}  # fmt: skip  # noqa: E501
-
-
-#: what is freed is filled, and what is written beside a block aborts when that is freed
-CHECKERS = ("valgrind", "sanitizers")
-CHECKED_HEAP = {"MALLOC_PERTURB_": "165", "MALLOC_CHECK_": "3", "LD_PRELOAD": "libc_malloc_debug.so.0"}
-
-
-@pytest.mark.parametrize("checker", ["malloc", *(pytest.param(x, marks=pytest.mark.slow) for x in CHECKERS)])
-def test_a_whole_life_with_failed_calls_is_clean(checker: str, tmp_path: Path) -> None:
-    """tests/native/life_cycle.c: two instances, states, refused calls, a failed initialisation, reset, all again."""
-    needed = ("cc", "valgrind") if checker == "valgrind" else ("cc",)
-    if not LINUX or (missing := [x for x in needed if not shutil.which(x)]):
-        pytest.skip(f"needs Linux and {', '.join(needed if not LINUX else missing)}")
-    flags = ["-O0"] if checker == "malloc" else ["-g", "-O1"]
-    flags += ["-fsanitize=address,undefined", "-fno-sanitize-recover"] if checker == "sanitizers" else []
-    shared = "-fPIC", "-shared", "-fvisibility=hidden", "-o", "rope.so"
-    table = native_table(rope_120())
-    sources = rope_sources() | shell_sources(table, 2) | {"start.c": c_start(Start("token", start_values(table, 2)))}
-    for name, text in sources.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    files = sorted(name for name in sources if name.endswith(".c"))
-    command = ["cc", "-std=gnu99", "-DHAS_WIDE_FORM=0", *flags, *shared, *files, "-lm"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    program = ROOT / "tests" / "native" / "life_cycle.c"
-    command = ["cc", "-std=gnu99", *flags, "-I.", str(program), "-o", "life", "-ldl", "-lm"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    run = ["valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"] if checker == "valgrind" else []
-    command, where = [*run, "./life", "./rope.so", "token"], os.environ | (CHECKED_HEAP if checker == "malloc" else {})
-    done = subprocess.run(command, cwd=tmp_path, env=where, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr[-3000:]
-    assert done.stdout.split() == ["0", "0"]
 
 
 class Calls(RuleBasedStateMachine):
@@ -281,7 +244,7 @@ def test_any_calls_in_any_order_neither_crash_nor_hang_and_a_reset_helps(fmu: Fm
     run_state_machine_as_test(machine, settings=bounds)
 
 
-@pytest.mark.parametrize(("version", "every"), [(3, 6), *(pytest.param(v, 1, marks=pytest.mark.slow) for v in (2, 3))])
+@pytest.mark.parametrize(("version", "every"), [(3, 7), *(pytest.param(v, 1, marks=pytest.mark.slow) for v in (2, 3))])
 def test_absurd_parameters_are_refused_with_the_cure(unpacked: Callable[[str], Fmu], version: int, every: int) -> None:
     rope = Host(*unpacked(f"native-{version}"))
     refused = 0

@@ -18,7 +18,7 @@ from test_examples import EXAMPLES, ROOT, lines_of, readme_code
 import rope_model
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public
 from rope_model.codegen.build import library
-from rope_model.numerics.kernels import find_compiler
+from rope_model.numerics.kernels import cache_folder, find_compiler
 
 PYTHON = "Use the rope in Python"
 SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))
@@ -38,7 +38,8 @@ def test_every_public_name_is_imported_from_the_package() -> None:
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache"
     folder.mkdir()
-    shutil.copy(library(), folder)
+    for made in (library(), *cache_folder().glob("generated-*.json")):
+        shutil.copy(made, folder)
     monkeypatch.setenv("BALANCE_ROPE_CACHE", str(folder))
     return folder
 

@@ -311,8 +311,7 @@ def tmn_lengths(height: float) -> Array:
 
 @pytest.mark.parametrize("coupling", [0.0, COUPLING])
 @pytest.mark.parametrize("height", [0.0, 80.0])
-@pytest.mark.parametrize("spacing", [1.5, 2.0, 3.0])
-@pytest.mark.parametrize("EI", [50.0, 300.0, 1000.0])
+@pytest.mark.parametrize(("EI", "spacing"), [(50.0, 1.5), (50.0, 3.0), (300.0, 2.0), (1000.0, 1.5), (1000.0, 3.0)])
 def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, coupling: float) -> None:
     rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
     system = loop_system(rope, height, "held", 0.0, tmn_lengths(height), spacing)

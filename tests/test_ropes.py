@@ -1,6 +1,5 @@
-"""Several ropes in one hoist: sums, neighbours, a rope that breaks; and the command `balance-rope ropes`."""
+"""Several ropes in one hoist: sums, neighbours, a rope that breaks; and the results of `balance-rope wind`."""
 
-import csv
 import math
 from dataclasses import astuple, replace
 from itertools import pairwise
@@ -19,9 +18,10 @@ from hoist_demo.cosimulation.participants.rope_group import Member, RopeGroup, W
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.parameters import GRAVITY, Coupling, hoist_with
 from hoist_demo.parameters.place import Place
-from hoist_demo.ropes.table import polygon_distance
+from hoist_demo.recording.nearness import polygon_distance
 from rope_model import EndMotion, Neighbours
 
+pytestmark = pytest.mark.usefixtures("plain_figures")
 HEIGHT = 90.0
 
 
@@ -220,55 +220,72 @@ length = 118.8
 """
 
 
-def test_the_command_leaves_shares_sums_and_neighbours(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_ropes_have_the_verdict_and_the_report_of_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "ropes.toml"
     path.write_text(ROPES.replace("0.25", "0.05", 1), encoding="utf-8")
-    assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
-    said = capsys.readouterr().out
-    assert "warning: slip safety at rest is 0." in said
-    told = [line.split() for line in said.splitlines()]
-    assert ["status", "completed"] in told
-    # a share has no unit
-    assert {line[0]: line[2:] for line in told if line and line[0] in ("share_most", "yaw_peak", "torque_peak")} == {
-        "share_most": [],
-        "yaw_peak": ["deg"],
-        "torque_peak": ["N", "m"],
-    }
-    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
-        rows = {row["rope"]: row for row in csv.DictReader(file)}
+    assert main(["wind", str(path), "--out", str(tmp_path), "--signals", "left.fy", "two.loop.y"]) == 0
+    said, told = capsys.readouterr()
+    assert "slip safety at rest is 0." in told
+    signals = pd.read_csv(tmp_path / "signals.csv")
+    assert [*signals] == ["time [s]", "left.fy [N]", "two.loop.y [m]"]
+    # the verdict has the sum, with three decimals at most
+    (pull,) = [line for line in said.splitlines() if line.startswith("pull of all 2 ropes on the left conveyance")]
+    most = float(pull.split(" to ")[1].split()[0])
+    assert most == pytest.approx(-1e-3 * signals["left.fy [N]"].min(), abs=5e-3)
+    assert [line for line in said.splitlines() if line.startswith("clearance between one and two ")]
+    report = (tmp_path / "report.md").read_text(encoding="utf-8")
     # by weight, at rest
-    assert float(rows["two"]["share_at_rest [1]"]) == pytest.approx(118.8 / 238.8, rel=1e-6)
-    with (tmp_path / "neighbours.csv").open(encoding="utf-8") as file:
-        (pair,) = csv.DictReader(file)
-    assert 0.0 < float(pair["clearance [m]"]) < 0.4 - 0.044 + 1e-9
-    assert (tmp_path / "signals.csv").is_file()
+    share = report.partition("## Balance rope, two")[2].partition("share of the pull of all, at rest | ")[2]
+    assert float(share.split(" %")[0]) == pytest.approx(100.0 * 118.8 / 238.8, abs=0.05)
+    for name in ("report.html", "one.shapes.csv", "two.shapes.csv", "two.exposure.csv", "loop.png", "data.csv"):
+        assert (tmp_path / name).is_file(), name
+
+
+@pytest.mark.parametrize(("option", "value"), [("--fmu", "rope.fmu"), ("--resume", "last_good.npz")])
+def test_options_for_one_rope_are_refused_with_several(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str, value: str
+) -> None:
+    (path := tmp_path / "ropes.toml").write_text(ROPES, encoding="utf-8")
+    assert main(["wind", str(path), option, value]) == 2
+    assert f"{option} {value} is for a hoist with one [[rope]]: leave it out" in capsys.readouterr().err
 
 
 def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
     path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
     assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "warning: rope two ran as its planar model, which does not compute yaw and all else out of the plane" in said
-    assert "rope one ran as" not in said
-    assert "warning: rope two was to break at breaks_at = 99 s, and did not: the run ended at " in said
-    one, two = said.split(" two, z = 0.2 m ")
-    assert ("yaw_peak" in one, "torque_peak" in one) == (True, True)
-    # sums of which a part is not computed are no results either, nor is a clearance of what keeps to its plane
-    for words in ("yaw_peak", "torque_peak", "tilt about X", "moment about Y", "Smallest clearances"):
-        assert words not in two
-    assert "tilt about Z" in two
-    with (tmp_path / "ropes.csv").open(encoding="utf-8") as file:
-        rows = {row["rope"]: row for row in csv.DictReader(file)}
-    assert (rows["two"]["yaw_peak [rad]"], rows["two"]["torque_peak [N.m]"]) == ("nan", "nan")
-    assert float(rows["one"]["yaw_peak [rad]"]) > 0.01
-    with (tmp_path / "neighbours.csv").open(encoding="utf-8") as file:
-        assert [row["clearance [m]"] for row in csv.DictReader(file)] == ["nan"]
+    said, warned = capsys.readouterr()
+    assert "rope two ran as its planar model, which does not compute yaw and all else out of the plane" in warned
+    assert "rope one ran as" not in warned
+    assert "rope two was to break at breaks_at = 99 s, and did not: the run ended at " in warned
+    assert "turns of the legs about each other, one" in said
+    for words in ("turns of the legs about each other, two", "clearance between one and two"):
+        assert words not in said
+    # sums of which a part is not computed are no results either
+    report = (tmp_path / "report.md").read_text(encoding="utf-8")
+    moments = report.partition("## All ropes on the left conveyance")[2].partition("##")[0]
+    assert [word in moments for word in ("tilt about X", "moment about Y", "tilt about Z")] == [False, False, True]
     signals = pd.read_csv(tmp_path / "signals.csv").rename(columns=lambda name: name.partition(" ")[0])
     for name in ("two.loop.yaw", "two.left.my", "left.my", "right.mx", "left.fz"):
         assert np.isnan(signals[name]).all(), name
     for name in ("one.loop.yaw", "one.left.my", "two.left.fy", "left.mz", "left.fy"):
         assert np.isfinite(signals[name]).all(), name
+
+
+def test_of_a_rope_that_breaks_what_was_before_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "ropes.toml"
+    path.write_text(ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 2.0\nbreaks_s = 30'), encoding="utf-8")
+    assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "rope two broke by t = 2.02 s; of its loop, torques and clearances what was before is told" in said
+    swings = [line for line in said.splitlines() if line.startswith("sideways swing of the loop, two")]
+    assert [float(line.split("t = ")[1].split()[0]) <= 2.0 for line in swings] == [True]
+    # of bodies that are not there nothing is told
+    assert "clearance from" not in said
+    instants = pd.read_csv(tmp_path / "two.shapes.csv")["time [s]"]
+    assert instants.max() <= 2.0
 
 
 def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:
@@ -285,7 +302,7 @@ def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path
     [
         ('name = "two"', 'name = "one"', "name = 'one' must be given once"),
         ('name = "two"', 'name = "left"', "name = 'left' must be another: .*, and left, right, .*drive.* are taken"),
-        ('name = "two"', 'name = "one.b"', r"rope 2 name = 'one\.b' must be .*: correct it"),
+        ('name = "two"', 'name = "one.b"', r"rope 2 name = 'one\.b' must match .*: correct it"),
         ("length = 118.8", "winding.travel = 3", r"rope 2 winding = .* is not a key"),
         ("z = 0.2", "breaks_at = 3.0", r"breaks_at and breaks_s must stand together"),
         ("z = 0.2", 'z = "left"', r"rope 2: rope.z = 'left' must be a finite number, .* in m"),

@@ -101,7 +101,7 @@ WINDOW = 0.6
 
 def host(law: EmergencyLaw = "drive", window: float = WINDOW) -> Host:
     rope = rope_in_process("rope-120", level="draft", parameters={"guard.window": window, "model.fidelity": 1})
-    return Host(rope, BRAKED, replace(WINDING, emergency_law=law), Coupling())
+    return Host(rope, BRAKED, replace(WINDING, emergency_law=law), Coupling(step=0.02))
 
 
 @cache

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from test_tools import IMPORTS, INPUTS, environment, require
 
 from balance_rope import main
 from fmu_src.native.build import host_platform
-from fmu_src.ssp import Component, export_ssp
+from fmu_src.ssp import Component, Datum, export_ssp
 from hoist_demo.cases.table import CASES
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
@@ -75,12 +76,17 @@ def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: st
     assert_allclose(found, expected, rtol=1e-13, atol=0.0)
 
 
-def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
-    found = wind("fmpy_adding", ssp)
-    assert found[-1, 0] == pytest.approx(90.0, abs=0.01)
+@functools.cache
+def wound_in_process() -> NDArray[np.float64]:
+    """(STEPS, NAMES)."""
     # the connections carry mean forces
     recording = Host(rope_in_process("rope-120"), coupling=Coupling(scheme="impulse-preserving")).run().recording
-    expected = np.array([recording[name] for name in NAMES]).T[1 : STEPS + 1]
+    return np.array([recording[name] for name in NAMES]).T[1 : STEPS + 1]
+
+
+def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
+    found, expected = wind("fmpy_adding", ssp), wound_in_process()
+    assert found[-1, 0] == pytest.approx(90.0, abs=0.01)
     # the host steps drive and rope one after the other, the tools at once with the motion extrapolated over 10 ms:
     # the rest is the jerk, 0.5 m/s3 x H x a rope of 960 kg, and the waves that it raises
     scale = np.abs(expected).max(axis=0)
@@ -148,6 +154,27 @@ def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> 
     assert '<ssd:DefaultExperiment startTime="0.0" stopTime="35.0">' in text
 
 
+def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_data(
+    tmp_path: Path, fmu_of: Callable[[str], Path]
+) -> None:
+    """Against the schemas of SSP 2.0 and SSP Traceability 1.1, which pyssp-standard carries."""
+    xmlschema = pytest.importorskip("xmlschema")
+    schemas = Path(pytest.importorskip("pyssp_standard").__file__).parent / "resources"
+    components = [Component("drive", fmu_of("drive-3"), {}), Component("rope", fmu_of("native-3"), COUPLING)]
+    data = [Datum("rope.Qb", 2.3e5, "N.m", "published"), Datum("hoist.sheave_radius", 1.25, "m", "assumed")]
+    made = export_ssp(tmp_path / "hoist.ssp", "Hoist", components, STOP, ssp_driver.H, version="2.0", data=data)
+    with zipfile.ZipFile(made) as archive:
+        archive.extractall(tmp_path)
+    structure, statuses = tmp_path / "SystemStructure.ssd", tmp_path / "resources" / "data.srmd"
+    xmlschema.XMLSchema(schemas / "ssp2" / "SystemStructureDescription.xsd").validate(structure)
+    xmlschema.XMLSchema11(schemas / "SRMD11.xsd").validate(statuses)
+    root = ElementTree.parse(structure).getroot()
+    assert {one[0].tag.partition("}")[2] for one in root.iterfind(".//{*}Connector")} == {"Float64"}
+    assert [one.get("source") for one in root.iterfind("{*}MetaData")] == ["resources/data.srmd"]
+    told = {one.get("keyword"): one.text for one in ElementTree.parse(statuses).iterfind(".//{*}ClassificationEntry")}
+    assert told == {one.name: one.status for one in data}
+
+
 def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
     with zipfile.ZipFile(ssp) as archive:
         archive.extractall(tmp_path)
@@ -206,7 +233,7 @@ def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(r
 def test_system_of_ropes_moves_as_their_group_in_process(ropes: Path) -> None:
     found = wind("fmpy_adding", ropes, FEW, *SIGNALS)
     read = ropes_in(ropes.with_name("ropes.toml"))
-    host = Host(read.group(), read.hoist, read.run.winding, Coupling(scheme="impulse-preserving"), read.run.gains)
+    host = Host(read.plant, read.hoist, read.run.winding, Coupling(scheme="impulse-preserving"), read.run.gains)
     recording = host.run().recording
     names = ["conveyance.left.y", "conveyance.right.y", "drive.torque"]
     names += ["sound.left.fy", "short.left.fy", "short.right.fy"]

@@ -15,7 +15,7 @@ from balance_rope import main
 from hoist_demo.calibration.definition import read_measured
 from hoist_demo.calibration.fit import CONFIDENCE
 from hoist_demo.calibration.identify import identify
-from hoist_demo.calibration.tracks import Track
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.reading import FileError
 
 Array = NDArray[np.float64]
@@ -38,11 +38,11 @@ def markers() -> Array:
     return places
 
 
-def track_of(path: Path) -> tuple[Any, Track]:
+def track_of(path: Path) -> tuple[Any, Markers]:
     measured = read_measured(path)
-    track = measured.measurements[0].track
-    assert track is not None
-    return measured, track
+    markers = measured.measurements[0]
+    assert isinstance(markers, Markers)
+    return measured, markers
 
 
 def true_shares(bench: Any) -> Array:
@@ -51,9 +51,10 @@ def true_shares(bench: Any) -> Array:
 
 def test_the_residuals_of_the_true_rope_are_noise(tmp_path: Path) -> None:
     """In turned axes and mm, with offsets, a late camera, lost and swapped markers."""
-    measured, track = track_of(camera().write(tmp_path, markers(), 3))
+    measured, asked = track_of(camera().write(tmp_path, markers(), 3))
     assert [*measured.bench.names] == ["torsional_stiffness", "bending_stiffness", "rope.beta_K"]
-    residuals = track.residuals(measured.bench.scene_at(true_shares(measured.bench)))
+    residuals = asked.residuals(measured.bench.scene_at(true_shares(measured.bench)))
+    track = asked.track
     count = track.seen.sum()
     # 5 % of the markers are lost, 2 of 4 in 2 % of the frames swapped; a frame with a mask more costs little
     assert 0.88 < count / track.seen.size < 0.95

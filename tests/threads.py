@@ -13,6 +13,8 @@ from pathlib import Path
 import fmpy
 from native_host import SMALL
 
+from fmu_src.native.export import header_folder
+
 ROOT = Path(__file__).resolve().parent.parent
 THREADS, STEPS = 16, 10
 OUTPUTS = ("left.fy", "right.mx", "loop.y", "energy.kinetic")
@@ -30,8 +32,7 @@ def _python() -> str | None:
 
 def build(folder: Path, flags: Sequence[str] = ()) -> Path:
     program, here = folder / "threads", ROOT / "tests" / "native"
-    include = ROOT / "fmu_src" / "native" / "include"
-    command = ["cc", "-std=gnu99", "-O1", *flags, f"-I{include}", here / "threads.c", "-o", program]
+    command = ["cc", "-std=gnu99", "-O1", *flags, f"-I{header_folder()}", here / "threads.c", "-o", program]
     subprocess.run([*command, "-ldl", "-lm", "-lpthread"], check=True)
     return program
 

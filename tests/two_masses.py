@@ -9,6 +9,7 @@ Both halves are solved exactly within a step, by the matrix exponential, so that
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.linalg import expm
@@ -17,6 +18,16 @@ from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Load, Mem
 from rope_model import EndMotion, Status
 
 NOTHING = EndMotion()
+
+
+@cache
+def _exponential(entries: bytes, n: int) -> np.ndarray:
+    return np.asarray(expm(np.frombuffer(entries).reshape(n, n)))
+
+
+def exponential(A: np.ndarray) -> np.ndarray:
+    """exp(A), computed once for the steps of a length and the instants of all schemes."""
+    return _exponential(A.tobytes(), len(A))
 
 
 def both(left: float) -> np.ndarray:
@@ -43,7 +54,7 @@ class Data:
         A[0, 1] = A[2, 3] = 1.0
         A[1] = np.array([-(self.k + k), -c, k, c, self.f]) / M
         A[3, :4] = np.array([k, c, -k, -c]) / self.m_2
-        return (expm(A * t) @ np.array([0.0, 0.0, 0.0, 0.0, 1.0]))[:4]
+        return (exponential(A * t) @ np.array([0.0, 0.0, 0.0, 0.0, 1.0]))[:4]
 
     def forces(self, t: float) -> tuple[float, float]:
         """F and y'' of the exact solution."""
@@ -60,7 +71,7 @@ def driven(A: np.ndarray, b: np.ndarray, x: np.ndarray, h: float, c: np.ndarray)
     whole[:n, :n], whole[:n, n] = A, b
     whole[n + np.arange(p - 1), n + 1 + np.arange(p - 1)] = 1.0
     start = [ci * math.factorial(i) / h**i for i, ci in enumerate(c)]
-    return (expm(whole * h) @ np.concatenate((x, start)))[:n]
+    return (exponential(whole * h) @ np.concatenate((x, start)))[:n]
 
 
 class Drive:

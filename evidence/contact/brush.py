@@ -19,6 +19,7 @@ from rope_model import EndMotion
 from rope_model.parameters import Mesh, Scene, Solver
 from rope_model.physics.contact_error import ContactSums
 from rope_model.shaft_parameters import Contact, Divider, Shaft
+from rope_model.simulation.mesh.partition import fit_mesh
 
 #: m: deeper places must be pressed
 INSIDE = 5e-4
@@ -120,9 +121,15 @@ def brushes() -> Table:
     return table(COLUMNS, rows)
 
 
-#: m, of the divider: it meets the fitted mesh at four places of an element; elements, 0 for the fitted mesh; and the
-#: fine run's elements, step and end (s), behind the peak
-HEIGHTS, MESHES, FINEST = (-25.0, -25.2, -25.4, -25.6), (0, 270, 480), (960, 2e-3, 5.0)
+#: m, of the divider: it meets any place of an element; and the fine run's elements, step and end (s), behind the peak
+HEIGHTS, FINEST = tuple(-25.0 - 0.2 * k for k in range(9)), (960, 2e-3, 5.0)
+#: meshes in words; one that is given has no window
+MESHES = {
+    "as fitted": FITTED,
+    "fitted, without its window": fit_mesh(past().scene.with_(mesh=FITTED)),
+    "270 equal elements": equal(270),
+    "480 equal elements": equal(480),
+}
 
 
 def heights() -> Table:
@@ -131,11 +138,10 @@ def heights() -> Table:
     for y in HEIGHTS:
         trip = past(y=y)._replace(stop=FINEST[2])
         fine = brush(trip, equal(FINEST[0]), FINEST[1])
-        for elements in MESHES:
-            found = brush(trip, equal(elements) if elements else FITTED)
-            rows.append((y, elements, found.peak / fine.peak - 1.0))
-            print(*map(number, rows[-1]), flush=True)
-    return table(("y", "elements", "peak off by"), rows)
+        for name, mesh in MESHES.items():
+            rows.append((y, name, brush(trip, mesh).peak / fine.peak - 1.0))
+            print(*rows[-1], flush=True)
+    return table(("y", "mesh", "peak off by"), rows)
 
 
 def orders(t: Table) -> dict[str, float]:

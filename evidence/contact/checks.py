@@ -48,7 +48,7 @@ def _brushed() -> Iterator[Measurement]:
     yield below("samples inside the divider without a force", ours.gaps + fine.gaps, 1)
     what = f"impulse, off that of {FINE[0]} elements and steps of {1e3 * FINE[1]:g} ms by"
     yield below(what, abs(ours.impulse / fine.impulse - 1.0), 0.01)
-    yield below("peak, off theirs by", abs(ours.peak / fine.peak - 1.0), 0.05)
+    yield below("peak, off theirs by", abs(ours.peak / fine.peak - 1.0), 0.01)
     told = ours.told[0] / errors(ours, fine)[0]
     yield above("error told of the pressure over that found", told, 1.0 / 3.0)
     yield below("and at most", told, 3.0)

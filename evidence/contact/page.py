@@ -9,8 +9,8 @@ from evidence.rendering import number, quantity, render
 from evidence.tables import Table, Tables, records, table
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Shaft
-from rope_model.simulation.mesh import mesh_fit
-from rope_model.simulation.mesh.partition import fit_mesh, partition
+from rope_model.simulation.mesh import mesh_fit, mesh_pattern
+from rope_model.simulation.mesh.partition import faced_by, fit_mesh, mesh_elements, partition
 
 _COLUMNS = ("case", "what", "value", "unit", "relation", "bound")
 
@@ -33,24 +33,28 @@ def page(tables: Tables) -> str:
         "base": brushes[480, 5e-3, STIFFNESS],
         "stiff": brushes[480, 5e-3, 4.0 * STIFFNESS],
         "orders": {name: number(x, ".2g") for name, x in orders(tables["brushes"]).items()},
-        "worst": [_worst(tables["heights"], elements) for elements in MESHES],
+        "worst": [_worst(tables["heights"], mesh) for mesh in MESHES],
         "heights": HEIGHTS,
         "finest": FINEST,
         "fit": mesh_fit,
+        "fitted_elements": mesh_elements(past().scene),
+        "pattern": mesh_pattern,
         "prices": [_price(length) for length in (60.0, 120.0, 400.0, 1000.0)],
         "wall": wall,
     }
     return render("contact/contact.md.j2", data)
 
 
-def _worst(heights: Table, elements: int) -> tuple[str, str]:
+def _worst(heights: Table, mesh: str) -> tuple[str, str]:
     """A mesh, and by how much its peak is off at most."""
-    off = max(abs(r["peak off by"]) for r in records(heights) if r["elements"] == elements)
-    return str(elements or "as fitted"), quantity(off, "%", ".1f")
+    off = max(abs(r["peak off by"]) for r in records(heights) if r["mesh"] == mesh)
+    return mesh, quantity(off, "%", ".1f")
 
 
 def _price(length: float) -> tuple[str, ...]:
     """The fitted mesh of a rope without a divider and with one."""
     scenes = (Scene(Rope(length=length), shaft=shaft) for shaft in (Shaft(), past().scene.shaft))
-    free, pressed = (partition(fit_mesh(scene), length, 0.5 * length).lengths for scene in scenes)
+    free, pressed = (
+        partition(fit_mesh(scene), length, 0.5 * length, faced_by(scene, 0.0, 0.0)).lengths for scene in scenes
+    )
     return number(length), number(free.size), number(pressed.size), number(pressed.max(), ".2f")

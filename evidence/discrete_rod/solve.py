@@ -128,8 +128,12 @@ class Record:
 
 
 def lowest_point(rod: Rod, t: float, y: Array) -> tuple[Array, float]:
-    """Position (3,) and yaw of the lowest point of a cubic spline through the nodes."""
-    x, s = rod.nodes(t, y), rod.s
+    """Return ``lowest_of`` the rod's nodes."""
+    return lowest_of(rod.s, rod.nodes(t, y))
+
+
+def lowest_of(s: Array, x: Array) -> tuple[Array, float]:
+    """Position (3,) and yaw (rad) of the lowest point of a cubic spline through nodes ``x`` at arc lengths ``s``."""
     i = int(np.clip(np.argmin(x[:, 1]), 4, s.size - 5))
     curve = CubicSpline(s[i - 4 : i + 5], x[i - 4 : i + 5])
     flat = CubicSpline(s[i - 4 : i + 5], x[i - 4 : i + 5, 1]).derivative().roots(extrapolate=False)

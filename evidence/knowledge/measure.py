@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +61,8 @@ def cover(plan: Measured, which: str, sets: int, seed: int) -> Iterator[tuple[ob
 def coverage() -> Tables:
     """Measure the coverage of judged and unseen sets, and without the measurements of a hanging rope."""
     plan = read_measured(PLAN)
-    samples = replace(plan, measurements=tuple(m for m in plan.measurements if m.what not in HANGING))
+    kept = tuple(m for m in plan.measurements if m.what not in HANGING)
+    samples = plan.model_copy(update={"measurements": kept})
     rows = [*cover(plan, "judged", SETS, SEED), *cover(plan, "unseen", SETS, UNSEEN)]
     rows += cover(samples, "without a hanging rope", MORE_SETS, SEED)
     return {"coverage": table(("sets", "property", "told", "inside", "exact", "reach"), rows)}

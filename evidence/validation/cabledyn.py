@@ -9,6 +9,7 @@ accelerates half of the first element, which is put in.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -36,10 +37,10 @@ rope {d} {rho} {EA} 0.0 {EI} {GAs} {GJ} 1e-3 2e-3 0.0 0.0 0.0 0.0
 --- POINTS ---
 ID Type X Y Z
 1 Coupled 0.0 0.0 0.0
-2 Fixed {spacing} 0.0 0.0
+2 Fixed {spacing} 0.0 {below}
 --- LINES ---
 ID NodeA NodeB Outputs
-1 1 2 p
+1 1 2 pt
 --- SECTIONS ---
 LineID LineType Length NumSegs
 1 rope {length} {elements}
@@ -59,11 +60,18 @@ LineID End Stiffness EzX EzY EzZ TorsStiffness NxX NxY NxZ Pretwist
 
 @dataclass(frozen=True)
 class Course:
-    """The winding at the end of every step: pulls of the moving and the held end (steps, 2), torque, nodes' places."""
+    """At rest and at the end of every step: pulls of the moving and the held end (steps, 2), torque, nodes' places."""
 
     pull: Array  # N
     torque: Array  # N m, at the moving end
     nodes: Array  # (steps, nodes, 3), m, the second axis up
+
+
+@dataclass(frozen=True)
+class Found(Course):
+    """CableDyn's, and its tension (steps, elements) in N."""
+
+    tension: Array
 
 
 def moving_end(t: float) -> EndMotion:
@@ -76,70 +84,91 @@ def moving_end(t: float) -> EndMotion:
     )
 
 
-def our_winding() -> Course:
-    """By the native rope."""
+def sampled(motion: Callable[[float], EndMotion]) -> list[EndMotion]:
+    """Return it at rest and at the end of every step."""
+    return [motion(k * STEP) for k in range(round(DURATION / STEP) + 1)]
+
+
+def our_winding(rope: Rope, elements: int, ends: Sequence[EndMotion]) -> Course:
+    """By the native rope, without damping."""
     locked = Swivel("locked")
     scene = Scene(
-        rope=replace(ROPE, beta_K=0.0, installed_twist=math.radians(TWIST)),
+        rope=replace(rope, beta_K=0.0),
         layout=Layout(spacing=SPACING, gravity=GRAVITY),
-        mesh=Mesh("eem", elements=ELEMENTS),
+        mesh=Mesh("eem", elements=elements),
         model=Model("torsional"),
         solver=fixed_steps(STEP),
         left=locked,
         right=locked,
     )
-    rope, motions = balance_rope(scene, "native"), []
-    status = rope.initialize(0.0, moving_end(0.0), EndMotion())
-    for k in range(round(DURATION / STEP) + 1):
-        if k:
-            status = rope.advance_to(k * STEP, moving_end(k * STEP), EndMotion())
+    form, motions = balance_rope(scene, "native"), []
+    for k, end in enumerate(ends):
+        status = form.advance_to(k * STEP, end, EndMotion()) if k else form.initialize(0.0, end, EndMotion())
         if not status.valid:
             raise RuntimeError(status.message)
-        motions.append(rope.state.motion)
+        motions.append(form.state.motion)
     reaction = np.array([m.reaction[[0, -1]] for m in motions])
-    pull, torque = np.linalg.norm(reaction[:, :, POSITION], axis=2), np.abs(reaction[:, 0, ANGLE])
+    pull, torque = np.linalg.norm(reaction[:, :, POSITION], axis=2), -reaction[:, 0, ANGLE]
     return Course(pull, torque, np.array([m.q[:, POSITION] for m in motions]))
 
 
-def their_winding() -> Course:
-    """By CableDyn's driver, which the package ``cabledyn`` carries."""
-    import cabledyn
+@dataclass(frozen=True)
+class Cable:
+    """Their rope: clamped as a U at both ends, one ``drop`` (m) below the other, which may move and roll.
 
-    ends = [moving_end(k * STEP) for k in range(round(DURATION / STEP) + 1)]
-    motion = [f"{k * STEP:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g}" for k, e in enumerate(ends)]
-    options = f"{STEP} dtM", f"{DURATION} TMax", f"{fixed_steps(STEP).rho_inf} rhoInf", "motion.txt motionFile"
-    outputs = "FairTen1", "AnchTen1", "Torq1N1"
-    data = {"d": ROPE.diameter, "rho": ROPE.mass_per_length, "EA": ROPE.Qa, "EI": ROPE.EI, "GAs": 0.4 * ROPE.Qa}
-    data |= {
-        "GJ": ROPE.Qd,
-        "length": ROPE.length,
-        "elements": ELEMENTS,
-        "spacing": SPACING,
-        "g": GRAVITY,
-        "twist": TWIST,
-    }
-    lines = {"options": "\n".join(options), "outputs": "\n".join(f'"{name}"' for name in outputs)}
-    with TemporaryDirectory() as folder:
-        deck = Path(folder, "u.dat")
-        deck.write_text(DECK.format(**data, **lines), encoding="utf-8")
-        Path(folder, "motion.txt").write_text("\n".join(motion), encoding="utf-8")
-        run = cabledyn.CableDynDriver().run(deck, Path(folder, "u"))
-        history = run.read_main()
-        moving, held, torque = (np.array(history.column(name)) for name in outputs)
-        places = np.array(run.read_line_positions(1).values)[:, 1:].reshape(len(ends), ELEMENTS + 1, 3)
-    half = 0.5 * ROPE.mass_per_length * ROPE.length / ELEMENTS
-    moving = moving + half * np.array([e.ay for e in ends])
-    x, back, up = np.moveaxis(places, 2, 0)
-    return Course(np.stack((moving, held), axis=1), np.abs(torque), np.stack((x - 0.5 * SPACING, up, -back), axis=2))
+    ``twist`` (deg) is imposed at rest, and by it less ``roll`` (steps,) later.
+    """
+
+    EA: float  # N
+    length: float  # m
+    elements: int
+    spacing: float  # m
+    twist: float
+    drop: float = 0.0
+    step: float = STEP  # s
+
+    def follow(self, ends: Sequence[EndMotion], roll: Array) -> Found:
+        """Run CableDyn's driver, which the package ``cabledyn`` carries; its motions start at rest."""
+        import cabledyn
+
+        motion = [
+            f"{k * self.step:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g} {x:.12g}"
+            for k, (e, x) in enumerate(zip(ends, roll, strict=True))
+        ]
+        duration, rho = (len(ends) - 1) * self.step, fixed_steps(self.step).rho_inf
+        options = f"{self.step} dtM", f"{duration} TMax", f"{rho} rhoInf", "motion.txt motionFile"
+        outputs = "FairTen1", "AnchTen1", "Torq1N1"
+        data = {"d": ROPE.diameter, "rho": ROPE.mass_per_length, "EI": ROPE.EI, "GAs": 0.4 * ROPE.Qa, "GJ": ROPE.Qd}
+        lines = {"options": "\n".join(options), "outputs": "\n".join(f'"{name}"' for name in outputs)}
+        with TemporaryDirectory() as folder:
+            deck = Path(folder, "u.dat")
+            deck.write_text(DECK.format(**vars(self), **data, g=GRAVITY, below=-self.drop, **lines), encoding="utf-8")
+            Path(folder, "motion.txt").write_text("\n".join(motion), encoding="utf-8")
+            run = cabledyn.CableDynDriver().run(deck, Path(folder, "u"))
+            history = run.read_main()
+            moving, held, torque = (np.array(history.column(name)) for name in outputs)
+            places = np.array(run.read_line_positions(1).values)[:, 1:].reshape(len(ends), self.elements + 1, 3)
+            tension = np.array(run.read_line_tensions(1).values)[:, 1:]
+        half = 0.5 * ROPE.mass_per_length * self.length / self.elements
+        moving = moving + half * np.array([e.ay for e in ends])
+        x, back, up = np.moveaxis(places, 2, 0)
+        nodes = np.stack((x - 0.5 * self.spacing, up, -back), axis=2)
+        return Found(np.stack((moving, held), axis=1), torque, nodes, tension)
 
 
 def winding() -> Table:
+    """Without coupling."""
+    ends, twisted = sampled(moving_end), replace(ROPE, installed_twist=math.radians(TWIST))
+    cable = Cable(ROPE.Qa, ROPE.length, ELEMENTS, SPACING, TWIST)
+    return compared(our_winding(twisted, ELEMENTS, ends), cable.follow(ends, np.zeros(len(ends))))
+
+
+def compared(ours: Course, theirs: Course) -> Table:
     """Both codes every quarter second; ``apart`` is how far our nodes are from CableDyn's at most."""
-    courses = {"ours": our_winding(), "CableDyn": their_winding()}
-    theirs, found = courses["CableDyn"].nodes, []
-    for k in range(0, len(theirs), round(EVERY / STEP)):
-        for code, x in courses.items():
+    found = []
+    for k in range(0, len(theirs.nodes), round(EVERY / STEP)):
+        for code, x in {"ours": ours, "CableDyn": theirs}.items():
             lowest, aside = x.nodes[k, :, 1].min(), np.abs(x.nodes[k, :, 2]).max()
-            apart = np.linalg.norm(x.nodes[k] - theirs[k], axis=1).max()
+            apart = np.linalg.norm(x.nodes[k] - theirs.nodes[k], axis=1).max()
             found.append((k * STEP, code, *x.pull[k], x.torque[k], lowest, aside, apart))
     return table(("time", "code", "moving", "held", "torque", "lowest", "aside", "apart"), found)

@@ -11,6 +11,7 @@ import numpy as np
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, rows
 from evidence.validation.chains import FOLD
+from evidence.validation.coupled import RUNS
 from evidence.validation.row import Row, from_table
 from evidence.validation.wires import STEP
 
@@ -22,6 +23,9 @@ def page(tables: Tables) -> str:
     data: dict[str, Any] = {
         "step": STEP,
         "fold": FOLD,
+        "runs": RUNS,
+        "near": tables["poses"]["apart"].min(),
+        "far": rows(tables["poses"], pose=(1, 2, 3))["apart"].max(),
         "rows": [_cells(row, above) for row, above in zip(found, [None, *found], strict=False)],
         "held": sum(not row.shown and not row.misses for row in found),
         "stated": sum(not row.shown for row in found),

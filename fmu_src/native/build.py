@@ -53,7 +53,7 @@ def choose_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def missing_platforms() -> str:
-    """Which platforms cannot be had here, and why; '' when all can."""
+    """Return the platforms that cannot be built for here, with the reason; '' when all can."""
     if not (missing := [name for name in PLATFORMS if name not in available_platforms()]):
         return ""
     compiler = find_compiler()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import importlib.util
 import os
 import time
 import uuid
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from fmu_src.archive import write_archive
-from fmu_src.attachments import attachments, license_text
+from fmu_src.attachments import attachments, licenses
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
 from fmu_src.model_description import Build, build_description, model_description, model_description3
 from fmu_src.native.build import choose_platforms
@@ -150,9 +151,7 @@ def export_model(destination: Path, model: ExportedModel, platforms: Sequence[st
         initial=model.initial,
     )
     files |= model.attachments
-    files["documentation/licenses/license.txt"] = license_text().encode()
-    files["documentation/licenses/fmi-headers.txt"] = (_HERE / "include" / "LICENSE.txt").read_bytes()
-    write_archive(destination, files)
+    write_archive(destination, files | licenses())
     return destination
 
 
@@ -195,6 +194,15 @@ def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int)
 
 def shell(fmi: int, *more: str) -> dict[str, str]:
     """The C files between the FMI functions and model.h, which every FMU has, by name; and ``more`` of this folder."""
-    headers = sorted(path.name for path in (_HERE / "include").glob(f"fmi{fmi}*.h"))
-    files = [*(_HERE / name for name in (*_COMMON, f"fmi{fmi}.c", *more)), *(_HERE / "include" / h for h in headers)]
+    headers = sorted(header_folder().glob(f"fmi{fmi}*.h"))
+    files = [*(_HERE / name for name in (*_COMMON, f"fmi{fmi}.c", *more)), *headers]
     return {path.name: path.read_text(encoding="utf-8") for path in files}
+
+
+def header_folder() -> Path:
+    """Folder of the FMI headers of the Modelica Association, which FMPy has."""
+    # found, not imported: the import takes as long as the export
+    found = importlib.util.find_spec("fmpy")
+    if found is None or found.origin is None:
+        raise RuntimeError("the FMI headers come with FMPy, which is not installed: pip install fmpy")
+    return Path(found.origin).with_name("c-code")

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
-from hoist_demo.calibration.measurements import Bench, Measurement, Numbers
+from hoist_demo.calibration.measurements import (
+    AtRest,
+    Bench,
+    LoopWidth,
+    Mass,
+    Measurement,
+    SampleExtension,
+    SampleRotation,
+    SampleTorque,
+)
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
 from hoist_demo.files.rope_file import following_statuses
@@ -97,15 +108,8 @@ def identify(measured: Measured) -> Identified:
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
     found = fit(residuals, len(bench.names))
     ends = intervals(residuals, found)
-    wanted = Measurement(
-        "wanted",
-        "at rest",
-        "",
-        (0.0,),
-        1.0,
-        {"left_y": (measured.wanted.left_y,), "right_y": (measured.wanted.right_y,)},
-        {"signal": measured.wanted.signal},
-    )
+    where: Any = dict(measured.wanted)
+    wanted = AtRest(value=(0.0,), sigma=1.0, **where)
     possible = candidates(bench, found.shares)
     rows = sensitivities(lambda u: bench.predict(u, [wanted, *possible]), found.shares)
     gradient, covariance = rows[0], found.covariance
@@ -128,13 +132,15 @@ def identify(measured: Measured) -> Identified:
     )
 
 
-def stacked(measurements: Sequence[Measurement]) -> tuple[Array, Array]:
+def stacked(measurements: Sequence[Measurement | Markers]) -> tuple[Array, Array]:
     """All values and their standard errors."""
     values = [value for m in measurements for value in m.values]
     return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
 
 
-def residuals_of(bench: Bench, measurements: Sequence[Measurement], values: Array, sigmas: Array) -> Residuals:
+def residuals_of(
+    bench: Bench, measurements: Sequence[Measurement | Markers], values: Array, sigmas: Array
+) -> Residuals:
     """Predictions of the measurements less these values, in standard errors."""
     return lambda shares: np.asarray((bench.predict(shares, measurements) - values) / sigmas)
 
@@ -160,34 +166,23 @@ def candidates(bench: Bench, shares: Array) -> list[Measurement]:
     data = trial.scene.rope
     load = 0.5 * data.length * data.mass_per_length * trial.scene.layout.gravity
     torsion = trial.properties["torsional_stiffness"]
-    none: Numbers = {}
-    level = {"left_y": (0.0,), "right_y": (0.0,)}
-    width = bench.predict(shares, [Measurement("", "loop width", "m", (0.0,), 1.0, {}, {})])[0]
-    sample, long = {"load": (load,), "twist": (0.0,)}, {"load": (load,), "length": (10.0,)}
+    width = bench.predict(shares, [LoopWidth(value=(1.0,), sigma=1.0)])[0]
     turn = 0.05 * load * data.diameter / torsion  # rad/m, for a torque like those of torque factors
     torque, kilonewtons = 5e-4 * load * data.diameter, f"under {1e-3 * load:.3g} kN"
     share = "to 0.05 % of load times diameter"
-    rows: list[tuple[str, str, str, float, Numbers, str]] = [
-        ("width of the free loop, to 1 %", "loop width", "m", 0.01 * width, none, ""),
-        ("mass, to 0.5 %", "mass", "kg/m", 5e-3 * data.mass_per_length, none, ""),
-        (f"torque of a sample {kilonewtons}, {share}", "sample torque", "N.m", torque, sample, ""),
-        (
-            f"torque of a sample {kilonewtons} turned in by {turn:.2g} rad/m, {share}",
-            *("sample torque", "N.m", torque, {**sample, "twist": (turn,)}, ""),
-        ),
-        (f"rotation of a 10 m sample {kilonewtons}, to 5 degrees", "sample rotation", "rad", np.deg2rad(5), long, ""),
-        (f"extension of a 10 m sample {kilonewtons}, to 0.5 mm", "sample extension", "m", 5e-4, long, ""),
-        (
-            "yaw of the loop at equal heights, by camera, to 1 degree",
-            "at rest",
-            "rad",
-            np.deg2rad(1),
-            level,
-            "loop.yaw",
-        ),
-        ("torque of the left end at equal heights, to 0.5 N m", "at rest", "N.m", 0.5, level, "left.swivel.torque"),
-    ]
+    sample: Any = {"value": 1.0, "load": load}
+    level: Any = {"value": 0.0, "left_y": 0.0, "right_y": 0.0}
+    twisted = f"torque of a sample {kilonewtons} turned in by {turn:.2g} rad/m, {share}"
+    rotation = f"rotation of a 10 m sample {kilonewtons}, to 5 degrees"
+    extension = f"extension of a 10 m sample {kilonewtons}, to 0.5 mm"
+    yaw, torque_at_rest = "yaw of the loop at equal heights, by camera, to 1 degree", "left.swivel.torque"
     return [
-        Measurement(name, what, unit, (0.0,), sigma, numbers, {"signal": signal} if signal else {})
-        for name, what, unit, sigma, numbers, signal in rows
+        LoopWidth(name="width of the free loop, to 1 %", value=(1.0,), sigma=0.01 * width),
+        Mass(name="mass, to 0.5 %", value=(1.0,), sigma=5e-3 * data.mass_per_length),
+        SampleTorque(name=f"torque of a sample {kilonewtons}, {share}", sigma=torque, **sample),
+        SampleTorque(name=twisted, sigma=torque, twist=(turn,), **sample),
+        SampleRotation(name=rotation, sigma=np.deg2rad(5), length=(10.0,), **sample),
+        SampleExtension(name=extension, sigma=5e-4, length=(10.0,), **sample),
+        AtRest(name=yaw, sigma=np.deg2rad(1), signal="loop.yaw", **level),
+        AtRest(name="torque of the left end at equal heights, to 0.5 N m", sigma=0.5, signal=torque_at_rest, **level),
     ]

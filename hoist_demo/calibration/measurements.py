@@ -5,6 +5,7 @@ On a sample        under the load T, the ends held, turned into the lay by w per
                    torque c1 d T + (D + c2 d^2 T) w; one end free: it unlays by c1 d T l / (D + c2 d^2 T)
 In the shaft       any output of the rope at rest, at given heights of its ends; frequencies of its swing; any output
                    over a trip and after it, when the loop swings: by a native run
+Anywhere           places of markers while the ends move, as cameras have seen them: calibration.tracks
 
 Torque and rotation of a sample are positive in the sense of the lay, whichever hand it has.
 """
@@ -12,28 +13,43 @@ Torque and rotation of a sample are positive in the sense of the lay, whichever 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, model_validator
 
-from hoist_demo.calibration.tracks import Track
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.control.trajectory import s_curve
+from hoist_demo.files.reading import Table
+from hoist_demo.files.rope_file import FOLLOWING
+from hoist_demo.files.values import Text
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, Datum, EndMotion, KnownRope, Model, Rope, RopeSimulator, Scene, Status, balance_rope
+from rope_model import (
+    SIGNALS,
+    BalanceRope,
+    Datum,
+    EndMotion,
+    KnownRope,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Status,
+    balance_rope,
+)
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
 from rope_model.scene_names import with_values
 from rope_model.simulation.outputs.modal import natural_modes
 
 Array = NDArray[np.float64]
-Numbers = Mapping[str, tuple[float, ...]]
 
-#: parameters that follow from the properties
-FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
-PLANES = ("in plane", "out of plane")
+#: s: longer than any swing after a trip lasts, and a track takes its time to compute
+LONGEST = 3600.0
 #: s: communication step of a track, and between two values of which a largest and a smallest are taken
 COMMUNICATION, SAMPLE = 0.02, 0.1
 #: modes among which those of one plane are looked for
@@ -94,6 +110,15 @@ class Trial:
         """Warnings of the ropes at rest."""
         return tuple(dict.fromkeys(text for rope in self._at_rest.values() for text in rope.warnings().values()))
 
+    def torsion(self, load: float) -> float:
+        """Torque over twist (N m^2) under the load."""
+        rope = self.scene.rope
+        return self.properties["torsional_stiffness"] + rope.c2 * rope.diameter**2 * load
+
+    def lay_torque(self, load: float) -> float:
+        """Torque (N m) of the load while nothing turns."""
+        return self.properties["torque_factor"] * self.scene.rope.diameter * load
+
     def frequencies(self, plane: str, left: float, right: float) -> Array:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
@@ -109,132 +134,222 @@ def _require_rest(status: Status, left: float, right: float) -> None:
         raise RuntimeError(f"at rest with left_y = {left:g} m and right_y = {right:g} m: {status.message}")
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A kind of measurement: unit ('' where the signal has it), the numbers that it needs, and its model."""
+T = TypeVar("T")
+Series = Annotated[
+    tuple[T, ...], BeforeValidator(lambda one: one if isinstance(one, list | tuple) else [one]), Field(min_length=1)
+]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Time = Annotated[float, Field(ge=0.0, le=LONGEST)]
+#: an output, docs/reference/variables.md
+Signal: Any = Literal[tuple(SIGNALS)]
 
-    unit: str
-    numbers: Mapping[str, str]  # unit by name
-    model: Callable[[Trial, Measurement], Sequence[float]]
-    texts: tuple[str, ...] = ()
 
-
-@dataclass(frozen=True)
-class Measurement:
+class Measurement(Table):
     """Values with their standard error, and the circumstances; a number that varies has as many as there are values."""
 
-    name: str
+    UNIT: ClassVar[str] = ""  # that of the signal
+    name: Text = ""
     what: str
-    unit: str
-    values: tuple[float, ...]
-    sigma: float
-    numbers: Numbers
-    texts: Mapping[str, str]
-    track: Track | None = None
+    values: Series[Finite] = Field(alias="value")
+    sigma: Magnitude
+
+    @property
+    def title(self) -> str:
+        """Name in the results."""
+        return self.name or str(getattr(self, "signal", self.what))
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values."""
+        return self.UNIT or str(SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
 
     def predict(self, trial: Trial) -> Sequence[float]:
-        """Predict the values; of a track, whose values are 0, residuals."""
-        if self.track is not None:
-            residuals: list[float] = (self.sigma * self.track.residuals(trial.scene)).tolist()
-            return residuals
-        return KINDS[self.what].model(trial, self)
+        """Predict the values."""
+        raise NotImplementedError
 
     def each(self, *names: str) -> list[tuple[float, ...]]:
         """Repeat these numbers for each value."""
-        columns = [self.numbers[name] * (len(self.values) // len(self.numbers[name])) for name in names]
+        columns = [getattr(self, name) * (len(self.values) // len(getattr(self, name))) for name in names]
         return list(zip(*columns, strict=True))
 
-
-def _loop_width(trial: Trial, m: Measurement) -> list[float]:
-    return [float(natural_width(trial.scene))] * len(m.values)
-
-
-def _weighed(trial: Trial, m: Measurement) -> list[float]:
-    return [trial.scene.rope.mass_per_length] * len(m.values)
-
-
-def _torsion(trial: Trial, load: float) -> float:
-    """Torque over twist (N m^2) under the load."""
-    rope = trial.scene.rope
-    return trial.properties["torsional_stiffness"] + rope.c2 * rope.diameter**2 * load
+    @model_validator(mode="after")
+    def _belong_together(self) -> Self:
+        for name, one in self:
+            if isinstance(one, tuple) and len(one) not in (1, len(self.values)):
+                raise ValueError(f"{name} has {len(one)} numbers, value {len(self.values)}: give one or as many")
+        return self
 
 
-def _lay_torque(trial: Trial, load: float) -> float:
-    return trial.properties["torque_factor"] * trial.scene.rope.diameter * load
+class LoopWidth(Measurement):
+    """Width of the free loop of a piece [m]."""
+
+    UNIT = "m"
+    what: Literal["loop width"] = "loop width"
+    values: Series[Magnitude] = Field(alias="value")
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        return [float(natural_width(trial.scene))] * len(self.values)
 
 
-def _sample_torque(trial: Trial, m: Measurement) -> list[float]:
-    return [_lay_torque(trial, load) + _torsion(trial, load) * twist for load, twist in m.each("load", "twist")]
+class Mass(Measurement):
+    """Mass per length, weighed [kg/m]."""
+
+    UNIT = "kg/m"
+    what: Literal["mass"] = "mass"
+    values: Series[Magnitude] = Field(alias="value")
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        return [trial.scene.rope.mass_per_length] * len(self.values)
 
 
-def _sample_rotation(trial: Trial, m: Measurement) -> list[float]:
-    return [_lay_torque(trial, load) * length / _torsion(trial, load) for load, length in m.each("load", "length")]
+class SampleTorque(Measurement):
+    """Torque of a sample whose ends are held, turned into the lay [N m]."""
+
+    UNIT = "N.m"
+    what: Literal["sample torque"] = "sample torque"
+    load: Series[Magnitude]  # N
+    twist: Series[Finite] = (0.0,)  # rad/m
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        return [trial.lay_torque(load) + trial.torsion(load) * twist for load, twist in self.each("load", "twist")]
 
 
-def _sample_extension(trial: Trial, m: Measurement) -> list[float]:
-    return [load * length / trial.scene.rope.Qa for load, length in m.each("load", "length")]
+class SampleRotation(Measurement):
+    """Rotation by which a sample with one end free unlays [rad]."""
+
+    UNIT = "rad"
+    what: Literal["sample rotation"] = "sample rotation"
+    load: Series[Magnitude]  # N
+    length: Series[Magnitude]  # m
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        return [trial.lay_torque(load) * length / trial.torsion(load) for load, length in self.each("load", "length")]
 
 
-def _at_rest(trial: Trial, m: Measurement) -> list[float]:
-    return [trial.signal(m.texts["signal"], left, right) for left, right in m.each("left_y", "right_y")]
+class SampleExtension(Measurement):
+    """Extension of a sample whose ends are held, after settling [m]."""
+
+    UNIT = "m"
+    what: Literal["sample extension"] = "sample extension"
+    values: Series[Magnitude] = Field(alias="value")
+    load: Series[Magnitude]  # N
+    length: Series[Magnitude]  # m
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        return [load * length / trial.scene.rope.Qa for load, length in self.each("load", "length")]
 
 
-def _swing(trial: Trial, m: Measurement) -> list[float]:
-    plane, found = m.texts["plane"], []
-    for number, left, right in m.each("number", "left_y", "right_y"):
-        known = trial.frequencies(plane, left, right)
-        if number > known.size:
-            raise RuntimeError(
-                f"{m.name}: number = {number:g} must be at most {known.size}, as {MODES} modes hold so many {plane}: "
-                "give a lower one"
+class InShaft(Measurement):
+    """A measurement of the rope in its shaft, with its ends at these heights."""
+
+    left_y: Series[Finite]  # m
+    right_y: Series[Finite]  # m
+
+    @property
+    def apart(self) -> list[tuple[float, float, float]]:
+        """Heights of left and right end, and how far they are apart [m]."""
+        return [(left, right, left - right) for left, right in self.each("left_y", "right_y")]
+
+
+class AtRest(InShaft):
+    """An output of the rope at rest."""
+
+    what: Literal["at rest"] = "at rest"
+    signal: Signal
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        return [trial.signal(self.signal, left, right) for left, right in self.each("left_y", "right_y")]
+
+
+class Swing(InShaft):
+    """A natural frequency [Hz]."""
+
+    UNIT = "Hz"
+    what: Literal["swing"] = "swing"
+    values: Series[Magnitude] = Field(alias="value")
+    plane: Literal["in plane", "out of plane"]
+    number: Series[Annotated[float, Field(ge=1.0, multiple_of=1.0)]] = (1.0,)
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        found = []
+        for number, left, right in self.each("number", "left_y", "right_y"):
+            known = trial.frequencies(self.plane, left, right)
+            if number > known.size:
+                raise RuntimeError(
+                    f"{self.title}: number = {number:g} must be at most {known.size}, as {MODES} modes hold so many "
+                    f"{self.plane}: give a lower one"
+                )
+            found.append(float(known[round(number) - 1]))
+        return found
+
+
+class Track(InShaft):
+    """An output over a trip and the swing after it."""
+
+    what: Literal["track"] = "track"
+    signal: Signal
+    t: Series[Time]  # s, after the left end has begun to rise
+    travel: Series[Finite]  # m
+    speed: Series[Magnitude]  # m/s
+    acceleration: Series[Magnitude] = (Winding.acceleration,)
+    jerk: Series[Magnitude] = (Winding.jerk,)
+
+    @property
+    def apart(self) -> list[tuple[float, float, float]]:
+        """Before the trip, and after it."""
+        trips = zip(super().apart, self.each("travel"), strict=True)
+        return [*super().apart, *((left, right, gap + 2 * way) for (left, right, gap), (way,) in trips)]
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        return [values[0] for values in self._over_trips(trial, self.each("t"))]
+
+    def _over_trips(self, trial: Trial, times: Sequence[Sequence[float]]) -> list[list[float]]:
+        """The signal at the times (s) of each value, to the millisecond; each trip is wound once."""
+        trips = self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
+        rounded = [[round(t, 3) for t in some] for some in times]
+        runs = {
+            trip: trial.track(
+                self.signal,
+                sorted({t for of, some in zip(trips, rounded, strict=True) if of == trip for t in some}),
+                trip[0],
+                trip[1],
+                trip[2:],
             )
-        found.append(float(known[round(number) - 1]))
-    return found
+            for trip in dict.fromkeys(trips)
+        }
+        return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
+
+    @model_validator(mode="after")
+    def _travels(self) -> Self:
+        if 0.0 in self.travel:
+            raise ValueError("travel = 0 must not be 0: give the way of the left end in m")
+        return self
 
 
-def _track(trial: Trial, m: Measurement) -> list[float]:
-    return [values[0] for values in _over_trips(trial, m, m.each("t"))]
+class Swept(Track):
+    """Range of an output between two times of a trip, from `t` on."""
+
+    what: Literal["swept"] = "swept"  # type: ignore[assignment]
+    values: Series[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]] = Field(alias="value")
+    until: Series[Time]  # s
+
+    def predict(self, trial: Trial) -> Sequence[float]:
+        windows = [np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1) for t, until in self.each("t", "until")]
+        return [max(values) - min(values) for values in self._over_trips(trial, [w.tolist() for w in windows])]
+
+    @model_validator(mode="after")
+    def _ends_later(self) -> Self:
+        for start, end in self.each("t", "until"):
+            if end <= start:
+                raise ValueError(f"until = {end:g} must be above t = {start:g}: give times in s")
+        return self
 
 
-def _swept(trial: Trial, m: Measurement) -> list[float]:
-    windows = [np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1) for t, until in m.each("t", "until")]
-    return [max(values) - min(values) for values in _over_trips(trial, m, [window.tolist() for window in windows])]
-
-
-def _over_trips(trial: Trial, m: Measurement, times: Sequence[Sequence[float]]) -> list[list[float]]:
-    """The signal at the times (s) of each value, to the millisecond; each trip is wound once."""
-    trips = m.each(*_HEIGHTS, *_TRIP)
-    rounded = [[round(t, 3) for t in some] for some in times]
-    runs = {
-        trip: trial.track(
-            m.texts["signal"],
-            sorted({t for of, some in zip(trips, rounded, strict=True) if of == trip for t in some}),
-            trip[0],
-            trip[1],
-            trip[2:],
-        )
-        for trip in dict.fromkeys(trips)
-    }
-    return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
-
-
-_TRIP = {"travel": "m", "speed": "m/s", "acceleration": "m/s2", "jerk": "m/s3"}
-_HEIGHTS = {"left_y": "m", "right_y": "m"}
-KINDS = {
-    "loop width": Kind("m", {}, _loop_width),
-    "mass": Kind("kg/m", {}, _weighed),
-    "sample torque": Kind("N.m", {"load": "N", "twist": "rad/m"}, _sample_torque),
-    "sample rotation": Kind("rad", {"load": "N", "length": "m"}, _sample_rotation),
-    "sample extension": Kind("m", {"load": "N", "length": "m"}, _sample_extension),
-    "at rest": Kind("", _HEIGHTS, _at_rest, ("signal",)),
-    "track": Kind("", {"t": "s", **_HEIGHTS, **_TRIP}, _track, ("signal",)),
-    "swept": Kind("", {"t": "s", "until": "s", **_HEIGHTS, **_TRIP}, _swept, ("signal",)),
-    "swing": Kind("Hz", {"number": "1", **_HEIGHTS}, _swing, ("plane",)),
-}
-#: kinds whose values have no sign and are never 0; what is swept may be
-MAGNITUDES = ("loop width", "mass", "sample extension", "swing")
-#: what a number is where it is not given
-DEFAULTS = {"twist": 0.0, "number": 1.0, "acceleration": Winding.acceleration, "jerk": Winding.jerk}
+AnyMeasurement = Annotated[
+    LoopWidth | Mass | SampleTorque | SampleRotation | SampleExtension | AtRest | Track | Swept | Swing | Markers,
+    Field(discriminator="what"),
+]
 
 
 @dataclass(frozen=True)
@@ -275,7 +390,7 @@ class Bench:
         """Return the rope that has these shares, ready to be measured."""
         return Trial(self.scene_at(shares))
 
-    def predict(self, shares: Array, measurements: Sequence[Measurement]) -> Array:
+    def predict(self, shares: Array, measurements: Sequence[Measurement | Markers]) -> Array:
         """All values of the measurements, one after the other."""
         trial = self.trial(shares)
         return np.array([value for m in measurements for value in m.predict(trial)])

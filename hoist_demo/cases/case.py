@@ -1,13 +1,14 @@
-"""One hoist: all that its file says, see hoist_demo.files.hoist_file."""
+"""One hoist: all that its file says, see hoist_demo.files.hoist_file, and what follows from that by rules."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
 
 from hoist_demo.control.controller import Gains
+from hoist_demo.files.values import Given, plain, statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
@@ -22,30 +23,58 @@ SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "ca
 
 @dataclass(frozen=True)
 class Tail:
-    """One balance rope, or several equal ones: its name, its own parameters, where it hangs, and its break."""
+    """One balance rope, or a number of equal ones: where it hangs, its break, and its own values by FMI name."""
 
     name: str
-    parameters: Mapping[str, Value]  # by FMI name, beside those of all ropes
+    values: Mapping[str, Given]
+    number: int = 1
     place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
     breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
-    given: Mapping[str, str] = field(default_factory=dict)  # status of each parameter
+    construction: str = ""  # of the catalogue, where it has the rope
+    lay: str = "right-hand"
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """Values alone."""
+        return plain(self.values)
 
 
 @dataclass(frozen=True)
 class Case:
     """A hoist, its trip, its controller, and its balance ropes."""
 
+    name: str
     hoist: Hoist
     winding: Winding
-    gains: Gains = field(default_factory=Gains)
-    rope: Mapping[str, Value] = field(default_factory=dict)  # of the first, by FMI name; the rest is the rope's own
-    settings: Mapping[str, Value] = field(default_factory=dict)  # controller, coupling.*, and others of a study
-    ropes: tuple[Tail, ...] = ()  # where there are several, or one with a place or a break
-    shared: Mapping[str, Value] = field(default_factory=dict)  # parameters of all ropes, by FMI name
-    given: Mapping[str, str] = field(default_factory=dict)  # status of what the file sets, by name
-    sources: Mapping[str, str] = field(default_factory=dict)
-    name: str = ""
+    gains: Gains
+    host: Mapping[str, Given]  # all that is stated of controller, hoist.*, winding.* and others, and what follows
+    tails: tuple[Tail, ...]
+    rope: Mapping[str, Value]  # parameters of the first rope by FMI name; the rest is the rope's own
     source: str = ""
     level: Level = "standard"
     signals: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()  # on values that are far from what hoists have
+
+    @property
+    def ropes(self) -> tuple[Tail, ...]:
+        """Several ropes, or one with a place or a break; none where all are equal."""
+        return self.tails if len(self.tails) > 1 or self.tails[0].place or self.tails[0].breaks else ()
+
+    @property
+    def values(self) -> dict[str, Given]:
+        """Values of the host, and of equal ropes."""
+        return {**self.host, **({} if self.ropes else self.tails[0].values)}
+
+    @property
+    def given(self) -> dict[str, str]:
+        """Status of each of them."""
+        return statuses(self.values)
+
+    @property
+    def sources(self) -> dict[str, str]:
+        """Source of each that has one."""
+        return {key: one.source for key, one in self.values.items() if one.source}
+
+    def alone(self, tail: Tail) -> Case:
+        """Return the hoist with one of its ropes."""
+        return replace(self, tails=(Tail(tail.name, tail.values),), rope=tail.parameters)

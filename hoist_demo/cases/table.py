@@ -14,18 +14,16 @@ class Cases(Mapping[str, Case]):
     """Hoists that come with the project, each read when it is asked for."""
 
     def __init__(self, *names: str) -> None:
-        self._names = names
+        self._paths = {name: FOLDER / f"{name}.toml" for name in names}
 
     def __getitem__(self, name: str) -> Case:
-        if name not in self._names:
-            raise KeyError(name)
-        return _read(FOLDER / f"{name}.toml")
+        return _read(self._paths[name])
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
+        return iter(self._paths)
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(self._paths)
 
 
 CASES = Cases(*HOISTS)
@@ -37,14 +35,10 @@ def find_case(name: str) -> Case:
     if name in NAMED:
         return NAMED[name]
     if name.endswith(".toml"):
-        return _read(Path(name))
+        return _read(path := Path(name), path.stat().st_mtime_ns if path.is_file() else 0)
     raise ValueError(f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(NAMED)}: choose one")
 
 
-def _read(path: Path) -> Case:
-    return _read_version(path, path.stat().st_mtime_ns if path.is_file() else 0)
-
-
 @cache
-def _read_version(path: Path, _changed: int) -> Case:
+def _read(path: Path, _changed: int = 0) -> Case:
     return read_hoist(path)

@@ -86,7 +86,7 @@ def _duty(options: argparse.Namespace) -> int:
     known = [*of_host(run, schedule.given), *of_rope(find_case(run.case), rope.data(), schedule.given)]
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
     print(f"{schedule.title}: hoist {schedule.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
-    exposures = exposure_rows(exposed) if exposed else ()
+    exposures = exposure_rows("", exposed) if exposed else ()
     contradiction = contradictions(run.hoist, rope.data().parameters)
     missing = remark(_as_it_is(rope) if last is None else last.result.recording)
     warned = [*filter(None, (contradiction, missing))]
@@ -179,11 +179,11 @@ def _exposure(trips: Recording) -> Recording | None:
 
 def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:
     # matplotlib loads slowly and is needed here only
-    from hoist_demo.report.figures import write_duty_figure, write_exposure_figure
+    from hoist_demo.report.figures import write_duty_figure
 
     write_csv(trips, out / "trips.csv")
     written = [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]
     if exposed is not None:
         write_csv(exposed, out / "exposure.csv")
-        written += [out / "exposure.csv", write_exposure_figure(exposed, out / "exposure.png")]
+        written.append(out / "exposure.csv")
     return written

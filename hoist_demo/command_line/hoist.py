@@ -7,16 +7,14 @@ import json
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.results import Commands, add_command
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import schema
-from hoist_demo.files.new import Wish, new_hoist
+from hoist_demo.files.new import WISHES, new_hoist
 from hoist_demo.files.values import read_value
-from hoist_demo.parameters.quantity import Parameter
 
 _NEW = """\
 Write a complete, commented file of a hoist from a few numbers. What you do not give follows by a rule, which the file
@@ -30,35 +28,18 @@ then:
   balance-rope wind mine.toml      one trip
 """
 _SHOW = """\
-Print every value of a hoist with its status, and what follows from them before anything is wound: pulls and slip safety
-at rest and in motion against usual bounds, the rope's shape, yaw and clearances at rest, its lowest frequencies, the
-fidelity and the mesh that a run takes."""
-
-#: options of `new`: name, parameter, and its help
-_NUMBERS = {
-    "depth": (Parameter("depth", "m", "Real", minimum=1.0, maximum=4000.0), "way between the landings", True),
-    "payload": (Parameter("payload", "kg", "Real", minimum=1.0), "in the left conveyance", True),
-    "speed": (Parameter("speed", "m/s", "Real", minimum=0.1, maximum=30.0), "limit of the trip", True),
-    "conveyance": (Parameter("conveyance", "kg", "Real", minimum=1.0), "each, with its attachments", False),
-    "diameter": (Parameter("diameter", "m", "Real", minimum=1e-3, maximum=1.0), "of a balance rope", False),
-    "acceleration": (Parameter("acceleration", "m/s2", "Real", minimum=0.01), "limit of the trip", False),
-    "jerk": (Parameter("jerk", "m/s3", "Real", minimum=0.01), "limit of the trip", False),
-    "spacing": (Parameter("spacing", "m", "Real", minimum=0.01), "between the rope's two ends", False),
-}
+Print the complete file of a hoist, every value with its status, and behind it what follows before anything is wound:
+pulls and slip safety at rest and in motion against usual bounds, the rope's shape, yaw and clearances at rest, its
+lowest frequencies, the fidelity and the mesh that a run takes."""
 
 
 def add_hoist_commands(commands: Commands) -> None:
     """Add the subcommands `new`, `show`, `check` and `rope`."""
     new = add_command(commands, "new", _new, "write the file of your hoist", _NEW, _NEW_EXAMPLES)
     new.add_argument("name", metavar="NAME", help="of the hoist, and of the file NAME.toml")
-    for name, (parameter, text, needed) in _NUMBERS.items():
-        own = getattr(Wish, name, None)
-        default = "" if needed or own is None else f" ({own:g})"
-        new.add_argument(f"--{name}", required=needed, metavar="X", help=f"{text} [{parameter.unit}]{default}")
-    new.add_argument("--rope", metavar="KIND", help=f"the catalogue's construction ({Wish.construction})")
-    new.add_argument("--lay", choices=("right-hand", "left-hand", "alternate"), help="of the ropes (right-hand)")
-    new.add_argument("--ropes", type=int, metavar="N", help="balance ropes (1)")
-    new.add_argument("--head-ropes", type=int, metavar="N", help="(4)")
+    for p in WISHES:
+        start = f" ({p.start:g})" if isinstance(p.start, float) and p.start else f" ({p.start})" if p.start else ""
+        new.add_argument(f"--{p.name}", required=p.start == "", metavar="X", help=f"{p.about}{start}")
     new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")
     new.add_argument("--schema", action="store_true", help="also a JSON Schema beside it, for editors")
     new.add_argument("--force", action="store_true", help="write over a file that is there")
@@ -76,25 +57,12 @@ def add_hoist_commands(commands: Commands) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
-    chosen: dict[str, Any] = {
-        name: read_value(parameter, text)
-        for name, (parameter, _, _) in _NUMBERS.items()
-        if (text := getattr(options, name)) is not None
-    }
-    others = {
-        "construction": options.rope,
-        "lay": options.lay,
-        "ropes": options.ropes,
-        "head_ropes": options.head_ropes,
-    }
-    for name in ("ropes", "head_ropes"):
-        if others[name] is not None and not 1 <= others[name] <= 20:
-            raise ValueError(f"--{name.replace('_', '-')} {others[name]} must be within 1 and 20: count them")
-    chosen |= {name: value for name, value in others.items() if value is not None}
+    asked = {p: getattr(options, p.name.replace("-", "_")) for p in WISHES}
+    chosen = {p.name: read_value(p, text) for p, text in asked.items() if text is not None}
     path = options.out or Path(f"{options.name}.toml")
     if path.exists() and not options.force:
         raise ValueError(f"{path} is there already: choose another name, or --force")
-    text = new_hoist(Wish(options.name, given=frozenset(chosen), **chosen))
+    text = new_hoist(options.name, chosen)
     path.parent.mkdir(parents=True, exist_ok=True)
     if options.schema:
         beside = path.with_name("hoist.schema.json")
@@ -133,18 +101,17 @@ def _rope(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    from hoist_demo.report.hoist import follows, problems, values
+    from hoist_demo.report.hoist import as_file, follows, problems
 
     case: Case = find_case(options.hoist)
     if everything:
-        print(f"{case.name or options.hoist}\n")
-        print(values(case, options.hoist))
+        print(as_file(case, options.hoist))
     text, found = follows(case, options.hoist)
     if everything:
-        print(f"\n{text}\n")
+        print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
     told = [*case.remarks, *problems(case), *found]
     for line in told:
         print(f"balance-rope: {line}", file=sys.stderr)
     if not told:
-        print(f"{options.hoist}: nothing is remarkable")
+        print(f"# {options.hoist}: nothing is remarkable")
     return 1 if told and not everything else 0

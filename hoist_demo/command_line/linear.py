@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,8 +21,8 @@ _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 _LINEARISE = """\
-Linear models of hoist and balance ropes at rest, for controller design: A, B, C, D of few states for each height, in
-plant.npz, plant.mat and plant.json, with the error measured against the complete linear model."""
+Linear models of hoist and balance ropes, at rest or at constant speed, for controller design: A, B, C, D of few states
+for each height, in plant.npz, plant.mat and plant.json, with the error measured against the complete linear model."""
 
 _MODES = """\
 Frequencies, damping and shapes of hoist and balance ropes along the trip: modes.csv has all of them, modes.png draws
@@ -38,13 +39,14 @@ Coulomb friction, play and slip on the lining are left out; see docs/howto/contr
 
 def write_linear_models(
     case: Case, out: Path, at: Sequence[float] = _HEIGHTS, swivels: Swivels = "as given", held_by: HeldBy = "motor",
-    states: int = 20, inputs: Sequence[str] = _CHANNELS[0], outputs: Sequence[str] = _CHANNELS[1], band: float = 2.0,
+    states: int = 17, inputs: Sequence[str] = _CHANNELS[0], outputs: Sequence[str] = _CHANNELS[1], band: float = 2.0,
+    speed: float = 0.0,
 ) -> tuple[ReducedModel, tuple[Path, ...]]:  # fmt: skip
     """Write small models of a case into a folder."""
     from hoist_demo.design.linearise import linearise
     from hoist_demo.design.reduction import reduced
 
-    models = [model.selected(inputs, outputs) for model in linearise(case, at, swivels, held_by)]
+    models = [model.selected(inputs, outputs) for model in linearise(case, at, swivels, held_by, speed=speed)]
     found = reduced(models, states, band)
     return found, found.write(results_folder(out))
 
@@ -110,16 +112,23 @@ def add_linear(commands: Commands) -> None:
         command.add_argument(
             "--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)"
         )
+    linearise.add_argument(
+        "--speed", type=float, default=0.0, metavar="M/S", help="of the left conveyance, upwards (%(default)s)"
+    )
     linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
-    linearise.add_argument("--states", type=int, default=20, metavar="N", help="of each model (%(default)s)")
+    linearise.add_argument("--states", type=int, default=17, metavar="N", help="of each model (%(default)s)")
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
         linearise.add_argument(name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})")
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
 
 
-def _one_rope(name: str) -> Case:
+def _one_rope(options: argparse.Namespace) -> Case:
     """Return the hoist, which must have equal ropes."""
-    case = find_case(name)
+    from hoist_demo.design.reduction import SLOWEST
+
+    if not SLOWEST < options.band < math.inf:
+        raise ValueError(f"--band {options.band:g} must be above {SLOWEST:g} Hz: 2 suits a hoist, 10 a stiff one")
+    name, case = options.hoist, find_case(options.hoist)
     if case.ropes:
         raise ValueError(
             f"{name} has ropes that differ, and a linear model has equal ones: give one [[rope]] with number"
@@ -129,8 +138,8 @@ def _one_rope(name: str) -> Case:
 
 def _linearise(options: argparse.Namespace) -> int:
     found, written = write_linear_models(
-        _one_rope(options.hoist), options.out, options.at, options.swivels, options.held_by, options.states,
-        options.inputs, options.outputs, options.band,
+        _one_rope(options), options.out, options.at, options.swivels, options.held_by, options.states,
+        options.inputs, options.outputs, options.band, options.speed,
     )  # fmt: skip
     print(f"{found.A.shape[1]} states; largest errors to {found.band:g} Hz:")
     print(f"{'at':>6}{'output':>16}{'input':>18}{'dB':>10}{'degrees':>10}{'of peak':>10}")
@@ -145,7 +154,7 @@ def _linearise(options: argparse.Namespace) -> int:
 
 def _modes(options: argparse.Namespace) -> int:
     text, written = write_modes(
-        _one_rope(options.hoist), options.out, options.at, options.swivels, options.band, options.count
+        _one_rope(options), options.out, options.at, options.swivels, options.band, options.count
     )
     print(text)
     print("\nwritten: " + ", ".join(map(str, written)))

@@ -1,13 +1,13 @@
-"""Options of `balance-rope demo`, and values for one run: `NAME=VALUE` and files of parameters."""
+"""Options of `balance-rope wind`, and values for one run: `NAME=VALUE` and files of parameters."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.catalogue import find, host_parameters
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -15,88 +15,46 @@ from rope_model import Level
 from rope_model.scene_names import choices_of
 
 KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
+_TRIP = ("speed", "travel", "creep_distance", "creep_speed")
+_SET = """\
+a parameter of the rope by its name in docs/reference/variables.md, or of the host as hoist.payload_left, in SI or with
+a unit; counts as if it stood in the hoist's file; may be repeated, and overrides other options"""
 
 
-def add_trip(demo: argparse.ArgumentParser) -> None:
-    """Add the options that change the case's winding."""
-    demo.add_argument("--speed", type=float, metavar="V", help="speed limit [m/s] (that of the case)")
-    demo.add_argument("--travel", type=float, metavar="S", help="left conveyance up [m] (that of the case)")
-    demo.add_argument(
-        "--creep-distance", type=float, metavar="S", help="creep over the last S [m], stop included (that of the case)"
-    )
-    demo.add_argument("--creep-speed", type=float, metavar="V", help="at V [m/s] (that of the case)")
-    demo.add_argument(
-        "--estop-at",
-        type=float,
-        metavar="T",
-        help="emergency stop from time T [s], at the case's winding.emergency_deceleration: 2 m/s^2 for hoists of "
-        "installed size, else 5 m/s^2",
-    )
-    demo.add_argument(
-        "--estop-law",
-        choices=get_args(EmergencyLaw),
-        help="who stops: the drive, along its reference; or the brake of a case that has one: at a regulated "
-        "deceleration, with its full torque, or in two stages, a part of it first (that of the case)",
-    )
+def add_trip(wind: argparse.ArgumentParser) -> None:
+    """Add the options that change the hoist's trip."""
+    for name in _TRIP:
+        about = f"{host_parameters()[f'winding.{name}'].about} (that of the hoist)"
+        wind.add_argument(f"--{name.replace('_', '-')}", type=float, metavar=name[0].upper(), help=about)
+    about = "emergency stop from time T [s], at the hoist's winding.emergency_deceleration"
+    wind.add_argument("--estop-at", type=float, metavar="T", help=about)
+    about = "who stops: the drive, along its reference; or the brake of a hoist that has one (that of the hoist)"
+    wind.add_argument("--estop-law", choices=get_args(EmergencyLaw), help=about)
 
 
-def add_data(demo: argparse.ArgumentParser) -> None:
+def add_data(wind: argparse.ArgumentParser) -> None:
     """Add the options for the rope's data and for the columns written."""
-    demo.add_argument(
-        "--kernels",
-        choices=KERNELS,
-        default="auto",
-        help="the rope computes by compiled C, portably, which is slow, by CasADi's virtual machine, or auto: "
-        "compiled where that can be had (%(default)s)",
-    )
-    demo.add_argument(
-        "--level",
-        choices=get_args(Level),
-        help="accuracy against speed of the rope in process (standard); an FMU has that of its export",
-    )
-    demo.add_argument(
-        "--rope", type=Path, metavar="FILE", help="parameters of the rope, as balance-rope identify writes them"
-    )
-    demo.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="a parameter of the rope by its name in docs/reference/variables.md, or of the host as "
-        "hoist.payload_left, in SI units; may be repeated, and overrides other options",
-    )
-    demo.add_argument(
-        "--signals",
-        nargs="+",
-        default=[],
-        metavar="NAME",
-        help="columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)",
-    )
+    about = "the rope computes by compiled C, portably, which is slow, or auto: compiled where it can be (%(default)s)"
+    wind.add_argument("--kernels", choices=KERNELS, default="auto", help=about)
+    about = "accuracy against speed of the rope in process (that of the hoist); an FMU has that of its export"
+    wind.add_argument("--level", choices=get_args(Level), help=about)
+    about = "parameters of the rope, as balance-rope identify writes them"
+    wind.add_argument("--rope", type=Path, metavar="FILE", help=about)
+    wind.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=_SET)
+    about = "columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)"
+    wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=about)
 
 
-STUDY_ONLY = ("controller", "shaper", "trajectory", "arrival")  #: First parts of the names that only a study takes.
-
-
-def settings(texts: Iterable[str], catalogue: Catalogue) -> dict[str, Value]:
+def settings(texts: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, Value]:
     """The values by name, each of its parameter's type and within its bounds; ValueError names what is not."""
     found: dict[str, Value] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
-        if name.partition(".")[0] in STUDY_ONLY:
-            raise ValueError(f"--set {text}: {name} is for studies: see docs/reference/files.md")
-        parameter = catalogue[name]
+        parameter, content = find(name, known), {"true": True, "false": False}.get(value.lower(), value)
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
-        found[name] = read_value(parameter, _plain(parameter, value))
+        code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()
+        found[name] = read_value(parameter, int(value) if code else content)
     return found
-
-
-def _plain(parameter: Parameter, text: str) -> bool | float | str:
-    """Return the code of a choice, or truth, for its text; another text is left for its reader."""
-    if parameter.kind == "Boolean":
-        return {"true": True, "false": False}.get(text.lower(), text)
-    if parameter.choices and parameter.kind == "Integer" and text.lstrip("+-").isdigit():
-        return int(text)
-    return text

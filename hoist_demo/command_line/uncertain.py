@@ -25,7 +25,8 @@ examples:
 
 Results in --out: windings.csv, a row per winding, data.csv, where each number comes from, and report.html.
 The file is explained in docs/reference/files.md.
-exit code: 0 all windings wound to the end, 1 some did not, 2 wrong file or arguments, 130 interrupted.
+A winding whose rope passed through something describes no real rope: it is left out, and counted.
+exit code: 0 all windings count, 1 some stopped or were left out, 2 wrong file or arguments, 130 interrupted.
 """
 
 

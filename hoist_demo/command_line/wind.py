@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,29 +15,29 @@ from hoist_demo.cases.table import NAMED, find_case
 from hoist_demo.command_line.demo_results import REPORT, WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
-from hoist_demo.command_line.wind_ropes import wind_ropes
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs, read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.design.controllers import drive
-from hoist_demo.files.catalogue import Catalogue, with_values
+from hoist_demo.files.catalogue import parameters
 from hoist_demo.files.rope_file import read_rope_file
 from hoist_demo.files.values import GIVEN
-from hoist_demo.parameters import ASSUMED_DATA, Winding
+from hoist_demo.parameters import ASSUMED_DATA, Hoist, Winding
 from hoist_demo.parameters.quantity import Parameter, Value
-from hoist_demo.recording.fidelity import mask_neglected
-from hoist_demo.recording.passages import without_absent
-from hoist_demo.recording.time_series import match_signals
+from hoist_demo.recording.nearness import Pair
+from hoist_demo.recording.ropes import computed
+from hoist_demo.recording.time_series import Recording, match_signals
 from hoist_demo.report.rows import SummaryRow, render, render_verdict
-from hoist_demo.ropes.definition import ropes_of
-from hoist_demo.study.provenance import of_host, of_rope
-from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part, tail_rope
+from hoist_demo.ropes.definition import Ropes, ropes_of
+from hoist_demo.study.provenance import Known, of_host, of_rope
+from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
@@ -55,8 +55,8 @@ _DESCRIPTION = """\
 Wind a hoist once and write to --out: signals.csv (all signals with units), shapes.csv (the rope at several instants),
 exposure.csv and spectra.csv (what each place in the rope went through), data.csv (where each number comes from), PNG
 figures, report.md, and report.html: the rope in motion and linked plots in one file for any browser, offline.
-The verdict is printed at the end: what matters, beside its bounds; the report has all other numbers. A hoist with
-several ropes gives ropes.csv, one row per rope, neighbours.csv, one row per pair, signals.csv, data.csv, ropes.png."""
+The verdict is printed at the end: what matters, beside its bounds; the report has all other numbers. Of several ropes
+each has its tables along the rope, and its signals and rows, under its name."""
 
 _EPILOG = """\
 examples:
@@ -95,7 +95,9 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     )
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
-    rope.add_argument("--fmu", type=Path, metavar="PATH", help=f"the rope, FMI 2.0 or 3.0 ({fmu}, if it is there)")
+    rope.add_argument(
+        "--fmu", type=Path, metavar="PATH", help=f"the rope, FMI 2.0 or 3.0 ({fmu} for a hoist by name, if it is there)"
+    )
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
     wind.add_argument("--out", type=named, metavar="DIR", help="results (out/demo; of a file out/wind and its name)")
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
@@ -122,53 +124,46 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
         options.hoist = options.case
+    is_file = options.hoist is not None and options.hoist not in NAMED
     if options.out is None:
-        is_file = options.hoist is not None and options.hoist not in NAMED
         options.out = Path("out") / "wind" / Path(options.hoist).stem if is_file else Path("out") / "demo"
-    if options.fmu is None and not options.in_process:
-        options.fmu = default if default.is_file() else None
-        options.in_process = options.fmu is None
-        if options.in_process:
-            _tell(
-                f"{default} is not there: the rope runs in this process; `balance-rope export --outputs all` makes it"
-            )
+    if options.hoist is not None and find_case(options.hoist).ropes:
+        _refuse_for_several(options)
+    _choose_rope(options, None if is_file else default)
     resume = Checkpoint.read(options.resume) if options.resume else None
-    catalogue = Catalogue(_parameters(options))
-    own = settings(options.set, catalogue)
-    identified = read_rope_file(options.rope, catalogue) if options.rope else {}
+    own = settings(options.set, parameters(_parameters(options)))
+    identified = read_rope_file(options.rope) if options.rope else {}
     of_rope_file = {key: one.value for key, one in identified.items()}
-    chosen = {f"hoist.{field}": value for field, value in tail_rope(of_rope_file).items()} | of_rope_file | own
-    hoist_values = {name.removeprefix("hoist."): v for name, v in chosen.items() if name.startswith("hoist.")}
-    options.hoist = _hoist_of(resume, options.hoist, hoist_values) if resume else options.hoist or _HOIST
+    chosen = of_rope_file | own
+    options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST
     case = find_case(options.hoist)
     asked = _winding(options, case) | chosen
     run = build_trip(options.hoist, asked)
     for remark in case.remarks:
         _tell(remark)
     statuses = {key: one.status for key, one in identified.items()} | dict.fromkeys(own, GIVEN)
-    if case.ropes:
-        return wind_ropes(options, ropes_of(case, run, of_rope_file | own, options.level or case.level), statuses)
+    several = _several(options, case, run, chosen) if case.ropes else None
     if options.check:
         print(f"{options.hoist}: nothing wrong")
         return 0
     results_folder(options.out)
-    title = _title(case.name or options.hoist, run.winding)
-    rope, signals = _rope(options, run, bool(fmu_part(chosen)))
-    missing = missing_outputs(rope.units())
+    hung = several or _Only(case, run.hoist, _rope(options, case, run, bool(fmu_part(chosen))))
+    signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *hung.plant.units()])
+    run = replace(run, hoist=hung.hoist)
     try:
         with warnings_of("hoist_demo") as said:
             made = drive(run.controller, run.hoist, run.winding, run.gains, run.shaper, run.trajectory)
-            host = Host(rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
-            result = _run(host, options.out / LAST_GOOD, resume)
-        data = rope.data()
+            host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
+            host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
+            result = _run(host, None if case.ropes else options.out / LAST_GOOD, resume)
+        ropes, remarked, of_ropes = hung.data(), hung.remarks(), hung.provenance(statuses)
     finally:
-        rope.close()
-    result = replace(result, recording=without_absent(mask_neglected(result.recording, data.torque_free)))
+        hung.plant.close()
+    result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}))
     run = replace(run, winding=result.winding)
-    contradiction = contradictions(run.hoist, data.parameters)
-    known = [*of_host(run, statuses), *of_rope(case, data, statuses)]
-    warned = [*filter(None, (missing, contradiction)), *said]
-    wound = WoundRun(title, run, result, data, data.level, known, warned, asked)
+    known = [*of_host(run, statuses), *of_ropes]
+    title = _title(case.name or options.hoist, run.winding)
+    wound = WoundRun(title, run, result, ropes, hung.pairs(result.recording), known, [*remarked, *said], asked)
     # the report of an earlier run is worth more than that of one that failed
     spared = not result.completed and (options.out / REPORT).exists()
     out = results_folder(options.out / STOPPED) if spared else options.out
@@ -190,25 +185,62 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     return 130 if interrupted() else 0
 
 
+@dataclass(frozen=True)
+class _Only:
+    """The rope of a hoist with one, as `Ropes` for several."""
+
+    case: Case
+    hoist: Hoist
+    plant: FmuRope | InProcessRope
+
+    def data(self) -> list[RopeData]:
+        return [self.plant.data()]
+
+    def provenance(self, given: Mapping[str, str]) -> list[Known]:
+        return of_rope(self.case, self.plant.data(), given)
+
+    def pairs(self, recording: Recording) -> list[Pair]:
+        return []
+
+    def remarks(self) -> list[str]:
+        """What the rope lacks, and where it is not the one that hoist and drive take it for."""
+        data, level = self.plant.data(), ""
+        if isinstance(self.plant, FmuRope) and data.level not in ("", self.case.level):
+            level = (
+                f"level = {self.case.level!r} of {self.case.name} is not that of the FMU, {data.level!r}, which was "
+                "wound: export one of that level, or --in-process"
+            )
+        return [
+            *filter(None, (missing_outputs(self.plant.units()), contradictions(self.hoist, data.parameters), level))
+        ]
+
+
+def _refuse_for_several(options: argparse.Namespace) -> None:
+    for name, value in (("--fmu", options.fmu), ("--resume", options.resume)):
+        if value:
+            raise ValueError(f"{name} {value} is for a hoist with one [[rope]]: leave it out, several run in process")
+
+
+def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
+    """Settle whether the rope is that of an FMU: one asked for, or the default where there is one."""
+    if options.fmu is None and not options.in_process:
+        options.fmu = default if default is not None and default.is_file() else None
+        options.in_process = options.fmu is None
+        if options.in_process and default is not None:
+            _tell(
+                f"{default} is not there: the rope runs in this process; `balance-rope export --outputs all` makes it"
+            )
+
+
+def _several(options: argparse.Namespace, case: Case, run: RunData, chosen: Mapping[str, Value]) -> Ropes:
+    """All ropes of a hoist with several, of which values are `chosen`."""
+    kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
+    return ropes_of(case, run, {**chosen, **kernels}, options.level or case.level)
+
+
 def _tell(warning: str) -> None:
     if warning:
         print(f"balance-rope: {warning}", file=sys.stderr)
-
-
-def _hoist_of(resume: Checkpoint, asked: str | None, hoist: Mapping[str, Value]) -> str:
-    """Return the name of an interrupted run's hoist, found by its data; `hoist` is what is set of it."""
-    names = [*NAMED, *([] if asked is None or asked in NAMED else [asked])]
-    hoists = {name: with_values(find_case(name).hoist, hoist) for name in names}
-    fitting = [name for name, data in hoists.items() if resume.data.startswith(f"({data!r},")]
-    found = asked if asked in fitting else next(iter(fitting), None)
-    if found is None:
-        raise ValueError(
-            "the run to go on with is of another hoist: give its file, repeat its --set hoist..., or go on with it "
-            "where it was begun"
-        )
-    if asked not in (None, found):
-        raise ValueError(f"the hoist {asked} must be {found}, that of the run to go on with: leave it out")
-    return found
 
 
 def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
@@ -241,35 +273,33 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
         return None
     if not options.fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: export it with `balance-rope export --outputs all`, "
+            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out {options.fmu}` makes it; or "
             "give another file with --fmu, or run with --in-process"
         )
     return read_parameters(options.fmu)
 
 
-def _rope(options: argparse.Namespace, run: RunData, asked: bool) -> tuple[FmuRope | InProcessRope, tuple[str, ...]]:
-    """The rope, and the signals to write (none: the usual); an FMU is `asked` whether it takes its parameters."""
-    rope: FmuRope | InProcessRope
+def _rope(options: argparse.Namespace, case: Case, run: RunData, asked: bool) -> FmuRope | InProcessRope:
+    """The only rope; an FMU is `asked` whether it takes its parameters."""
     if options.in_process:
         from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
 
-        rope = rope_in_process(options.hoist, options.kernels, options.level or find_case(options.hoist).level, run.fmu)
-        return rope, match_signals(options.signals or find_case(options.hoist).signals, [*DRIVE_UNITS, *rope.units()])
+        return rope_in_process(options.hoist, options.kernels, options.level or case.level, run.fmu)
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
             f"`balance-rope export --level {options.level}`"
         )
     outputs = read_outputs(options.fmu)
-    signals = match_signals(options.signals or find_case(options.hoist).signals, [*DRIVE_UNITS, *outputs])
+    signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
     if asked and (problems := Probe(options.fmu).rejection(run)):
         raise ValueError("; ".join(problems))
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # of which those are dear
-    return FmuRope(options.fmu, {**kernels, **run.fmu}, recorded), signals
+    return FmuRope(options.fmu, {**kernels, **run.fmu}, recorded)
 
 
-def _run(host: Host, save_to: Path, resume: Checkpoint | None) -> Result:
+def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:
     """The run under a progress bar, until it is interrupted."""
     with interruption() as interrupted, progress_bar() as progress:
         return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)

@@ -41,6 +41,7 @@ class Checkpoint:
     recording: Recording  # of the run until it stopped, as its recorder keeps it; it goes on behind this sample's row
     data: str  # of the run, that must be the same to go on: see Host.data
     cause: str  # for which the run stopped
+    hoist: str = ""  # its name or file, where that is known
 
     def write(self, path: Path) -> None:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""

@@ -16,8 +16,9 @@ import math
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
 import numpy as np
@@ -25,11 +26,15 @@ import numpy as np
 from hoist_demo.control.controller import Command, Controller, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import Course, Trajectory, TrajectoryPoint, s_curve
 from hoist_demo.cosimulation.checkpoint import CONTROLLER, Checkpoint
+from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS, ROW, drive_row, with_drive_signals
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner, NextCommand
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.run_state import Result, RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
+from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
 from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
@@ -38,6 +43,7 @@ from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits, start_heights
 from hoist_demo.recording.time_series import Array, Recorder, Recording
 from rope_model import EndMotion
+from rope_model.numerics.kernels import last_words
 
 _log = logging.getLogger(__name__)
 
@@ -80,6 +86,7 @@ class Host:
         one's dwell they change evenly from these.
         """
         self.rope = rope
+        self.name = ""  # of the hoist, or its file: by it a run is found that is gone on with
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
@@ -90,6 +97,7 @@ class Host:
         self._next_hoist = next_hoist
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
+        self._own = controller is not None
         self._controller = partial(SpeedController, gains=gains) if controller is None else controller
         self.trajectory = s_curve(self.winding) if trajectory is None else trajectory
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
@@ -186,7 +194,7 @@ class Host:
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
         record = run.recorder.recording()
-        return Checkpoint(k, t, plant, controller, acting, memory, rope, record, self.data, cause)
+        return Checkpoint(k, t, plant, controller, acting, memory, rope, record, self.data, cause, self.name)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
@@ -194,7 +202,7 @@ class Host:
         names = [name for name in units if name not in DRIVE_UNITS]
         self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
         self._guard = tuple(names.index(name) for name in _GUARD if name in names)
-        return Recorder([*ROW, *names], units | DRIVE_UNITS)
+        return Recorder([*ROW, *names], units | DRIVE_UNITS, self.samples + 1)
 
     def _wind(self, run: RunState, progress: Progress | None, save_to: Path | None) -> str:
         """Sample and exchange until the end; the cause when that is not reached."""
@@ -202,16 +210,25 @@ class Host:
         start, T, last = self.coupling.start, self.coupling.period, self.samples
         if self.coupling.per_step > 1:
             run.drive.per_step, run.drive.next_command = self.coupling.per_step, self._sampler(run, controller)
-        between = max(1, round(KEPT_EVERY / T))
-        for k in range(run.first, last + 1):
+        compiled, k = self._compiled(run), run.first
+        while k <= last:
             t = start + k * T
             stopped = run.first < k < last and progress is not None and not progress(k / last, t)
-            if stopped or (k - run.first) % between == 0:
+            if stopped or (k - run.first) % self._kept_every == 0:
                 run.kept = None  # frees the memory of the state before
                 # the controller may change what it is handed
                 run.kept = k, run.pair.save(), deepcopy(run.controller), run.memory
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
+            if compiled is not None and k < last and not self._loads(k):
+                until = k + 1 if progress is not None else self._looked_at(run, k)
+                reached, cause, within = compiled.samples(k, min(until, last))
+                cause = cause or (self._steps(run, reached) if within else "")
+                if cause:
+                    return cause
+                if reached + within > k:
+                    k = reached + within
+                    continue
             with self.rope_clock:
                 signals = self._read_signals()
             try:
@@ -225,9 +242,31 @@ class Host:
                 if cause := self._exchange(run, k, command):
                     return cause
                 run.controller = run.commands[-1].state
+            k += 1
         if progress is not None:
             progress(1.0, start + last * T)
         return ""
+
+    def _looked_at(self, run: RunState, k: int) -> int:
+        """The sample behind k at which a state is kept or a payload changes."""
+        kept = k + self._kept_every - (k - run.first) % self._kept_every
+        return kept if self._next_hoist is None else min(kept, k + self._loaded_every - k % self._loaded_every)
+
+    def _compiled(self, run: RunState) -> CompiledTrip | None:
+        """The trip in C; None for what only this host winds."""
+        rope, scheme = self.rope, self.scheme
+        # a rope of another class may do more in its steps than its library
+        library = rope.library() if type(rope) is FmuRope or type(rope) is InProcessRope else None
+        plain = type(scheme) is GaussSeidel and scheme.order == 1 and not self._own
+        compiled = run.drive.plant.holding.kernels.library is not None
+        if library is None or not (plain and compiled) or self.hoist.lining is not None:
+            return None
+        gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._kept_every
+        try:
+            return CompiledTrip(run, library, self.hoist, gains, self.coupling, self._start_height, clocks, most)
+        except (OSError, RuntimeError, CalledProcessError) as error:
+            _log.warning("the trip is wound in Python, four times as long: %s", last_words(error))
+            return None
 
     def _heeding(self, run: RunState, t: float, signals: Array) -> Course:
         """The course after what the safety circuit sees at t [s]: an emergency stop from its first sample on."""
@@ -281,9 +320,13 @@ class Host:
         self._load(run.drive.plant, k)
         run.commands = [command]
         run.drive.command(command.torque, command.brake, sides)
+        return self._steps(run, k)
+
+    def _steps(self, run: RunState, k: int) -> str:
+        """The steps that are left to the sample behind k; the cause when they do not get there."""
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
-        for step in range(k * per_sample, (k + 1) * per_sample):
-            t = start + step * H
+        while run.steps < (k + 1) * per_sample:
+            t = start + run.steps * H
             try:
                 memory, cause = self.scheme.advance(run.pair, run.memory, t, H)
             except (ValueError, RuntimeError) as error:
@@ -294,9 +337,23 @@ class Host:
             run.steps += 1
         return ""
 
+    @cached_property
+    def _kept_every(self) -> int:
+        """Samples from one state that is kept to the next."""
+        return max(1, round(KEPT_EVERY / self.coupling.period))
+
+    @cached_property
+    def _loaded_every(self) -> int:
+        """Samples from one change of a payload to the next."""
+        return max(1, round(LOADED_EVERY / self.coupling.period))
+
+    def _loads(self, k: int) -> bool:
+        """Whether a payload may change at a sample."""
+        return self._next_hoist is not None and k % self._loaded_every == 0
+
     def _load(self, plant: HoistPlant, k: int) -> None:
         """The payloads at sample k of a trip during the dwell of which they change; in stairs of LOADED_EVERY."""
-        if self._next_hoist is None or k % max(1, round(LOADED_EVERY / self.coupling.period)):
+        if self._next_hoist is None or not self._loads(k):
             return
         dwelt = k * self.coupling.period - self.trajectory.duration
         if dwelt > LOADING[0] * self.winding.settle:

@@ -1,4 +1,4 @@
-"""Linear models of hoist and balance ropes at rest, anywhere along the trip.
+"""Linear models of hoist and balance ropes at rest or at constant speed, anywhere along the trip.
 
 Small motions x of the hoist's coordinates, of the rope's nodes and of what lags behind (motor torque, brake) obey
 
@@ -9,7 +9,7 @@ The rope's part is `rope_model.simulation.outputs.linear`, the hoist's the deriv
 times. Rows of M are 0 for what lags. Ends move sideways and yaw as they are told: their accelerations are inputs.
 
 The hoist is left without what has no derivative: Coulomb friction, jams, slip on the lining, play between the guides.
-A sticking brake is a spring. The operating point is a rest: a rope that flows through its shape has no model here.
+A sticking brake is a spring. At constant speed the lengths of head ropes and legs are frozen.
 """
 
 from __future__ import annotations
@@ -152,8 +152,9 @@ def linearise(
     swivels: Swivels = "as given",
     held_by: HeldBy = "motor",
     level: Level = "standard",
+    speed: float = 0.0,
 ) -> tuple[LinearModel, ...]:
-    """Return the linear models of a hoist with its balance ropes, at rest at places along the trip.
+    """Return the linear models of a hoist with its balance ropes at places along the trip.
 
     Parameters
     ----------
@@ -167,6 +168,9 @@ def linearise(
         What holds the imbalance: the motor, its brake open, or the brake, its motor without torque.
     level : Level
         Accuracy of the rope.
+    speed : float
+        Constant speed of the left conveyance [m/s], upwards. The rope flows through its shape, and the motor holds the
+        speed; lengths of ropes are frozen.
 
     Returns
     -------
@@ -178,9 +182,11 @@ def linearise(
     ValueError
         If the rope does not hang there, or touches a body; if the motor or the brake cannot hold.
     """
+    if speed and held_by == "brake":
+        raise ValueError(f"speed = {speed:g} m/s must be 0 with held_by = 'brake': take 'motor'")
     hoist = _smooth(case.hoist, held_by)
     rope = _rope(rope_data({**case.rope, **_swivels(swivels)}, level))
-    return tuple(_assembled(x, *_parts(hoist, rope, x, held_by), hoist.tail_rope_number) for x in at)
+    return tuple(_assembled(x, *_parts(hoist, rope, x, held_by, speed), hoist.tail_rope_number) for x in at)
 
 
 def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
@@ -212,12 +218,12 @@ def _rope(scene: Scene) -> RopeSimulator:
     return RopeSimulator(scene.with_(model=replace(scene.model, fidelity="torsional")))
 
 
-def _hung(rope: RopeSimulator, left: EndMotion, right: EndMotion) -> LinearRope:
+def _hung(rope: RopeSimulator, left: EndMotion, right: EndMotion, speed: float = 0.0) -> LinearRope:
     status = rope.initialize(0.0, left, right)
     if not status.valid:
         raise ValueError(f"rope at rest with left.y = {left.y:g} m and right.y = {right.y:g} m: {status.message}")
     let_turn(rope)
-    return linear_rope(rope)
+    return linear_rope(rope, speed)
 
 
 def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
@@ -265,8 +271,10 @@ def _derivatives(parts: Hoist) -> Any:
     return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
 
 
-def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[float, float], held_by: HeldBy) -> _Hoist:
-    """Return the hoist's part with its conveyances at rest under these forces of one rope."""
+def _linear_hoist(
+    hoist: Hoist, heights: tuple[float, float], forces: tuple[float, float], held_by: HeldBy, speed: float
+) -> _Hoist:
+    """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
     plant = HoistPlant(hoist, "portable")
     state = plant.equilibrium(*heights, *forces) if held_by == "motor" else plant.hanging_state(*heights, *forces)
     x, names, torque = state.x.copy(), list(state_names(hoist)), float(state.x[0])
@@ -292,10 +300,14 @@ def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[floa
     q = [names.index(name) for name in coordinates]
     v = [names.index(short.get(name, f"{name}_rate")) for name in coordinates]
     deflection = "brake_deflection"
+    x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
     lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
     numbers = numbers_of(hoist)
-    found = _derivatives(parts_of(hoist))(x, np.zeros(n), u, state.free_lengths, numbers)
-    by_x, by_a, by_u, values = (np.array(part) for part in found)
+    derivatives, still = _derivatives(parts_of(hoist)), np.zeros(n)
+    if speed:  # the motor makes up for the losses
+        by_x, _, _, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
+        u[0] = x[0] = x[0] - values[0, 0] / by_x[0, 0]
+    by_x, by_a, by_u, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
     # rows: Lagrange's, tensions, rates, what is shown
     rates, shown = n + 2, n + 2 + len(names)
     late = [rates + k for k in lag]
@@ -326,14 +338,16 @@ def _linear_hoist(hoist: Hoist, heights: tuple[float, float], forces: tuple[floa
     )  # fmt: skip
 
 
-def _parts(hoist: Hoist, rope: RopeSimulator, at: float, held_by: HeldBy) -> tuple[LinearRope, _Hoist]:
+def _parts(
+    hoist: Hoist, rope: RopeSimulator, at: float, held_by: HeldBy, speed: float = 0.0
+) -> tuple[LinearRope, _Hoist]:
     """Return rope and hoist at this part of the travel."""
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
     left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
-    hung = _hung(rope, EndMotion(y=left), EndMotion(y=right))
+    hung = _hung(rope, EndMotion(y=left), EndMotion(y=right), speed)
     forces = [float(hung.rest[hung.outputs.index(f"{side}.fy")]) for side in SIDES]
-    return hung, _linear_hoist(hoist, (left, right), (forces[0], forces[1]), held_by)
+    return hung, _linear_hoist(hoist, (left, right), (forces[0], forces[1]), held_by, speed)
 
 
 def _assembled(at: float, rope: LinearRope, hoist: _Hoist, number: int) -> LinearModel:

@@ -2,15 +2,13 @@
 
     X' = A X + B u ,     y = C X + D u .
 
-1. Modal truncation: kept are the modes that make up more than CONTRIBUTION of any channel somewhere in the band, and
-   what the others would yield at rest. Ends that are told to move take the rope along without vibration.
-2. Balanced truncation of that, by the Gramians of A - alpha I: the hoist as a whole rests where it is put, and sideways
-   modes of the rope have hardly any damping. Channels are scaled to equal largest gains. Poles that this puts right of
-   the imaginary axis are moved back to the damping ratio LEAST_DAMPING.
-3. Correction: C and D are fitted to the sparse model, by least squares of the relative errors on s = alpha + i omega.
-   D has what was left out and yields at once.
-4. The states of each height are turned to come as close as they can to those of the height before under the same
-   input (orthogonal Procrustes), so that matrices may be interpolated.
+1. Modal truncation: kept are the modes that make up most of any channel somewhere in the band. The model is stable as
+   the sparse one is. Ends that are told to move take the rope along without vibration.
+2. Static correction: C and D are fitted to the sparse model, by least squares of the relative errors on
+   s = alpha + i omega. They have what was left out and yields at once.
+3. The states of each height are those in which the responses (s - A)^-1 B at as many s as there are states are the same
+   at all heights. Matrices between heights then have the interpolated transfer function at these s, whatever modes
+   the heights have. Cubic splines interpolate; a few states and many heights do so best.
 
 The error is measured: largest difference from the sparse model at s = alpha + i omega in the band. That is what shows
 within some 1/alpha: notches and peaks of sideways modes, narrower than that, are left out of small models.
@@ -21,24 +19,23 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import reduce
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 import numpy as np
-import scipy.linalg as sl
 from numpy.typing import NDArray
 from scipy.io import savemat
 from scipy.sparse.linalg import splu
 
-from hoist_demo.design.linearise import Array, LinearModel, Modes
+from hoist_demo.cases.case import Case
+from hoist_demo.design.linearise import Array, LinearModel, Modes, linearise
+from hoist_demo.parameters.winding import start_heights
 
-LEAST_DAMPING = 1e-3  #: Of poles that truncation has made unstable.
-CONTRIBUTION = 3e-4  #: Of a mode to a channel's gain, below which it is left out.
 SLOWEST = 0.02  #: Hz, lower end of the band in which errors are measured.
 BEYOND = 5.0  #: Modes up to so many times the band's upper end are looked at.
 ALPHA = 2 * np.pi * SLOWEST  #: 1/s.
+LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
 _FIT = 1e-4  #: Singular values of the fit, over the largest, below which nothing is changed.
 _LEAST = 1e-9  #: Of a channel's largest gain: less is no response.
 
@@ -83,20 +80,21 @@ class ReducedModel:
         return control.StateSpace(*matrices, inputs=inputs, outputs=outputs)
 
     def scheduled(self) -> Any:
-        """CasADi function (part of the travel, X, u) -> X', y, linear between the heights and constant beyond."""
+        """CasADi function (part of the travel, X, u) -> X', y, of cubic splines between heights, constant beyond."""
         part, X, u = (
-            ca.SX.sym(name, size) for name, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2]))
+            ca.MX.sym(name, size) for name, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2]))
         )
-        at, heights = np.array(self.at), len(self.at)
+        at, options = self.at, {"degree": [min(3, len(self.at) - 1)]}
         inside = ca.fmin(ca.fmax(part, at[0]), at[-1])
-        hats = [ca.SX(1.0)] * heights
-        for k in range(heights - 1):
-            beyond = ca.fmin(ca.fmax((inside - at[k]) / (at[k + 1] - at[k]), 0.0), 1.0)
-            hats[k], hats[k + 1] = hats[k] - beyond, beyond
-        A, B, C, D = (
-            reduce(lambda x, y: x + y, (hat * ca.DM(M) for hat, M in zip(hats, part, strict=True)))
-            for part in (self.A, self.B, self.C, self.D)
-        )
+
+        def between(values: Array) -> Any:
+            if len(at) == 1:
+                return ca.DM(values[0])
+            # CasADi has columns first
+            flat = values.transpose(0, 2, 1).ravel()
+            return ca.reshape(ca.interpolant("part", "bspline", [at], flat, options)(inside), *values.shape[1:])
+
+        A, B, C, D = (between(values) for values in (self.A, self.B, self.C, self.D))
         values = [A @ X + B @ u, C @ X + D @ u]
         return ca.Function("plant", [part, X, u], values, ["at", "X", "u"], ["X_rate", "y"])
 
@@ -112,7 +110,7 @@ class ReducedModel:
         return npz, mat, text
 
 
-def reduced(models: Sequence[LinearModel], states: int = 20, band: float = 2.0) -> ReducedModel:
+def reduced(models: Sequence[LinearModel], states: int = 17, band: float = 2.0) -> ReducedModel:
     """Return small models of all heights.
 
     Parameters
@@ -120,7 +118,7 @@ def reduced(models: Sequence[LinearModel], states: int = 20, band: float = 2.0) 
     models : sequence of LinearModel
         Of `linearise`, in the order of their heights, with the inputs and outputs that count (`selected`).
     states : int
-        Number of states.
+        Number of states, or one more: two of each mode, one of each lag, two of each end that is told to move.
     band : float
         Upper end [Hz] of the frequencies that count.
 
@@ -133,12 +131,15 @@ def reduced(models: Sequence[LinearModel], states: int = 20, band: float = 2.0) 
     if any((m.inputs, m.outputs) != (first.inputs, first.outputs) for m in models):
         raise ValueError("the models must share inputs and outputs: select the same of each")
     grid = _line(band)
-    systems, errors, before = list[_System](), [], None
+    systems, errors, same = list[_System](), [], None
     for model in models:
         exact = model.response(grid)
-        A, B, C, D = _balanced(_modal(model, band, states), states, np.abs(exact).max(axis=0))
-        A, B, C, before = _turned(A, B, C, grid, before)
+        A, B, C, D = _modal(model, band, states)
         C, D = _fitted(A, B, C, D, grid[::2], exact[::2])
+        samples = _samples(A, B, band)
+        same = samples if same is None else same
+        T, back = (np.linalg.solve(x.T, y.T).T for x, y in ((samples, same), (same, samples)))
+        A, B, C = T @ A @ back, T @ B, C @ back
         systems.append((A, B, C, D))
         errors.append(_errors(_response(A, B, C, D, grid), exact))
     A, B, C, D = (np.array(parts) for parts in zip(*systems, strict=True))
@@ -150,13 +151,41 @@ def reduced(models: Sequence[LinearModel], states: int = 20, band: float = 2.0) 
     )  # fmt: skip
 
 
+def swing_at_landing(case: Case) -> tuple[float, float]:
+    """Return damped frequency [Hz] and damping ratio of the swing that an arrival leaves most of.
+
+    The speed loop is closed, and friction at the rim is viscous, as tanh is at rest. Of a trip of constant jerks a mode
+    takes up what it takes of a torque, over the square of its frequency.
+    """
+    hoist, gains = case.hoist, case.gains
+    left, _ = start_heights(hoist, case.winding)
+    at = min(max((left + case.winding.travel) / hoist.shaft_travel, 0.0), 1.0)
+    (model,) = linearise(case, [at])
+    outputs = ("rate", "y_left", "angle", "y_right")
+    small = reduced([model.selected(("torque_command", "torque"), outputs)], 9)
+    A, (by_command, by_torque), C = small.A[0], small.B[0].T, small.C[0]
+    rim = hoist.sheave_radius
+    error = -(gains.position * C[1] + rim * C[0])
+    rubbing = hoist.travel_loss[0] / hoist.loss_speed * rim**2
+    closed = A + np.outer(by_command, rim * gains.speed * error) - np.outer(by_torque, rubbing * C[0])
+    rates = np.append(gains.speed / gains.integral_time * error, 0.0)
+    poles, shapes = np.linalg.eig(np.vstack((np.column_stack((closed, rim * by_command)), rates)))
+    excited = np.linalg.solve(shapes, np.append(by_command, 0.0).astype(complex))
+    swings = np.abs(np.array([C[1] - rim * C[2], C[3] + rim * C[2]]) @ shapes[:-1]).max(axis=0) * np.abs(
+        excited / poles**2
+    )
+    swing = poles[np.argmax(np.where((poles.imag > 0.0) & (-poles.real < LASTING * np.abs(poles)), swings, -1.0))]
+    return float(swing.imag) / (2 * np.pi), float(-swing.real / abs(swing))
+
+
 _System = tuple[Array, Array, Array, Array]
 Complex = NDArray[np.complex128]
 
 
 def _line(band: float) -> NDArray[np.complex128]:
     """Complex frequencies at which errors are measured [rad/s]."""
-    return np.asarray(ALPHA + 2j * np.pi * np.geomspace(SLOWEST, band, 150), dtype=np.complex128)
+    # a response on this line has no detail finer than alpha
+    return np.asarray(ALPHA + 2j * np.pi * np.arange(SLOWEST, band, SLOWEST / 2), dtype=np.complex128)
 
 
 def _response(A: Array, B: Array, C: Array, D: Array, s: Complex) -> Complex:
@@ -180,23 +209,33 @@ def _errors(found: Complex, exact: Complex) -> tuple[Array, Array, Array]:
     return decibels.max(axis=0), np.abs(np.angle(ratio, deg=True)).max(axis=0), share
 
 
-def _modal(model: LinearModel, band: float, least: int) -> _System:
-    """First-order model of the modes that matter, at least so many, what follows held ends, and what lags."""
+def _samples(A: Array, B: Array, band: float) -> Array:
+    """Responses (states, states) of the states to their inputs in turn, at complex frequencies across the band."""
+    n = len(A)
+    apart = 2 * np.pi * band / max(n // 2, 1)
+    s = apart * np.append(0.5 + 1j * np.arange(0.5, n // 2), [0.5] * (n % 2))
+    inputs = np.arange(s.size) % B.shape[1]
+    x = np.array([np.linalg.solve(z * np.eye(n) - A, B[:, k]) for z, k in zip(s, inputs, strict=True)]).T
+    samples: Array = np.hstack((x.real, x.imag[:, : n // 2]))
+    return samples
+
+
+def _modal(model: LinearModel, band: float, states: int) -> _System:
+    """First-order model of the modes that matter most, what follows held ends, and what lags."""
     n, total = model.free, len(model.names)
-    found = model.modes(BEYOND * band)
-    share = telling(model, found, band)
-    modes = found.shapes[:, np.argsort(-share)[: max(least, np.count_nonzero(share > CONTRIBUTION))]]
     told = [k for k in range(n, n + model.held) if model.B[k].any()]
-    stiff = (model.stiffness[:n, :n] + ALPHA**2 * model.mass[:n, :n]).tocsc()
+    found = model.modes(BEYOND * band)
+    count, most = (states - model.lags) // 2 - len(told), found.frequencies.size
+    if not 1 <= count <= most:
+        least = model.lags + 2 * len(told) + 2
+        raise ValueError(f"states = {states} must be within {least} and {least + 2 * most - 2}: take as many")
+    modes = found.shapes[:, np.argsort(-telling(model, found, band))[:count]]
     others = np.eye(total)[:, [*told, *range(n + model.held, total)]]
-    # what forces bend beyond these modes
-    still = splu(stiff).solve(_pushes(model, np.array([ALPHA + 0j]))[0].real)
-    still -= modes @ (modes.T @ (model.mass[:n, :n] @ still))
-    modes = np.hstack((modes, sl.orth(still / np.maximum(np.linalg.norm(still, axis=0), 1e-300))))
-    W = np.hstack((np.vstack((modes, np.zeros((total - n, modes.shape[1])))), others))
+    W = np.hstack((np.vstack((modes, np.zeros((total - n, count)))), others))
     V = W.copy()
     if told:
-        V[:n, modes.shape[1] : modes.shape[1] + len(told)] = -splu(stiff).solve(model.stiffness[:n, told].toarray())
+        stiff = (model.stiffness[:n, :n] + ALPHA**2 * model.mass[:n, :n]).tocsc()
+        V[:n, count : count + len(told)] = -splu(stiff).solve(model.stiffness[:n, told].toarray())
     return _first_order(model, V, W)
 
 
@@ -244,23 +283,6 @@ def _first_order(model: LinearModel, V: Array, W: Array) -> _System:
     return A, np.vstack((np.zeros_like(pushed), pushed, B[m:])), out, model.through + C_a[:, :m] @ pushed
 
 
-def _balanced(system: _System, states: int, gains: Array) -> _System:
-    """Return the system with fewer states; ``gains`` (outputs, inputs) scale the channels."""
-    A, B, C, D = system
-    if not 1 <= states <= len(A):
-        raise ValueError(f"states = {states} must be within 1 and {len(A)}, those of its modes: take fewer")
-    of_outputs = 1.0 / np.where(gains.max(axis=1) > 0.0, gains.max(axis=1), 1.0)
-    of_inputs = 1.0 / np.maximum((of_outputs[:, None] * gains).max(axis=0), 1e-300)
-    bound = float(np.linalg.eigvals(A).real.max())
-    shifted, B_s, C_s = A - max(ALPHA, 2.0 * bound) * np.eye(len(A)), B * of_inputs, of_outputs[:, None] * C
-    X = _root(sl.solve_continuous_lyapunov(shifted, -B_s @ B_s.T))
-    Z = _root(sl.solve_continuous_lyapunov(shifted.T, -C_s.T @ C_s))
-    U, sigma, Vt = np.linalg.svd(Z.T @ X)
-    scale = 1.0 / np.sqrt(sigma[:states])
-    V, W = X @ Vt[:states].T * scale, Z @ U[:, :states] * scale
-    return _stable(W.T @ A @ V, bound), W.T @ B, C @ V, D
-
-
 def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) -> tuple[Array, Array]:
     """Return C and D changed as little as the fit to samples needs, channels without response as they are."""
     x = _states(A, B, s)
@@ -274,33 +296,3 @@ def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) 
         both = np.vstack((left.real, left.imag)) / unit
         found[i] += np.linalg.lstsq(both, np.concatenate((right.real, right.imag)), rcond=_FIT)[0] / unit
     return found[:, : len(A)], found[:, len(A) :]
-
-
-def _root(X: Array) -> Array:
-    """L with X = L L^T, of a matrix that is positive but for rounding."""
-    values, vectors = sl.eigh(0.5 * (X + X.T))
-    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
-    return root
-
-
-def _stable(A: Array, bound: float) -> Array:
-    """Return A with the poles moved whose real parts are above 0 and the bound."""
-    poles, shapes = np.linalg.eig(A)
-    unstable = poles.real > max(bound, 0.0)
-    if not unstable.any():
-        return A
-    moved = np.where(unstable, -LEAST_DAMPING * np.abs(poles), poles.real) + 1j * poles.imag
-    made: Array = (shapes @ np.diag(moved) @ np.linalg.inv(shapes)).real
-    return made
-
-
-def _turned(A: Array, B: Array, C: Array, s: Complex, before: Array | None) -> tuple[Array, Array, Array, Array]:
-    """Return the system in states close to the samples of the height before, and its own samples."""
-    x = _states(A, B, s)
-    flat = np.moveaxis(x, 1, 0).reshape(len(A), -1)
-    samples = np.hstack((flat.real, flat.imag))
-    if before is not None:
-        U, _, Vt = np.linalg.svd(samples @ before.T)
-        T = U @ Vt
-        A, B, C, samples = T.T @ A @ T, T.T @ B, C @ T, T.T @ samples
-    return A, B, C, samples

@@ -24,17 +24,17 @@ KINDS = ("ZV", "ZVD")
 
 @dataclass(frozen=True)
 class Shaper:
-    """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study)."""
+    """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study) or modelled."""
 
     kind: str = quantity("ZVD", "1", "ZV or ZVD")
-    frequency: float = quantity(1.5, "Hz", "damped frequency of the mode [assumed]")
-    damping: float = quantity(0.03, "1", "damping ratio of the mode [assumed]")
+    frequency: float = quantity(0.0, "Hz", "damped frequency of the mode; 0: it and damping from the linear model")
+    damping: float = quantity(0.0, "1", "damping ratio of the mode")
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise ValueError(f"kind = {self.kind!r} must be one of {', '.join(KINDS)}: choose one")
-        if not (math.isfinite(self.frequency) and self.frequency > 0.0):
-            raise ValueError(f"frequency = {self.frequency!r} must be finite and above 0 Hz: measure the swing")
+        if not (math.isfinite(self.frequency) and self.frequency >= 0.0):
+            raise ValueError(f"frequency = {self.frequency!r} must be finite and not below 0 Hz: measure the swing")
         if not 0.0 <= self.damping < 1.0:
             raise ValueError(f"damping = {self.damping!r} must be at least 0 and below 1: give a damping ratio")
 

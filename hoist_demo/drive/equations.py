@@ -25,7 +25,7 @@ the sheave is the tension less mu w^2 / 2, on both sides alike.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from itertools import repeat
@@ -108,7 +108,7 @@ class Coordinates:
 
 def parts_of(hoist: Hoist) -> Hoist:
     """The hoist with all its numbers 0 but the count of modes: what it shares with those of the same equations."""
-    alike: Hoist = _with_numbers(hoist, repeat(0.0))
+    alike: Hoist = with_numbers(hoist, repeat(0.0))
     return alike
 
 
@@ -120,10 +120,11 @@ def numbers_of(hoist: Any) -> list[float]:
     return found
 
 
-def _with_numbers(data: Any, numbers: Iterator[Any]) -> Any:
+def with_numbers(data: Any, numbers: Iterable[Any]) -> Any:
     """A hoist or a part of it with other numbers, or symbols, in their places; none of them is checked."""
+    left = iter(numbers)
     made = object.__new__(type(data))
-    changed = {name: _with_numbers(v, numbers) if is_dataclass(v) else next(numbers) for name, v in _items(data)}
+    changed = {name: with_numbers(v, left) if is_dataclass(v) else next(left) for name, v in _items(data)}
     made.__dict__.update({**vars(data), **changed})
     return made
 
@@ -138,7 +139,7 @@ def _items(data: Any) -> list[tuple[str, Any]]:
 def equations(parts: Hoist) -> Equations:
     """The equations of motion of all hoists with these parts, `parts_of` one of them."""
     p = ca.SX.sym("p", len(numbers_of(parts)))
-    hoist: Hoist = _with_numbers(parts, iter(ca.vertsplit(p)))
+    hoist: Hoist = with_numbers(parts, ca.vertsplit(p))
     at = Coordinates(hoist)
     q, v, R = at.q, at.v, hoist.sheave_radius
     torque, l0 = ca.SX.sym("M"), ca.SX.sym("l0", 2)

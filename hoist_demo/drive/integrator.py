@@ -27,7 +27,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
@@ -103,7 +104,7 @@ def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
     return sum(terms[1:], terms[0])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DriveKernels:
     """CasADi functions of hoists with the same parts, and places in the argument and in the result of `advance`."""
 
@@ -113,6 +114,7 @@ class DriveKernels:
     advance: Any
     mobility: Any  # of the equations
     hold: Any  # likewise
+    library: Path | None  # that has `advance` compiled
 
 
 @cache
@@ -124,10 +126,14 @@ def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
     shown = {"error": 1, "acting": len(INPUT_NAMES), "shown": len(OUTPUTS)}
     result = _slices({"x": len(names), "works": WORKS, **shown})
     functions = [_advance(of, given), of.mobility]
-    (advance, mobility), _ = prepare(
-        functions, partial(build_library, functions, folder=cache_folder(), name="hoist_drive"), form
-    )
-    return DriveKernels(names, given, result, advance, mobility, of.hold)
+    made: list[Path] = []
+
+    def build(compiler: Sequence[str]) -> Path:
+        made.append(build_library(functions, compiler, cache_folder(), "hoist_drive"))
+        return made[0]
+
+    (advance, mobility), found = prepare(functions, build, form)
+    return DriveKernels(names, given, result, advance, mobility, of.hold, made[0] if found == "compiled" else None)
 
 
 def _advance(of: Equations, given: dict[str, slice]) -> Any:
@@ -206,12 +212,12 @@ class Integrator:
     """Integrator for all hoists with the same parts; not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
-        kernels = drive_kernels(parts_of(hoist), form)
+        self.kernels = kernels = drive_kernels(parts_of(hoist), form)
         self.names, self.result = kernels.names, kernels.result
         self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
-        self._z, self._y = self._advance.inputs[0], self._advance.outputs[0]
-        self._given = {name: self._z[place] for name, place in kernels.given.items()}
+        self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
+        self.given = {name: self.z[place] for name, place in kernels.given.items()}
         self._hold, self._mobility = kernels.hold, Kernel(kernels.mobility, [(2, 2)])
         self.evaluations = 0  # of `advance` with a step, so far
         self.give(p=numbers_of(hoist))
@@ -219,15 +225,15 @@ class Integrator:
     def give(self, **values: Any) -> None:
         """Give what `advance` takes, by name: x, works, s, h, H, path, added_mass, l0; p are the hoist's numbers."""
         for name, value in values.items():
-            self._given[name][...] = value
+            self.given[name][...] = value
 
     def holding_torque(self, x: Vector, lengths: tuple[float, float]) -> float:
         """Return the motor's torque that holds the state at rest [N m]."""
-        return float(self._hold(x, lengths, self._given["p"]))
+        return float(self._hold(x, lengths, self.given["p"]))
 
     def mobility(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
         """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
-        (columns,) = self._mobility(x, u, np.array(lengths), self._given["p"])
+        (columns,) = self._mobility(x, u, np.array(lengths), self.given["p"])
         return columns.T
 
     def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> Reached | None:
@@ -248,7 +254,7 @@ class Integrator:
                     return y, size, s + CHUNK * used
                 if calls == 1:
                     return y, size, end
-                self._z[self._reached] = y[self._reached]
+                self.z[self._reached] = y[self._reached]
                 s += CHUNK * used
             else:
                 growth = 1.0
@@ -259,7 +265,7 @@ class Integrator:
         self.give(s=s, h=used)
         self._advance.evaluate()
         self.evaluations += used > 0.0
-        return self._y.copy()
+        return self.y.copy()
 
     def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:
         """The result where what is watched has just become positive, and the size of the steps to there."""

@@ -31,6 +31,7 @@ from rope_model.numerics.kernels import KernelForm
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
+LEAST_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
 MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
 _TENSIONS, _RATE = (SHOWN["tension_left"], SHOWN["tension_right"]), STATE_NAMES.index("phi_rate")
 
@@ -69,8 +70,8 @@ class HoistPlant:
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
         self.hoist, self._form = hoist, form
-        self._holding = Integrator(_without_lining(hoist), form)
-        self.state_names = self._holding.names
+        self.holding = Integrator(_without_lining(hoist), form)  # of head ropes that hold on the sheave
+        self.state_names = self.holding.names
 
     @cached_property
     def _sliding(self) -> Integrator:
@@ -79,7 +80,7 @@ class HoistPlant:
 
     @property
     def _made(self) -> list[Integrator]:
-        return [self._holding, *([self._sliding] if "_sliding" in vars(self) else [])]
+        return [self.holding, *([self._sliding] if "_sliding" in vars(self) else [])]
 
     def reload(self, hoist: Hoist) -> None:
         """Go on with the numbers of a hoist of the same parts: with another payload."""
@@ -120,7 +121,7 @@ class HoistPlant:
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
             for side, length in zip(("left", "right"), lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
-        x[0] = self._holding.holding_torque(x, lengths)
+        x[0] = self.holding.holding_torque(x, lengths)
         if hoist.drive_shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.drive_shaft.stiffness
         return PlantState(x, np.zeros(WORKS), lengths)
@@ -140,7 +141,7 @@ class HoistPlant:
             # the rest of a step behind a switch may be as short as it likes, and says nothing of what fits
             size = fits if state is old else max(size, fits)
             state = self._reached(state, y[result["x"]], y[result["works"]], size * h)
-            if (free := min(free_lengths_at(self.hoist, state))) <= 0.1:
+            if (free := min(free_lengths_at(self.hoist, state))) <= LEAST_ROPE:
                 return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
             if begin >= end:
                 return PlantStep(True, "", state, y[result["acting"]], y[result["shown"]])
@@ -152,7 +153,7 @@ class HoistPlant:
         """The equations that hold in a state, the state as they have it, and what ends them."""
         slide = state.slide
         if slide.sense == 0.0:
-            return self._holding, state.x, None if self.hoist.lining is None else self._excess
+            return self.holding, state.x, None if self.hoist.lining is None else self._excess
         names = self._sliding.names
         values = dict(zip(self.state_names, state.x.tolist(), strict=True))
         values |= {"slip": slide.slip, "slip_rate": slide.speed, "sense": slide.sense}
@@ -162,7 +163,7 @@ class HoistPlant:
 
     def _excess(self, y: Vector) -> float:
         """Tension that the friction does not hold [N], of ropes that hold."""
-        hoist, shown = self.hoist, self._holding.result["shown"].start
+        hoist, shown = self.hoist, self.holding.result["shown"].start
         off = hoist.rope_mass * (hoist.sheave_radius * y.item(_RATE)) ** 2
         low, high = sorted(y.item(shown + k) for k in _TENSIONS)
         return high - off - hoist.tension_ratio_limit * max(low - off, 0.0)

@@ -9,7 +9,7 @@ from importlib.resources import files
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import Trajectory, s_curve
-from hoist_demo.drive_fmu.interface import Tail, Variable, force_inputs, holding, plant_outputs, variables
+from hoist_demo.drive_fmu.interface import START_PULLS, Tail, Variable, force_inputs, holding, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
 from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
@@ -72,7 +72,7 @@ def drive_model(case: Case, tails: Sequence[Tail] = (), trajectory: Trajectory |
 
 
 def initial(case: Case, tails: Sequence[Tail] = ()) -> dict[str, tuple[str, ...]]:
-    """Return the inputs that the outputs follow during initialisation.
+    """Return the inputs, and the parameters in their place, that the outputs follow during initialisation.
 
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
     balance rope follows its vertical forces; those of the sides come with the first step.
@@ -159,6 +159,7 @@ def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Seq
         "LEFT_Y": shown.index("left.y"),
         "RATE": shown.index("drive.rate"),
         "TRIP_START": names.index("trip.start"),
+        "FY_START": names.index(START_PULLS[0]),
         "STEP_MAX": names.index("solver.step_max"),
         "GAINS": names.index("controller.speed"),
         "MOST_STEPS": MOST_STEPS,

@@ -123,6 +123,7 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
     add_up(m, s, values);
     memcpy(pull, s->u + 1, sizeof pull);
     for (int i = 0; i < 2; i++) {
+        if (pull[i] == 0.0) pull[i] = m->parameters[DRIVE_FY_START + i]; /* containers initialise what they connect */
         if (!(pull[i] >= DRIVE_LOWEST_FORCE && pull[i] <= 0.0)) {
             snprintf(message, MODEL_MESSAGE,
                      "%s%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "

@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.drive.outputs import SHOWN
@@ -24,6 +26,7 @@ from rope_model.scene_names import Variable as Variable
 
 _SIDES = ("left", "right")
 INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
+START_PULLS = tuple(f"{side}.fy_start" for side in _SIDES)
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
 #: Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side.
 _LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
@@ -80,8 +83,8 @@ def force_inputs(tails: Sequence[Tail]) -> tuple[str, ...]:
 
 
 def holding(tails: Sequence[Tail]) -> dict[str, tuple[str, ...]]:
-    """Outputs that hold the balance ropes' weight, and the forces that they hold."""
-    names = force_inputs(tails)
+    """Outputs that hold the balance ropes' weight, and what says how much: inputs, and parameters in their place."""
+    names = (*force_inputs(tails), *START_PULLS)
     return {
         **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), names),
         **{f"drive.tension_{side}": names[k::2] for k, side in enumerate(_SIDES)},
@@ -139,7 +142,7 @@ def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Vari
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
     assert {*shown_as(case.hoist).values()} <= SHOWN.keys()
     return (
-        *_parameters(case, step),
+        *_parameters(case, step, tails),
         *_inputs(case, tails),
         *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
         Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
@@ -147,9 +150,13 @@ def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Vari
     )
 
 
-def _parameters(case: Case, step: float) -> Iterator[Variable]:
+def _parameters(case: Case, step: float, tails: Sequence[Tail]) -> Iterator[Variable]:
     start, wait = case.winding.start_delay, "wait before the trip begins"
     yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
+    pulls = np.sum([rest_forces(case, tail) for tail in tails or (None,)], axis=0)
+    for side, name, pull in zip(_SIDES, START_PULLS, pulls, strict=True):
+        text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
+        yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
     for gain, stated in units_of(Gains).items():

@@ -16,7 +16,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -24,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cases.case import Case
-from hoist_demo.control.controller import Gains, SpeedController
+from hoist_demo.control.controller import Gains
+from hoist_demo.control.kernel import ARGUMENTS, law_kernel
 from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, numbers_of, parts_of
 from hoist_demo.drive.integrator import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
@@ -171,12 +171,10 @@ def _outputs(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
 
 
 def _control(hoist: Hoist) -> Any:
-    """SpeedController.law: (reference s v a, travel, speed, M_hold, I, h, gains) -> (M_c, I)."""
-    sample = ca.SX.sym("sample", 8)
-    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(sample)
-    gains = SimpleNamespace(**{field.name: ca.SX.sym(field.name) for field in fields(Gains)})
-    torque, _, grown = SpeedController(hoist, hold, gains).law((s, v, a), travel, speed, integral, h)
-    return ca.Function("drive_control", [sample, ca.vertcat(*vars(gains).values())], [torque, grown])
+    """The control law: (its ARGUMENTS, gains) -> (M_c, I)."""
+    sample, gains = ca.SX.sym("sample", len(ARGUMENTS)), ca.SX.sym("gains", len(fields(Gains)))
+    torque, _, grown = ca.vertsplit(law_kernel(parts_of(hoist))(ca.vertcat(sample, gains, ca.DM(numbers_of(hoist)))))
+    return ca.Function("drive_control", [sample, gains], [torque, grown])
 
 
 def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:

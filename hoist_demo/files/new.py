@@ -6,19 +6,14 @@ All rules are ours [assumed]: plausible for a tower hoist with skips, and taken 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 
-from hoist_demo.files.values import DERIVED, GIVEN
-from hoist_demo.files.writing import Line, hoist_text
+from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE
+from hoist_demo.files.values import DERIVED, GIVEN, Given
+from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import GRAVITY
-from hoist_demo.parameters.quantity import Value
-from rope_model import Rope
+from hoist_demo.parameters.quantity import Parameter, Value
 from rope_model import rope as catalogue_rope
-
-#: Qb and Qc of an installed size's balance rope over those of a rope similar to the known one [-, assumed].  Balance
-#: ropes of deep shafts are made to turn little. With the known rope's coupling, the weight of 1000 m held at both ends
-#: would turn the loop through more than a full turn before it moves: the legs would pass through each other.
-COUPLING = 0.1
 
 #: Hz [assumed]: of the motor against the sheave
 _SHAFT = 12.0
@@ -26,119 +21,88 @@ _ABOUT = """\
 Written by balance-rope new. Values are SI or { value, unit, status, source }, status: published, data sheet, measured,
 given, derived (by the rule behind it) or assumed. Replace what you know and say where it comes from; what you delete
 follows by a rule or is a default: balance-rope show FILE prints it all."""
+LAYS = ("right-hand", "left-hand", "alternate")
+#: what may be known of a new hoist; without a start it must be, but for the conveyance's mass
+WISHES = (
+    Parameter("depth", "m", "Real", "", 1.0, 4000.0, meaning="way between the landings"),
+    Parameter("payload", "kg", "Real", "", 1.0, meaning="in the left conveyance"),
+    Parameter("speed", "m/s", "Real", "", 0.1, 30.0, meaning="limit of the trip"),
+    Parameter("conveyance", "kg", "Real", 0.0, 1.0, meaning="each, with its attachments; 0.9 of the payload"),
+    Parameter("head-ropes", "1", "Integer", 4, 1, 20, meaning="head ropes"),
+    Parameter("ropes", "1", "Integer", 1, 1, 20, meaning="balance ropes"),
+    Parameter("rope", "1", "String", "34x7", meaning="the catalogue's construction"),
+    Parameter("diameter", "m", "Real", 0.044, 1e-3, 1.0, meaning="of a balance rope"),
+    Parameter("lay", "1", "String", "right-hand", choices=LAYS, meaning="of the balance ropes"),
+    Parameter("acceleration", "m/s2", "Real", 0.8, 0.01, meaning="limit of the trip"),
+    Parameter("jerk", "m/s3", "Real", 0.5, 0.01, meaning="limit of the trip"),
+    Parameter("spacing", "m", "Real", 2.4, 0.01, meaning="between the rope's two ends"),
+)
 
 
-@dataclass(frozen=True)
-class Wish:
-    """What is known of a new hoist, SI."""
-
-    name: str
-    depth: float
-    payload: float
-    speed: float
-    conveyance: float | None = None
-    head_ropes: int = 4
-    ropes: int = 1
-    construction: str = "34x7"
-    diameter: float = 0.044
-    lay: str = "right-hand"  # or "alternate", of several ropes
-    acceleration: float = 0.8
-    jerk: float = 0.5
-    spacing: float = 2.4
-    given: frozenset[str] = field(default_factory=frozenset)  # names of the fields above that somebody chose
-
-
-def round_rope(length: float, mass_per_length: float, spacing: float, coupling: float = COUPLING) -> dict[str, float]:
-    """Parameters by FMI name of a rope similar to the known one of 44 mm and 8 kg/m.
-
-    The diameter is d = 44 mm sqrt(m / 8); Qa ~ d^2, Qb and Qc ~ d^3, Qd, EI and rhoJ ~ d^4. `length` [m],
-    `mass_per_length` [kg/m], `spacing` [m]; `coupling` is the share of the similar rope's Qb and Qc, which the lay
-    decides: 1 keeps them, COUPLING suits deep shafts, 0 makes a rope without torque.
-    """
-    known = Rope()
-    s = math.sqrt(mass_per_length / known.mass_per_length)
-    return {
-        "rope.length": length,
-        "rope.mass_per_length": mass_per_length,
-        "rope.Qa": known.Qa * s**2,
-        "rope.Qb": coupling * known.Qb * s**3,
-        "rope.Qc": coupling * known.Qc * s**3,
-        "rope.Qd": known.Qd * s**4,
-        "rope.EI": known.EI * s**4,
-        "rope.rhoJ": known.rhoJ * s**4,
-        "rope.diameter": known.diameter * s,
-        "layout.spacing": spacing,
-    }
-
-
-def new_hoist(wish: Wish) -> str:
-    """Return the text of a file; ValueError where the rope is not in the catalogue."""
-    rope = catalogue_rope(wish.construction, wish.diameter)
-    conveyance = 0.9 * wish.payload if wish.conveyance is None else wish.conveyance
-    head_mass = wish.ropes * rope.middle.mass_per_length / wish.head_ropes
+def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
+    """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
+    known = {p.name: Given(chosen.get(p.name, p.start), GIVEN if p.name in chosen else "assumed") for p in WISHES}
+    wish = {key: float(one.value) for key, one in known.items() if not isinstance(one.value, str)}
+    kind, payload, depth = str(known["rope"].value), wish["payload"], wish["depth"]
+    mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length
+    if "conveyance" not in chosen:
+        known["conveyance"] = Given(0.9 * payload, DERIVED, "0.9 of the payload")
+    conveyance, number = float(known["conveyance"].value), int(wish["ropes"])
+    head_mass = number * mass / wish["head-ropes"]
     head_diameter = math.sqrt(head_mass / 4000.0)
-    radius = _rounded(50.0 * head_diameter)
-    sheave = _rounded(1.5 * wish.payload)
-    motor = _rounded(0.4 * sheave)
-    power = _rounded(2.6 * wish.payload * GRAVITY * wish.speed)
+    radius, sheave = _rounded(50.0 * head_diameter), _rounded(1.5 * payload)
+    motor, power = _rounded(0.4 * sheave), _rounded(2.6 * payload * GRAVITY * wish["speed"])
+    stiffness = _rounded((2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2)
 
-    def known(name: str, key: str, value: Value, rule: str = "") -> Line:
-        status = GIVEN if key in wish.given else DERIVED if rule else "assumed"
-        return Line(name, value, status, "" if key in wish.given else rule)
+    def rule(value: float, words: str) -> Given:
+        return Given(value, DERIVED, words)
 
-    lines = [
-        known("hoist.shaft_travel", "depth", wish.depth),
-        known("hoist.payload_left", "payload", wish.payload),
-        known("hoist.conveyance_mass", "conveyance", conveyance, "0.9 of the payload"),
-        known("hoist.head_rope_number", "head_ropes", wish.head_ropes),
-        Line("hoist.head_rope_mass", head_mass, DERIVED, "the balance ropes' mass over the head ropes' number"),
-        Line("hoist.head_rope_stiffness", 1.3e7 * head_mass, DERIVED, "110 GPa of the steel"),
-        Line("hoist.head_rope_damping", 0.02, "assumed"),
-        Line("hoist.head_rope_length_up", 40.0, "assumed"),
-        Line("hoist.head_rope_modes", 2, "assumed"),
-        Line("hoist.sheave_radius", radius, DERIVED, f"50 times {head_diameter:.3f} m, a head rope of 4000 kg/m3 d2"),
-        Line("hoist.sheave_mass", sheave, DERIVED, "1.5 times the payload"),
-        Line("hoist.torque_limit", _rounded(power * radius / wish.speed), DERIVED, "of the power at full speed"),
-        Line("hoist.power_limit", power, DERIVED, "2.6 times what lifts the payload at full speed"),
-        Line("hoist.loss_coulomb", _rounded(0.01 * conveyance * GRAVITY), DERIVED, "1 % of a conveyance's weight"),
-        Line("hoist.loss_viscous", _rounded(0.02 * wish.payload), DERIVED, "0.02 1/s of the payload"),
-        Line("hoist.friction_coefficient", 0.25, "assumed"),
-        Line("hoist.wrap_angle", math.pi, "assumed"),
-        Line("hoist.drive_shaft.motor_mass", motor, DERIVED, "0.4 of the sheave's"),
-        Line(
-            "hoist.drive_shaft.stiffness",
-            _rounded((2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2),
-            DERIVED,
-            f"{_SHAFT:g} Hz",
-        ),
-        Line("hoist.brake.torque", _rounded(3.0 * wish.payload * GRAVITY * radius), DERIVED, "3 times the payload's"),
-        Line("hoist.guides.coulomb", _rounded(0.005 * conveyance * GRAVITY), DERIVED, "0.5 % of a conveyance's weight"),
-        Line("hoist.guides.viscous", _rounded(0.01 * wish.payload), DERIVED, "0.01 1/s of the payload"),
-        Line("hoist.play.clearance", 5e-3, "assumed"),
-        Line("winding.travel", wish.depth, DERIVED, "from landing to landing"),
-        known("winding.speed", "speed", wish.speed),
-        known("winding.acceleration", "acceleration", wish.acceleration),
-        known("winding.jerk", "jerk", wish.jerk),
-        Line("winding.settle", 15.0, "assumed"),
-        Line("winding.emergency_deceleration", 2.0, "assumed"),
-        known("layout.spacing", "spacing", wish.spacing),
-    ]
-    alike = wish.ropes == 1 or wish.lay != "alternate"
-    ropes = [_rope(wish, k) for k in range(1 if alike else wish.ropes)]
-    return hoist_text(wish.name, lines, ropes, _ABOUT)
+    def ours(value: Value) -> Given:
+        return Given(value, "assumed")
 
-
-def _rope(wish: Wish, k: int) -> list[Line]:
-    lay = ("right-hand", "left-hand")[k % 2] if wish.lay == "alternate" else wish.lay
-    lines = [Line("rope.construction", wish.construction), Line("rope.lay", lay)]
-    lines.append(Line("rope.diameter", wish.diameter, GIVEN if "diameter" in wish.given else "assumed"))
-    if wish.ropes > 1 and wish.lay == "alternate":
-        z = 0.3 * (k - 0.5 * (wish.ropes - 1))
-        lines = [Line("rope.name", f"rope{k + 1}"), *lines, Line("rope.z", z, "assumed")]
-    elif wish.ropes > 1:
-        lines.insert(0, Line("rope.number", wish.ropes))
-    lines.append(Line("rope.length", wish.depth + 40.0, DERIVED, "travel and 40 m"))
-    return [*lines, Line("rope.swivels.mode", "coulomb")]
+    values = {
+        "hoist.shaft_travel": known["depth"],
+        "hoist.payload_left": known["payload"],
+        "hoist.conveyance_mass": known["conveyance"],
+        "hoist.head_rope_number": known["head-ropes"],
+        "hoist.head_rope_mass": rule(head_mass, "the balance ropes' mass over the head ropes' number"),
+        "hoist.head_rope_stiffness": rule(HEAD_ROPE_STIFFNESS * head_mass, "110 GPa of the steel"),
+        "hoist.head_rope_damping": ours(0.02),
+        "hoist.head_rope_length_up": ours(40.0),
+        "hoist.head_rope_modes": ours(2),
+        "hoist.sheave_radius": rule(radius, f"50 times {head_diameter:.3f} m, a head rope of 4000 kg/m3 d2"),
+        "hoist.sheave_mass": rule(sheave, "1.5 times the payload"),
+        "hoist.torque_limit": rule(_rounded(power * radius / wish["speed"]), "of the power at full speed"),
+        "hoist.power_limit": rule(power, "2.6 times what lifts the payload at full speed"),
+        "hoist.loss_coulomb": rule(_rounded(0.01 * conveyance * GRAVITY), "1 % of a conveyance's weight"),
+        "hoist.loss_viscous": rule(_rounded(0.02 * payload), "0.02 1/s of the payload"),
+        "hoist.friction_coefficient": ours(0.25),
+        "hoist.wrap_angle": ours(math.pi),
+        "hoist.drive_shaft.motor_mass": rule(motor, "0.4 of the sheave's"),
+        "hoist.drive_shaft.stiffness": rule(stiffness, f"{_SHAFT:g} Hz"),
+        "hoist.brake.torque": rule(_rounded(3.0 * payload * GRAVITY * radius), "3 times the payload's"),
+        "hoist.guides.coulomb": rule(_rounded(0.005 * conveyance * GRAVITY), "0.5 % of a conveyance's weight"),
+        "hoist.guides.viscous": rule(_rounded(0.01 * payload), "0.01 1/s of the payload"),
+        "hoist.play.clearance": ours(5e-3),
+        "winding.travel": rule(depth, "from landing to landing"),
+        "winding.speed": known["speed"],
+        "winding.acceleration": known["acceleration"],
+        "winding.jerk": known["jerk"],
+        "winding.settle": ours(15.0),
+        "winding.emergency_deceleration": ours(2.0),
+        "layout.spacing": known["spacing"],
+    }
+    alternate = known["lay"].value == LAYS[-1] and number > 1
+    lays = [LAYS[k % 2] for k in range(number)] if alternate else [known["lay"].value]
+    ropes = []
+    for k, lay in enumerate(lays):
+        rope = {} if alternate else {"rope.number": Given(number)}
+        if alternate:
+            rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": ours(0.3 * (k - 0.5 * (number - 1)))}
+        rope |= {"rope.construction": Given(kind), "rope.lay": Given(lay), "rope.diameter": known["diameter"]}
+        rope |= {"rope.length": rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")}
+        ropes.append(rope | {"rope.swivels.mode": Given("coulomb")})
+    return hoist_text(name, values, ropes, _ABOUT)
 
 
 def _rounded(value: float) -> float:

@@ -1,15 +1,27 @@
-"""Parameter files of ropes, as balance-rope identify writes them: [fixed] has the values, [rope] and [known] why."""
+"""Ropes in files: what is known of one, and the parameter files that balance-rope identify writes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
+from typing import Annotated, Any
 
-from hoist_demo.files.catalogue import Catalogue
-from hoist_demo.files.reading import FileError, flat, read_toml
-from hoist_demo.files.values import Given, read_given
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-#: parameters by the property that decides them
+from hoist_demo.files.catalogue import rope_parameters, table
+from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
+from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
+from hoist_demo.parameters.quantity import Parameter
+from rope_model import Datum, KnownRope, rope
+from rope_model.catalogue import PROPERTIES, Lay
+from rope_model.texts import printable
+
+#: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
+FAR_OFF = 10.0
+#: parameters of a rope that follow from the properties, and those of rope and hoist by the property that decides them
+FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
 _FOLLOWING = {
     "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
     "axial_stiffness": ("rope.Qa",),
@@ -17,7 +29,6 @@ _FOLLOWING = {
     "torsional_stiffness": ("rope.Qd",),
     "bending_stiffness": ("rope.EI",),
 }
-_CURE = "give a file that balance-rope identify has written"
 
 
 def following_statuses(known: Mapping[str, str]) -> dict[str, str]:
@@ -25,24 +36,105 @@ def following_statuses(known: Mapping[str, str]) -> dict[str, str]:
     return {name: status for key, status in known.items() for name in _FOLLOWING.get(key, ())}
 
 
-def read_rope_file(path: Path, catalogue: Catalogue) -> dict[str, Given]:
-    """Return the values of a rope and of its air with their statuses; raise FileError with all problems."""
-    raw, found, problems = read_toml(path), dict[str, Given](), []
-    fixed, known = raw.get("fixed"), raw.get("known", {})
-    if not isinstance(fixed, dict) or not isinstance(known, dict):
-        raise FileError(path, [f"has no [fixed]: {_CURE}"])
-    statuses = following_statuses(
-        {key: one.get("status", "measured") if isinstance(one, dict) else "measured" for key, one in known.items()}
-    )
-    for name, content in flat(fixed):
+def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:
+    return read(beside(info, read_text(content)), _OtherFile, opened_by(info)) if content else None
+
+
+class RopeAsked(Table):
+    """What the catalogue is asked for."""
+
+    file: Annotated[Any, BeforeValidator(_known_there), WithJsonSchema({"type": "string"})] = Field(None, alias="from")
+    construction: Text = ""
+    diameter: given(rope_parameters()["rope.diameter"]) = None  # type: ignore[valid-type]
+    length: given(rope_parameters()["rope.length"]) = None  # type: ignore[valid-type]
+    lay: Lay = "right-hand"
+
+
+_PROPERTIES = [Parameter(name, p.unit, "Real", minimum=0.0, meaning=name) for name, p in PROPERTIES.items()]
+Properties = Annotated[dict[str, Given], flat("Properties", {p.name: (given(p), None) for p in _PROPERTIES})]
+
+
+class KnownFile(File):
+    """A file that says what is known of a rope."""
+
+    rope: RopeAsked = EMPTY
+    known: Properties = EMPTY
+
+    @cached_property
+    def ranges(self) -> dict[str, Datum]:
+        """What is known by property, of the file that [rope] names, too."""
+        found = self.rope.file.ranges if self.rope.file else {}
+        for name, one in self.known.items():
+            low, high = (float(one.value if end is None else end) for end in (one.low, one.high))
+            # a parameter file repeats the catalogue's statuses; what people know was measured
+            status, source = one.status or "measured", one.source or printable(self.path.name)
+            found = found | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
+        return found
+
+    @cached_property
+    def asked(self) -> dict[str, Any]:
+        """What the catalogue is asked for, by the file that [rope] names, too."""
+        own = {key: one.value if isinstance(one, Given) else one for key, one in contents(self.rope) if key != "from"}
+        return (self.rope.file.asked if self.rope.file else {}) | own
+
+    @cached_property
+    def catalogue_rope(self) -> KnownRope:
+        """The catalogue's rope with these ranges, or one of these alone; ValueError with all that is wrong."""
+        asked = {key: one for key, one in self.asked.items() if one != ""}
+        needed = [] if "construction" in asked else [name for name in PROPERTIES if name not in self.ranges]
+        if "diameter" not in asked or needed:
+            also = f", without a construction [known] {', '.join(needed)}" if needed else ""
+            raise ValueError(f"[rope] construction or diameter is missing: the catalogue needs both{also}")
+        if "construction" not in asked:
+            return KnownRope("", **asked, data={name: self.ranges[name] for name in PROPERTIES})
         try:
-            if not name.startswith(("rope.", "air.")):
-                raise ValueError(f"{name} is none of rope.* and air.*: {_CURE}, or set it in the hoist's file")
-            given = read_given(catalogue[name], content)
-            plain = not isinstance(content, dict)
-            found[name] = Given(given.value, statuses[name] if plain and name in statuses else given.status, path.name)
+            found = rope(**asked)
         except ValueError as error:
-            problems.append(str(error))
-    if problems:
-        raise FileError(path, problems)
-    return found
+            raise ValueError(f"[rope] {error}") from error
+        problems = []
+        for name, one in self.ranges.items():
+            low, high = found.data[name].low / FAR_OFF, FAR_OFF * found.data[name].high
+            if not (low <= one.low and one.high <= high):
+                said = f"{one.low:g} to {one.high:g}" if one.low < one.high else f"{one.high:g}"
+                problems.append(
+                    f"[known] {name} = {said} must be within {low:.3g} and {high:.3g} {one.unit}, {FAR_OFF:g} times "
+                    "less and more than the catalogue has: check its unit"
+                )
+        if problems:
+            raise ValueError("\n".join(problems))
+        return replace(found, data={**found.data, **self.ranges})
+
+
+class _OtherFile(KnownFile, extra="ignore"):
+    """A file that another one names for its rope; it may have more."""
+
+
+class RopeFile(_OtherFile):
+    """A parameter file."""
+
+    fixed: Annotated[dict[str, Given], flat("Fixed", {group: (table(group, given), None) for group in ("rope", "air")})]
+
+    def values(self) -> dict[str, Given]:
+        """Return the values of a rope and of its air with their statuses."""
+        following = following_statuses({name: one.status for name, one in self.ranges.items()})
+        return {
+            name: Given(one.value, one.status or following.get(name, GIVEN), printable(self.path.name))
+            for name, one in self.fixed.items()
+        }
+
+
+def read_rope_file(path: Path, opened: tuple[Path, ...] = ()) -> dict[str, Given]:
+    """Return the values of a rope and of its air; raise FileError with all problems."""
+    return read(path, RopeFile, opened).values()
+
+
+def _values_there(content: Any, info: ValidationInfo) -> dict[str, Given]:
+    return read_rope_file(beside(info, read_text(content)), opened_by(info))
+
+
+#: the type of `from = "FILE"`: values of a rope's parameter file
+RopeValues = Annotated[
+    dict[str, Given],
+    BeforeValidator(_values_there),
+    WithJsonSchema({"type": "string", "description": "parameter file that balance-rope identify wrote"}),
+]

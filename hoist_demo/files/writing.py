@@ -2,64 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+import re
+from collections.abc import Iterable, Mapping
 
-from hoist_demo.files.catalogue import CONTROLLER, PLACE_PARAMETERS, host_parameters, rope_parameters
-from hoist_demo.files.values import GIVEN
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.files.catalogue import host_parameters, rope_parameters
+from hoist_demo.files.hoist_file import PLACE_PARAMETERS
+from hoist_demo.files.values import Given
+from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable, toml_string
 
-
-class Line(NamedTuple):
-    """A value of a file, by its name in a study."""
-
-    name: str
-    value: Value
-    status: str = GIVEN
-    source: str = ""
-
-
-def hoist_text(name: str, lines: Iterable[Line], ropes: Sequence[Iterable[Line]], about: str = "") -> str:
-    """Return a hoist's file with these values, and a [[rope]] with those of each rope."""
-    parts = [f"# {printable(text)}" for text in about.splitlines()] + [f"name = {toml_string(name)}", ""]
-    tables: dict[str, list[Line]] = {}
-    for line in lines:
-        tables.setdefault(line.name.rpartition(".")[0], []).append(line)
-    for line in tables.pop("", []):
-        parts += [f"{line.name} = {_value(line)}", ""]
-    for table, members in sorted(tables.items(), key=lambda item: _ORDER.index(item[0].partition(".")[0])):
-        parts += [f"[{table}]", *(_line(line, line.name.rpartition(".")[2]) for line in members), ""]
-    for rope in ropes:
-        parts += ["[[rope]]", *(_line(line, line.name.removeprefix("rope.")) for line in rope), ""]
-    return "\n".join(parts).rstrip() + "\n"
-
-
+_KNOWN = {**PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
 _ORDER = list(dict.fromkeys(name.partition(".")[0] for name in (*host_parameters(), *rope_parameters())))
 
 
-def _facts(line: Line) -> Parameter:
-    name = line.name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
-    known = {CONTROLLER.name: CONTROLLER, **PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
-    return known.get(line.name) or known.get(name) or Parameter(line.name, "1", "String")
+def hoist_text(name: str, values: Mapping[str, Given], ropes: Iterable[Mapping[str, Given]], about: str = "") -> str:
+    """Return a hoist's file with these values by name, and a [[rope]] with those of each rope."""
+    parts = [*(f"# {printable(text)}" for text in about.splitlines()), f"name = {toml_string(name)}", ""]
+    tables: dict[str, list[str]] = {}
+    for key, one in sorted(values.items(), key=lambda item: "." in item[0] and _ORDER.index(item[0].partition(".")[0])):
+        table, _, own = key.rpartition(".")
+        tables.setdefault(table, []).append(_line(key, own, one))
+    for table, lines in tables.items():
+        parts += [*([f"[{table}]"] if table else []), *lines, ""]
+    for rope in ropes:
+        parts += ["[[rope]]", *(_line(key, key.removeprefix("rope."), one) for key, one in rope.items()), ""]
+    return "\n".join(parts).rstrip() + "\n"
 
 
-def _line(line: Line, key: str) -> str:
-    meaning = _facts(line).meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
-    notes = ": ".join(filter(None, (meaning, line.source)))
-    return f"{key} = {_value(line)}{f'  # {printable(notes)}' if notes else ''}"
+def _line(name: str, key: str, one: Given) -> str:
+    within = name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
+    facts = _KNOWN.get(name) or _KNOWN.get(within) or Parameter(name, "1", "String")
+    meaning = facts.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
+    notes = ": ".join(filter(None, (meaning, one.source)))
+    quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only
+    return f"{quoted} = {_value(facts, one)}{f'  # {printable(notes)}' if notes else ''}"
 
 
-def _value(line: Line) -> str:
-    facts, value = _facts(line), line.value
-    if facts.choices and isinstance(value, int) and not isinstance(value, bool):
-        value = facts.choices[value]
-    plain = (
-        toml_string(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(value)
-    )
+def _value(facts: Parameter, one: Given) -> str:
+    value = facts.choices[one.value] if facts.choices and type(one.value) is int else one.value
     if isinstance(value, str | bool):
-        return plain
-    if line.name == "rope.number":  # a count, and no datum
+        return toml_string(value) if isinstance(value, str) else str(value).lower()
+    if facts.kind == "String":  # a count, and no datum
         return repr(value)
     unit = "" if facts.unit == "1" else f", unit = {toml_string(facts.unit)}"
-    return f"{{ value = {value!r}{unit}, status = {toml_string(line.status)} }}"
+    return f"{{ value = {value!r}{unit}, status = {toml_string(one.status)} }}"

@@ -79,13 +79,13 @@ class Parameter:
         if self.choices:
             value = self._code(value)
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= _MOST:
-            raise ValueError(f"{bad} must be a finite number: give it in {self._unit}")
+            raise ValueError(f"{bad} must be a finite number: give it in {self.unit_words}")
         if self.kind != "Real" and float(value) != round(value):
             raise ValueError(f"{bad} must be a whole number: round it")
         if (self.minimum is not None and value < self.minimum) or (self.maximum is not None and value > self.maximum):
             low, high = (-math.inf if self.minimum is None else self.minimum), self.maximum
             bound = f"at least {low:g}" if high is None else f"within {low:g} and {high:g}"
-            raise ValueError(f"{bad} must be {bound}: give it in {self._unit}")
+            raise ValueError(f"{bad} must be {bound}: give it in {self.unit_words}")
         return float(value) if self.kind == "Real" else round(value)
 
     def _code(self, value: object) -> object:
@@ -97,5 +97,16 @@ class Parameter:
         return code
 
     @property
-    def _unit(self) -> str:
+    def numeric(self) -> bool:
+        """True of numbers, and of choices that have codes."""
+        return self.kind in ("Real", "Integer")
+
+    @property
+    def unit_words(self) -> str:
+        """Unit, in a sentence."""
         return "plain numbers" if self.unit == "1" else self.unit
+
+    @property
+    def about(self) -> str:
+        """Meaning with its unit."""
+        return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"

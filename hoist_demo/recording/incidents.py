@@ -1,4 +1,4 @@
-"""What a run was stopped by, or should have been: guards, jams, slack head ropes and slip."""
+"""Causes that stop a run or should have: guards, jams, slack head ropes and slip."""
 
 from __future__ import annotations
 
@@ -133,20 +133,6 @@ def told_of_slip(recording: Recording) -> str:
     return (
         f"; the head ropes slipped {slid.way:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
         f"{slid.speed:.3g} m/s" + (f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else "")
-    )
-
-
-def held_in_spite(recording: Recording, limit: float) -> str:
-    """Return when real head ropes would have slipped, if the model holds them at this tension ratio; "" for never."""
-    if "drive.tension_ratio" not in recording:
-        return ""
-    ratio = recording["drive.tension_ratio"]
-    beyond = ratio > limit
-    if not bool(beyond.any()):
-        return ""
-    return (
-        f"the head ropes would slip at t = {recording.time[beyond][0]:.5g} s (tension ratio up to {np.max(ratio):.5g}, "
-        f"limit {limit:.5g}); {IN_SPITE}"
     )
 
 

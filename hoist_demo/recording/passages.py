@@ -91,7 +91,7 @@ def without_absent(recording: Recording) -> Recording:
     signals = dict(recording.signals)
     for kind in BODIES:
         names = [n for n in signals if n == f"clearance.{kind}" or n.startswith(f"nearest.{kind}.")]
-        if any(bool(np.all(signals[n] == FAR)) for n in names):
+        if any(bool(np.all((signals[n] == FAR) | np.isnan(signals[n]))) for n in names):
             signals |= {n: np.full_like(signals[n], np.nan) for n in names}
     return replace(recording, signals=signals)
 

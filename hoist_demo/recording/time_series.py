@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TIME = "time"
-ALONG_ROPE = ("shape.", "station.")  #: Beginnings of the names of what is known at many places of the rope.
 _ALONG = ("s", "tension", "bending", "torsion")
 
 
@@ -60,29 +59,39 @@ class Recording:
 
 
 class Recorder:
-    """Collects rows of numbers as they come; they are put together when somebody wants them."""
+    """Collects rows of numbers as they come; they become signals when somebody wants them."""
 
-    def __init__(self, names: Sequence[str], units: Mapping[str, str]) -> None:
-        self._names, self._units = tuple(names), dict(units)
-        self._before = np.empty((0, len(self._names)))  # rows of the recording that it goes on from
-        self._rows: list[tuple[Sequence[float] | Array, ...]] = []
+    def __init__(self, names: Sequence[str], units: Mapping[str, str], size: int) -> None:
+        """Room for so many rows, each of these signals."""
+        self.names, self.size, self.count = tuple(names), size, 0
+        self._units, self._table = dict(units), np.empty((size, len(self.names)))
 
     def add(self, *parts: Sequence[float] | Array) -> None:
-        """Append one row, given in parts one after the other, each as long in every row; none may change later."""
-        self._rows.append(parts)
+        """Append one row, given in parts one after the other."""
+        np.concatenate(parts, out=self._table[self.count])
+        self.count += 1
+
+    @property
+    def following(self) -> Array:
+        """Rows behind the last one, for who fills them and counts them himself."""
+        return self._table[self.count :]
 
     def resume(self, recording: Recording, rows: int) -> None:
         """Begin with the first rows of a recording."""
-        self._before, self._rows = np.array([recording[name][:rows] for name in self._names]).T, []
+        self._table[:rows] = np.array([recording[name][:rows] for name in self.names]).T
+        self.count = rows
 
     def recording(self) -> Recording:
         """All rows so far."""
-        parts = [np.array(part, dtype=np.float64) for part in zip(*self._rows, strict=True)]
-        table = np.concatenate([self._before, np.concatenate(parts, axis=1)]) if parts else self._before
-        columns = table.T.copy()
+        columns = self._table[: self.count].T.copy()
         return Recording(
-            dict(zip(self._names, columns, strict=True)), {name: self._units.get(name, "") for name in self._names}
+            dict(zip(self.names, columns, strict=True)), {name: self._units.get(name, "") for name in self.names}
         )
+
+
+def is_along(name: str) -> bool:
+    """Return True for what is known at many places of a rope."""
+    return any(f".{part}." in f".{name}" for part in ("shape", "station"))
 
 
 def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
@@ -102,10 +111,10 @@ def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, .
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
     """The named signals with their time, one row per communication point, header `name [unit]`.
 
-    Without names all but those of ALONG_ROPE.
+    Without names all but those of `is_along`.
     """
     chosen = [name for name in names if name in recording and name != TIME]
-    names = [TIME, *chosen] if names else [name for name in recording.signals if not name.startswith(ALONG_ROPE)]
+    names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])

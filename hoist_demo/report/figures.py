@@ -18,8 +18,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.rcsetup import cycler
 
+from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
 from hoist_demo.parameters import Hoist
-from hoist_demo.recording.time_series import TIME, Array, Recording, shape_rows
+from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.time_series import Array, Recording, shape_rows
 from hoist_demo.report.panels import Mark, Panel, derived_signals, panels, quiet
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
@@ -64,10 +66,17 @@ _STYLES: dict[str, dict[str, Any]] = {
 }
 
 
-def write_figures(recording: Recording, hoist: Hoist, directory: Path, marks: Sequence[Mark] = ()) -> list[Path]:
+def write_figures(
+    recording: Recording,
+    hoist: Hoist,
+    directory: Path,
+    marks: Sequence[Mark] = (),
+    ropes: Sequence[RopeData] = (UNKNOWN,),
+) -> list[Path]:
     """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
     signals = dict(recording.signals) | {name: x for name, (x, _) in derived_signals(recording, hoist).items()}
-    shown = [panel for panel in panels(recording, hoist) if not quiet(recording, panel)]
+    names = [rope.name for rope in ropes]
+    shown = [panel for panel in panels(recording, hoist, names) if not quiet(recording, panel)]
     paths: list[Path] = []
     with matplotlib.rc_context(STYLE):
         for name, groups in _FIGURES.items():
@@ -79,7 +88,7 @@ def write_figures(recording: Recording, hoist: Hoist, directory: Path, marks: Se
                     _show_slip(axes, recording)
                 _mark(figure, marks)
                 paths.append(save_figure(figure, directory / f"{name}.png"))
-        if (drawn := shapes(recording)) is not None:
+        if (drawn := shapes(recording, ropes)) is not None:
             paths.insert(min(3, len(paths)), save_figure(drawn, directory / "shapes.png"))
     return paths
 
@@ -103,84 +112,58 @@ def _show_slip(axes: Sequence[Axes], recording: Recording) -> None:
                 _shade(ax, recording.time, recording[name], end)
 
 
-#: Title, label of the axis, factor, and signals in one panel with their words.
-_Curves = tuple[str, str, float, Mapping[str, str]]
-_DEGREES = 180.0 / math.pi
+#: Title, label of the axis, factor, and columns of a table of trips in one panel with their words.
+_OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
+    ("Yaw of the loop", "yaw [deg]", 180.0 / math.pi, {"loop_yaw": "largest", "yaw_start": "as the trip begins"}),
+    ("Sway of the loop", "[m]", 1.0, {"sway": "in plane", "sway_across": "out of plane"}),
+    ("Ripple of the end forces", "[N]", 1.0, {"rope_force_ripple": "worse end"}),
+    ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
+    ("Change against the trip a cycle before", "[%]", 100.0, {"difference": ""}),
+)
 
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
-    """Draw the table of `hoist_demo.duty` over the number of the trip."""
-    panels: list[_Curves] = [
-        ("Yaw of the loop", "yaw [deg]", _DEGREES, {"loop_yaw": "largest", "yaw_start": "as the trip begins"}),
-        ("Sway of the loop", "[m]", 1.0, {"sway": "in plane", "sway_across": "out of plane"}),
-        ("Ripple of the end forces", "[N]", 1.0, {"rope_force_ripple": "worse end"}),
-        ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
-        ("Change against the trip a cycle before", "[%]", 100.0, {"difference": ""}),
+    """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
+    panels = [
+        (title, unit, factor, {name: words for name, words in curves.items() if _shows(trips, name)})
+        for title, unit, factor, curves in _OVER_TRIPS
     ]
-    return _write_curves(trips, "trip", "trip", panels, path, ".-")
-
-
-def write_ropes_figure(recording: Recording, names: Sequence[str], path: Path) -> Path:
-    """Pulls and yaw of several ropes, by the names under which a group of ropes records them."""
-    panels: list[_Curves] = [
-        (title, label, factor, {f"{name}.{signal}": name for name in names})
-        for title, label, factor, signal in (
-            ("Pull on the left conveyance", "$-f_y$ [kN]", -1e-3, "left.fy"),
-            ("Pull on the right one", "$-f_y$ [kN]", -1e-3, "right.fy"),
-            ("Yaw of the loop", "yaw [deg]", _DEGREES, "loop.yaw"),
-        )
-    ]
-    return _write_curves(recording, TIME, "time [s]", panels, path)
-
-
-def write_exposure_figure(exposure: Recording, path: Path) -> Path:
-    """Draw what each place in the rope went through, of the table of `hoist_demo.recording.exposure`."""
-    ends = {"largest": "largest", "least": "smallest"}
-    panels: list[_Curves] = [
-        ("Tension", "[kN]", 1e-3, {f"tension.{key}": words for key, words in ends.items()}),
-        ("Torque", "[N m]", 1.0, {f"torque.{key}": words for key, words in ends.items()}),
-        ("Largest curvature", "[1/m]", 1.0, {"curvature.largest": ""}),
-        ("Bending cycles", "number", 1.0, {"curvature.cycles": ""}),
-        ("Time in the bend", "[s]", 1.0, {"bent": ""}),
-    ]
-    return _write_curves(exposure, "s", "place in the rope, from its left end [m]", panels, path)
-
-
-def _write_curves(
-    table: Recording, over: str, label: str, panels: Sequence[_Curves], path: Path, style: str = "-"
-) -> Path:
-    """Draw columns of a table over another one; a panel without numbers is left out."""
-    shown = [panel for panel in panels if any(_shows(table, name) for name in panel[-1])]
+    shown = [panel for panel in panels if panel[-1]]
     with matplotlib.rc_context(STYLE):
         figure, axes = stacked_panels([title for title, *_ in shown])
         for ax, (_, unit, factor, curves) in zip(axes, shown, strict=True):
             for name, words in curves.items():
-                if _shows(table, name):
-                    ax.plot(table[over], factor * table[name], style, ms=3.0, label=words)
+                ax.plot(trips["trip"], factor * trips[name], ".-", ms=3.0, label=words)
             ax.set_ylabel(unit)
             if len(curves) > 1:
                 legend(ax)
             if "difference" in curves:
                 ax.set_yscale("log")
-        axes[-1].set_xlabel(label)
+        axes[-1].set_xlabel("trip")
         return save_figure(figure, path)
 
 
-def shapes(recording: Recording) -> Figure | None:
-    """Draw the rope and its loop, enlarged, from the front and the side at a few instants."""
-    points = [(recording.time[row], recording.shape_at(row)) for row in shape_rows(recording, 6)]
-    drawn = [(t, shape) for t, shape in points if shape is not None and bool(np.all(np.isfinite(shape)))]
+def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
+    """Draw the ropes and their loops, enlarged, from the front and the side at a few instants."""
+    drawn = []
+    for row in shape_rows(recording, 6):
+        hanging = [(rope, own) for rope in ropes if row < len((own := of_rope(recording, rope.name)).time)]
+        points = [shape + rope.place.origin for rope, own in hanging if (shape := own.shape_at(row)) is not None]
+        if found := [shape for shape in points if np.isfinite(shape).all()]:
+            drawn.append((recording.time[row], found))
     if not drawn:
         return None
     figure = Figure(figsize=(8.0, 7.2))
     grid = figure.subplots(2, 2, sharex="col", height_ratios=(1.5, 1.0))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(drawn)))
-    low = min(float(np.min(shape[:, 1])) for _, shape in drawn)
+    low = min(float(np.min(shape[:, 1])) for _, found in drawn for shape in found)
     for column, (view, axis) in enumerate((("Front view", "x"), ("Side view", "z"))):
         for row, title in enumerate((f"{view}, {axis} stretched", f"{view} of the loop")):
             ax = grid[row, column]
-            for colour, (t, shape) in zip(colours, drawn, strict=True):
-                ax.plot(shape[:, 2 * column], shape[:, 1], color=colour, label=f"t = {t:.1f} s")
+            for colour, (t, found) in zip(colours, drawn, strict=True):
+                for shape in found:
+                    told = "" if shape is not found[0] else f"t = {t:.1f} s"
+                    ax.plot(shape[:, 2 * column], shape[:, 1], color=colour, label=told)
             ax.set_title(title)
             ax.set_ylabel("y [m]")
             if row == 1:

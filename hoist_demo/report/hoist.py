@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from hoist_demo.cases.case import Case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, holds, pulls
-from hoist_demo.report.rows import SummaryRow, render, table
-from hoist_demo.study.provenance import of_host, of_rope
-from hoist_demo.study.run import build_trip
+from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.values import GIVEN, STATUSES, Given
+from hoist_demo.files.writing import hoist_text
+from hoist_demo.parameters.place import Place
+from hoist_demo.parameters.quantity import Value
+from hoist_demo.report.rows import SummaryRow, render
+from hoist_demo.ropes.definition import OneRope, ropes_of
+from hoist_demo.study.provenance import SETTING, Known, of_host, of_rope, statuses
+from hoist_demo.study.run import RunData, build_trip
 from rope_model import EndMotion, RopeSimulator, Scene, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
 
@@ -19,31 +27,75 @@ MODES = 4
 _AT_REST = "Rope at rest, left conveyance at"
 
 
-def scenes(case: Case) -> dict[str, Scene]:
-    """Return the ropes of a hoist by name; ValueError where one cannot be."""
-    if not case.ropes:
-        return {"rope": rope_data(case.rope, case.level)}
-    found = {}
-    for tail in case.ropes:
-        scene = rope_data({**case.shared, **tail.parameters}, case.level)
-        apart = scene.layout.spacing + tail.place.get("x_right", 0.0) - tail.place.get("x_left", 0.0)
-        found[tail.name] = scene.with_(layout=replace(scene.layout, spacing=apart))
-    return found
+def complete(case: Case, run: RunData, ropes: Sequence[RopeData], known: Iterable[Known]) -> str:
+    """Return the file of a hoist with every value of a run and its status: wound again, it gives the same bits.
+
+    `known` are the sources of host and ropes.
+    """
+    status = statuses(known)
+
+    def given(name: str, value: Value, of: str = "") -> Given:
+        told = status.get(f"{of}{name}", SETTING)
+        kept = told if told in STATUSES else "assumed" if told == SETTING else GIVEN
+        return Given(value, kept, case.sources.get(name, ""))
+
+    lines = {"controller": given("controller", run.controller), "level": given("level", case.level)}
+    lines |= {one.name: given(one.name, one.value) for one in of_host(run, {})}
+    names = rope_parameters()
+    ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
+    first = ropes[0]
+    alike = {key for key in names if all(one.parameters.get(key) == first.parameters[key] for one in ropes)}
+    shared = {key for key in alike if not key.startswith(("rope.", "left.", "right."))}
+    lines |= {key: given(key, first.parameters[key], first.prefix) for key in names if key in shared}
+    tables = []
+    for rope in ropes:
+        own = {key: value for key, value in rope.parameters.items() if key in names and key not in shared}
+        placed: dict[str, Value] = {"rope.number": run.hoist.tail_rope_number}
+        if rope.name:
+            placed = {"rope.name": rope.name, **{f"rope.{key}": x for key, x in vars(rope.place).items()}}
+        if rope.breaks:
+            placed |= dict(zip(("rope.breaks_at", "rope.breaks_s"), rope.breaks, strict=True))
+        tables.append({key: given(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
+    return hoist_text(case.name, lines, tables)
 
 
-def values(case: Case, name: str) -> str:
-    """Return the table of all values by status; `name` is how the hoist is found."""
+_SPACING = "layout.spacing"
+
+
+def _spacing(rope: RopeData, run: RunData) -> float:
+    """Spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
+    own, place = float(rope.parameters[_SPACING]), rope.place
+    asked = float(run.fmu.get(_SPACING, rope_parameters()[_SPACING].start))
+    return asked if asked + place.x_right - place.x_left == own else own - place.x_right + place.x_left
+
+
+def hung(case: Case, run: RunData) -> list[OneRope]:
+    """Return the ropes of a hoist; ValueError where one cannot be."""
+    if case.ropes:
+        return [*ropes_of(case, run, {}, case.level).ropes]
+    return [OneRope("", case.rope, rope_data(case.rope, case.level), Place(), None, case)]
+
+
+def as_file(case: Case, name: str) -> str:
+    """Return the complete file of a hoist; `name` is how it is found."""
+    run, ropes, sources = _wound(case, name)
+    return complete(case, run, ropes, sources)
+
+
+def known(case: Case, name: str) -> list[Known]:
+    """Return the sources of all values; `name` is how the hoist is found."""
+    return _wound(case, name)[2]
+
+
+def _wound(case: Case, name: str) -> tuple[RunData, list[RopeData], list[Known]]:
+    """Return the run that winds the hoist, its ropes and the sources of both."""
     run = build_trip(name, {})
-    known = of_host(run, {})
-    for rope, scene in scenes(case).items():
-        prefix = f"{rope}." if case.ropes else ""
-        known += [one._replace(name=prefix + one.name) for one in of_rope(case, scene_parameters(scene), {})]
-    _, rows = table(known)
-    names = max(len(str(row[0])) for row in rows)
-    return "\n".join(
-        f"{row[0]:<{names}}  {row[1]:>12} {row[2]:<10} {row[3]}  {case.sources.get(str(row[0]), '')}".rstrip()
-        for row in rows
-    )
+    ropes = [one.data() for one in hung(case, run)]
+    if not case.ropes:
+        return run, ropes, [*of_host(run, {}), *of_rope(case, ropes[0], {})]
+    several = ropes_of(case, run, {}, case.level)
+    run = replace(run, hoist=several.hoist)
+    return run, ropes, [*of_host(run, {}), *several.provenance({})]
 
 
 def problems(case: Case) -> list[str]:
@@ -70,8 +122,9 @@ def follows(case: Case, name: str) -> tuple[str, list[str]]:
         rows.append(SummaryRow("Hold on the sheave", f"pulls left and right, left conveyance at {height:g} m", words))
     rows.append(SummaryRow("Hold on the sheave", "all moving masses", hoist.moving_mass, "kg"))
     warned = []
-    for rope, scene in scenes(case).items():
-        plant, whose = balance_rope(scene), f"{rope}: " if case.ropes else ""
+    for rope in hung(case, build_trip(name, {})):
+        scene, whose = rope.scene, f"{rope.name}: " if rope.name else ""
+        plant = balance_rope(scene)
         for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):
             group = f"{whose}{_AT_REST} {height:g} m"
             rows += [

@@ -16,7 +16,6 @@ CAPTIONS = {
     "shapes": "Balance rope from the front and the side at several instants; the axes are scaled differently.",
     "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
     "energies": "Energies, work and losses, and what each balance leaves over.",
-    "exposure": "What each place in the rope went through; bending cycles are counted by the rainflow method.",
 }
 
 

@@ -6,8 +6,9 @@ A panel has signals that share a plot. Signals not recorded, and panels without 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
 from hoist_demo.recording.passages import BODIES
+from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import LOSSES, loses
 
@@ -65,17 +67,35 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
     return found
 
 
-def panels(recording: Recording, hoist: Hoist) -> list[Panel]:
-    """All panels of which at least one line can be drawn, with those lines only."""
+def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> list[Panel]:
+    """All panels of which at least one line can be drawn, with those lines only; `names` are those of the ropes."""
     # what a fidelity leaves out is NaN throughout
     shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
     known = {name for name in shown_at_all if loses(recording, name)} | set(derived_signals(recording, hoist))
     shown: list[Panel] = []
-    for panel in _all(hoist):
+    for panel in (part for whole in _all(hoist) for part in _of_ropes(whole, known, names)):
         lines = tuple(line for line in panel.lines if line.signal in known)
         if lines:
             shown.append(replace(panel, lines=lines))
     return shown
+
+
+def _of_ropes(panel: Panel, known: Collection[str], names: Sequence[str]) -> Iterator[Panel]:
+    """Signals of several ropes: one of each in one panel, where it compares them, else a panel for each rope."""
+    yield panel
+    own = [line for line in panel.lines if line.signal not in known]
+    if not names[0] or not own:
+        return
+    if len(own) == 1:
+        (line,) = own
+        styled = zip(names, cycle("abcde"), strict=False)
+        yield replace(
+            panel, lines=tuple(replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled)
+        )
+    else:
+        for n in names:
+            lines = tuple(replace(line, signal=f"{n}.{line.signal}") for line in own)
+            yield replace(panel, title=f"{panel.title}, {n}", lines=lines)
 
 
 def quiet(recording: Recording, panel: Panel) -> bool:
@@ -107,7 +127,7 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
 
 def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
     """Return the panels by group: title, unit, lines, and the further fields of Panel."""
-    limit, kilo, mega = hoist.tension_ratio_limit, 1e-3, 1e-6
+    limit, kilo, mega, count = hoist.tension_ratio_limit, 1e-3, 1e-6, hoist.tail_rope_number
     slip: list[tuple[Any, ...]] = [
         ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),
         ("Speeds at the sheave's rim", "m/s", _lines(_SPEEDS)),
@@ -131,9 +151,9 @@ def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
             *(slip if hoist.lining is not None else []),
         ],
         "Balance rope": [
-            ("Pull on the conveyances", "kN", _ends("{}.fy", -kilo)),
-            ("Side force on the conveyances, in plane", "N", _ends("{}.fx"), 1.0),
-            ("Moment on the conveyances about the vertical", "N m", _ends("{}.my"), 1.0),
+            ("Pull on the conveyances", "kN", _ends("{}.fy", -kilo * count)),
+            ("Side force on the conveyances, in plane", "N", _ends("{}.fx", count), 1.0),
+            ("Moment on the conveyances about the vertical", "N m", _ends("{}.my", count), 1.0),
             ("Lowest point of the loop", "m", _lines({"loop.y": "height"})),
             ("Lowest point of the loop, sideways", "m", _lines(_SIDEWAYS), 0.02),
             ("Yaw of the loop", "deg", (Line("loop.yaw", "yaw", "b", _DEGREES),), 0.02),
@@ -211,20 +231,22 @@ def marks(result: Result) -> list[Mark]:
     return found if result.completed else [*found, Mark(float(times[-1]), "run stopped")]
 
 
-def transformations(recording: Recording) -> list[float]:
-    """First recorded instants [s] after a transformation of the mesh, in ascending order."""
-    name = "count.transformations"
-    if name not in recording:
-        return []
-    return [float(t) for t in recording.time[1:][np.diff(recording[name]) > 0.0]]
+def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[float]:
+    """First recorded instants [s] after a transformation of a rope's mesh, in ascending order."""
+    found = set[float]()
+    for own in (of_rope(recording, name) for name in names):
+        if "count.transformations" in own:
+            found |= {*own.time[1:][np.diff(own["count.transformations"]) > 0.0].tolist()}
+    return sorted(found)
 
 
-def slips(recording: Recording, end: str) -> list[tuple[float, float]]:
-    """Intervals [s] during which the swivel of `end` slips, each recorded state holding until the next row."""
-    name = f"{end}.swivel.slipping"
-    if name not in recording:
-        return []
-    inside = np.concatenate([[False], recording[name] > 0.5, [False]])
-    edges = np.flatnonzero(inside[1:] != inside[:-1])
-    times, last = recording.time, len(recording.time) - 1
-    return [(float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)]
+def slips(recording: Recording, end: str, names: Sequence[str] = ("",)) -> list[tuple[float, float]]:
+    """Intervals [s] during which a swivel of `end` slips, each recorded state holding until the next row."""
+    found = list[tuple[float, float]]()
+    for own in (of_rope(recording, name) for name in names):
+        if (signal := f"{end}.swivel.slipping") in own:
+            inside = np.concatenate([[False], own[signal] > 0.5, [False]])
+            edges = np.flatnonzero(inside[1:] != inside[:-1])
+            times, last = own.time, len(own.time) - 1
+            found += [(float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)]
+    return sorted(found)

@@ -6,7 +6,8 @@ Each row stands for itself; rows whose signals were not recorded are left out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of
+from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import SummaryRow
@@ -78,14 +80,17 @@ _ROWS: tuple[tuple[str, str, tuple[str, ...], float, str, Callable[[Array], floa
 )
 
 
-def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling) -> tuple[SummaryRow, ...]:
-    """All rows of a run, in reading order."""
+def summarize(
+    result: Result, hoist: Hoist, winding: Winding, coupling: Coupling, names: Sequence[str] = ("",)
+) -> tuple[SummaryRow, ...]:
+    """All rows of a run, in reading order; `names` are those of its ropes."""
     rows: list[SummaryRow] = []
     if (recording := result.recording).signals:
         rows = _trip(recording, hoist, winding) + _swing(recording, result.trajectory.duration)
-        rows += _signals(recording)
-        if fidelities := fidelities_of(recording):
-            rows.append(SummaryRow(_ROPE, "fidelity of the model that ran", ", then ".join(fidelities)))
+        rows += _signals(recording, (_DRIVE, _WORK))
+        rows += _together(recording) if names[0] else ()
+        for name in names:
+            rows += [replace(row, group=f"{row.group}{name and ', '}{name}") for row in _of_rope(recording, name)]
         if "energy.work_ends" in recording:
             defect = _rough(exchange_energy(recording, hoist))
             rows.append(SummaryRow(_WORK, "energy that the coupling's delay makes up, largest", defect, "J"))
@@ -93,8 +98,29 @@ def summarize(result: Result, hoist: Hoist, winding: Winding, coupling: Coupling
     return (*sorted(rows, key=lambda row: groups.index(row.group)), *_clock(result, coupling))
 
 
-def _signals(recording: Recording) -> Iterator[SummaryRow]:
-    for group, quantity, names, factor, unit, told in _ROWS:
+def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
+    own = of_rope(recording, name)
+    if name:
+        count = len(own.time)
+        share = (own["left.fy"] + own["right.fy"]) / (recording["left.fy"] + recording["right.fy"])[:count]
+        text = f"{number(100.0 * share[0], 3)} %, in motion {number(100.0 * share.min(), 3)} to "
+        yield SummaryRow(_ROPE, "share of the pull of all, at rest", f"{text}{number(100.0 * share.max(), 3)} %")
+    yield from _signals(own, (_ROPE, _ENERGY))
+    if fidelities := fidelities_of(own):
+        yield SummaryRow(_ROPE, "fidelity of the model that ran", ", then ".join(fidelities))
+
+
+def _together(recording: Recording) -> Iterator[SummaryRow]:
+    """Yield the moments of several ropes."""
+    for end in ("left", "right"):
+        for name, words in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
+            if bool(np.isfinite(recording[f"{end}.{name}"]).any()):
+                group = f"All ropes on the {end} conveyance, about its centre"
+                yield SummaryRow(group, words, _largest(recording[f"{end}.{name}"]), "N m")
+
+
+def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryRow]:
+    for group, quantity, names, factor, unit, told in (row for row in _ROWS if row[0] in groups):
         found = [recording[name] for name in names if name in recording and loses(recording, name)]
         # what the fidelity leaves out is NaN throughout
         if found and bool(np.isfinite(values := np.concatenate(found)).any()):
@@ -103,7 +129,7 @@ def _signals(recording: Recording) -> Iterator[SummaryRow]:
 
 def loses(recording: Recording, name: str) -> bool:
     """Return True if a loss of energy is to be shown: one that not every scene has only if it is not 0."""
-    return name not in (*ELSEWHERE, "drive.work_slip") or bool(np.any(recording[name]))
+    return not name.endswith((*ELSEWHERE, "drive.work_slip")) or bool(np.any(recording[name]))
 
 
 #: Columns of the table of exposure, what their largest value is called, and the column that tells when or how fast.
@@ -118,8 +144,9 @@ _MOST = {
 }
 
 
-def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
-    """Return rows on the most loaded places of the rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
+def exposure_rows(rope: str, exposed: Recording) -> tuple[SummaryRow, ...]:
+    """Return rows on the most loaded places of a rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
+    group = f"Places in the rope{rope and ' '}{rope}, from its left end"
     rows: list[SummaryRow] = []
     for name, (words, beside) in _MOST.items():
         if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
@@ -128,7 +155,7 @@ def exposure_rows(exposed: Recording) -> tuple[SummaryRow, ...]:
             text = "".join(
                 f"{join}{number(float(exposed[key][k]), 4)} {unit_text(exposed.units[key])}" for key, join in parts
             )
-            rows.append(SummaryRow("Places in the rope, from its left end", words, text))
+            rows.append(SummaryRow(group, words, text))
     return tuple(rows)
 
 

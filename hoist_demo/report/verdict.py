@@ -6,18 +6,20 @@ Terminal, Markdown and HTML show the rows that are declared here. Rows whose sig
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters import Hoist
 from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, told, told_of_jams, told_of_slip
+from hoist_demo.recording.nearness import Pair
 from hoist_demo.recording.passages import BODIES, FAR, PASSED, outcome_of, passages
+from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
 from hoist_demo.study.slip import holds, slip_warnings
@@ -26,7 +28,7 @@ HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turne
 
 NOT_ASKED = "none asked"
 
-_HANGS = "above 0: a rope only pulls"
+_STRIKES, _HANGS = "strikes", "above 0: a rope only pulls"
 
 #: Signals whose largest size counts, in words, with unit and the guard whose bound it is.
 _SWINGS = (
@@ -67,16 +69,15 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class _Run:
-    """What the rows read."""
+class _Rope:
+    """One rope, as the rows read it."""
 
-    recording: Recording
-    hoist: Hoist
-    rope: RopeData
+    recording: Recording  # of its signals
+    data: RopeData
 
     def asked(self, name: str) -> float:
         """Number of a parameter of the rope, 0 where it has none."""
-        value = self.rope.parameters.get(name, 0.0)
+        value = self.data.parameters.get(name, 0.0)
         return float(value) if isinstance(value, int | float) else 0.0
 
     def last(self, name: str) -> float:
@@ -96,28 +97,47 @@ class _Run:
         return self.last("status.loop_error")
 
 
-def judge(result: Result, hoist: Hoist, rope: RopeData, *said: str) -> Verdict:
-    """Judge a run; `said` are warnings that rope and host gave."""
+def judge(
+    result: Result, hoist: Hoist, data: Sequence[RopeData], said: Sequence[str] = (), pairs: Sequence[Pair] = ()
+) -> Verdict:
+    """Judge a run with its ropes and pairs of them; `said` are warnings that ropes and host gave."""
     recording = result.recording
-    run = _Run(recording, hoist, rope)
-    rows = tuple(_rows(run, result.winding)) if recording.signals else ()
+    ropes = [_Rope(of_rope(recording, one.name), one) for one in data] if recording.signals else []
+    rows = tuple(_rows(result, hoist, ropes, pairs)) if ropes else ()
     broken = [row for row in rows if row.holds is False]
-    words = outcome(result.completed, recording) + (f": {result.cause}" if result.cause else "")
+    # the outcome tells of strikes, and clearances do
+    told = [row.quantity for row in broken if row.quantity != _STRIKES] or [row.quantity for row in broken]
+    words = outcome(result.completed, recording, [one.name for one in data])
+    words += f": {result.cause}" if result.cause else ""
     words = f"{words[0].upper()}{words[1:]}. "
-    words += "Results after it passed describe no real rope. " if PASSED in passages(recording) else ""
+    through = any(PASSED in passages(rope.recording) for rope in ropes)
+    words += "Results after it passed describe no real rope. " if through else ""
     if broken:
-        words += f"Not kept: {', '.join(row.quantity for row in broken)}."
+        words += f"Not kept: {', '.join(told)}."
     elif rows:
         until = "" if result.completed else " until then"
         words += f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
-    remarks = (*warnings(result, hoist), *said)
-    when = _what_matters(run) if recording.signals else None
+    remarks = (*warnings(result, hoist, ropes), *said)
+    when = _what_matters(ropes, pairs)
     return Verdict(words, rows, remarks, when, result.completed and not broken and not remarks)
 
 
-def outcome(completed: bool, recording: Recording) -> str:
-    """Return the outcome and the events of a run, in words."""
-    return outcome_of(completed, passages(recording)) + incidents(recording)
+def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
+    """Return the outcome and the events of a run, in words; `names` are those of its ropes."""
+    told = [passages(of_rope(recording, name), f"rope {name}" if name else "the rope") for name in names]
+    ended = outcome_of(completed, ", and ".join(filter(None, told)))
+    return ended + "".join(_broken(recording, name) for name in filter(None, names)) + incidents(recording)
+
+
+def _broken(recording: Recording, name: str) -> str:
+    """The break of one of several ropes as the end of a sentence; "" for none."""
+    times = of_rope(recording, name).time
+    if len(times) == len(recording.time):
+        return ""
+    return (
+        f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; of its loop, torques and clearances what was "
+        "before is told"
+    )
 
 
 def incidents(recording: Recording) -> str:
@@ -125,112 +145,162 @@ def incidents(recording: Recording) -> str:
     return told(recording) + told_of_jams(recording) + told_of_slip(recording)
 
 
-def warnings(result: Result, hoist: Hoist) -> list[str]:
-    """List the warnings that readers of the numbers need: of coupling, head ropes' hold, and the rope's fidelity."""
-    slipping = slip_warnings(result.recording, hoist, result.winding)
-    texts = result.warning, *slipping, remark(result.recording)
+def warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope]) -> list[str]:
+    """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
+    texts = [result.warning, *slip_warnings(result.recording, hoist, result.winding)]
+    for rope in ropes:
+        name, breaks = rope.data.name, rope.data.breaks
+        texts.append(remark(rope.recording).replace("the rope", f"rope {name}" if name else "the rope", 1))
+        if breaks is not None and result.completed and len(rope.recording.time) == len(result.recording.time):
+            texts.append(
+                f"rope {name} was to break at breaks_at = {breaks[0]:g} s, and did not: the run ended at "
+                f"{rope.recording.time[-1]:.4g} s; break it earlier"
+            )
     return [text for text in texts if text]
 
 
-def _what_matters(run: _Run) -> float | None:
-    if touched := [t for kind in BODIES if (t := run.last(f"nearest.{kind}.touched_at")) > 0.0]:
+def _what_matters(ropes: Sequence[_Rope], pairs: Sequence[Pair]) -> float | None:
+    """Return the time of the first touch, else of the largest swing [s]."""
+    touched = [t for rope in ropes for kind in BODIES if (t := rope.last(f"nearest.{kind}.touched_at")) > 0.0]
+    touched += [pair.nearest.t for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
+    if touched:
         return min(touched)
-    swing = run.recording["loop.sideways"] if run.known("loop.sideways") else None
-    return None if swing is None else float(run.recording.time[np.nanargmax(swing)])
+    swinging = [rope.recording for rope in ropes if rope.known("loop.sideways")]
+    most = max(swinging, key=lambda one: np.nanmax(one["loop.sideways"]), default=None)
+    return None if most is None else float(most.time[np.nanargmax(most["loop.sideways"])])
 
 
-def _rows(run: _Run, winding: Winding) -> Iterator[Judged]:
-    yield from _pulls(run)
-    yield from _swings(run)
-    yield from _clearances(run)
-    for hold in holds(run.recording, run.hoist, winding):
+def _rows(result: Result, hoist: Hoist, ropes: Sequence[_Rope], pairs: Sequence[Pair]) -> Iterator[Judged]:
+    yield from _pulls(result.recording, hoist, ropes)
+    yield from _of_each(ropes, _swings)
+    yield from _of_each(ropes, _clearances)
+    for pair in pairs:
+        yield from _between(pair, max(rope.length_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
+    for hold in holds(result.recording, hoist, result.winding):
         text, bound = f"{hold.safety:.2f}", f"at least {hold.asked:g}: {hold.rule}"
         where = f"t = {hold.t:.2f} s"
         yield Judged(f"slip safety {hold.when}", text, bound, hold.enough, where)
-    struck = passages(run.recording)
-    yield Judged("strikes", "struck" if struck else "none", "none", not struck)
-    set_guards = [cause for cause in GUARD_CODES.values() if run.asked(f"guard.{cause}") > 0.0]
-    trip = guard_trip(run.recording)
+    struck = [rope.data for rope in ropes if passages(rope.recording)]
+    names = [one.name or "struck" for one in struck]
+    near = [pair for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
+    names += [f"{pair.one} on {pair.other}" for pair in near]
+    yield Judged(_STRIKES, ", ".join(names) or "none", "none", not names)
+    first = ropes[0]
+    set_guards = [cause for cause in GUARD_CODES.values() if first.asked(f"guard.{cause}") > 0.0]
+    trip = guard_trip(result.recording)
     text = f"{trip.cause} tripped" if trip else "none tripped" if set_guards else "none set"
     where = f"t = {trip.t:.2f} s" if trip else ""
     yield Judged("guards", text, ", ".join(set_guards) or NOT_ASKED, trip is None if set_guards else None, where)
-    yield from _swivels(run)
-    yield from _errors(run)
+    yield from _of_each(ropes, _swivels)
+    yield from _of_each(ropes, _errors)
 
 
-def _pulls(run: _Run) -> Iterator[Judged]:
+def _of_each(ropes: Sequence[_Rope], told: Callable[[_Rope], Iterator[Judged]]) -> list[Judged]:
+    """Rows of all ropes, side by side what is comparable."""
+    rows = [(row.quantity, rope.data, row) for rope in ropes for row in told(rope)]
+    order = list(dict.fromkeys(quantity for quantity, *_ in rows))
+    rows.sort(key=lambda row: order.index(row[0]))
+    # what is the same for all is said once
+    alike = {
+        q for q in order if len(own := [row for one, _, row in rows if one == q]) == len(ropes) and len({*own}) == 1
+    }
+    named = (row if q in alike else replace(row, quantity=data.whose(q)) for q, data, row in rows)
+    return [*dict.fromkeys(named)]
+
+
+_ALONE = ": each went on as if alone; contact.rope_stiffness = 1e6 lets them press each other"
+
+
+def _between(pair: Pair, error: float) -> Iterator[Judged]:
+    """Clearance of two ropes, and how they pressed each other if they may."""
+    if (near := pair.nearest) is not None:
+        where = _where(near.t, near.place)
+        struck = near.clearance <= 0.0
+        where += _ALONE if struck and pair.account is None else ""
+        quantity = f"clearance between {pair.one} and {pair.other}"
+        yield Judged(quantity, f"{rounded(near.clearance, error)} m", "above 0", not struck, where)
+    if (account := pair.account) is not None and account.peak > 0.0:
+        where = _where(account.peak_t, account.peak_place)
+        yield Judged(f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where)
+
+
+def _where(t: float, place: Sequence[float]) -> str:
+    return f"t = {t:.2f} s, " + ", ".join(f"{c} = {round(x, 2) + 0.0:.2f} m" for c, x in zip("xyz", place, strict=True))
+
+
+def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[Judged]:
     """Pull of all balance ropes on each conveyance, with the digits that the estimated error of the forces leaves."""
-    count = run.hoist.tail_rope_number
+    count = max(hoist.tail_rope_number, len(ropes))
     whose = "the rope" if count == 1 else f"all {count} ropes"
-    kilo = 1e-3 * count
-    sizes = [np.nanmax(np.abs(run.recording[f"{end}.fy"])) for end in ("left", "right") if f"{end}.fy" in run.recording]
-    error = kilo * max(sizes, default=0.0) * run.last("status.end_force_error")
+    kilo = 1e-3 * hoist.tail_rope_number
+    sizes = [np.nanmax(np.abs(recording[f"{end}.fy"])) for end in ("left", "right") if f"{end}.fy" in recording]
+    error = kilo * max(sizes, default=0.0) * max(rope.last("status.end_force_error") for rope in ropes)
     for end in ("left", "right"):
-        if run.known(f"{end}.fy"):
-            pull = -kilo * run.recording[f"{end}.fy"]
+        if f"{end}.fy" in recording:
+            pull = -kilo * recording[f"{end}.fy"]
             low, high = int(np.nanargmin(pull)), int(np.nanargmax(pull))
             text = f"{rounded(pull[low], error)} to {rounded(pull[high], error)} kN"
-            where = f"{run.at(low)} and {run.recording.time[high]:.2f} s"
+            where = f"t = {recording.time[low]:.2f} s and {recording.time[high]:.2f} s"
             yield Judged(f"pull of {whose} on the {end} conveyance", text, _HANGS, bool(pull[low] > -error), where)
 
 
-def _swings(run: _Run) -> Iterator[Judged]:
+def _swings(rope: _Rope) -> Iterator[Judged]:
     for name, words, unit, guard in _SWINGS:
-        if not run.known(name):
+        if not rope.known(name):
             continue
-        values, bound = np.abs(run.recording[name]), run.asked(f"guard.{guard}")
-        if guard == "window" and float(run.rope.parameters.get("guard.window_y", -FAR)) > -FAR:
+        values, bound = np.abs(rope.recording[name]), rope.asked(f"guard.{guard}")
+        if guard == "window" and float(rope.data.parameters.get("guard.window_y", -FAR)) > -FAR:
             bound = 0.0  # it watches the legs instead
         row = int(np.nanargmax(values))
         largest = float(values[row])
-        text = f"{rounded(largest, run.length_error)} m" if unit else number(largest, 2)
+        text = f"{rounded(largest, rope.length_error)} m" if unit else number(largest, 2)
         asked = f"below {bound:g}{unit and ' '}{unit}, its guard's" if bound > 0.0 else NOT_ASKED
         kept = largest < bound if bound > 0.0 else None
         if name == "loop.turns" and not 0.0 < bound < HALF_TURN:
             asked, kept = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
-        where = run.at(row)
-        if name == "loop.sideways" and run.known("loop.x", "loop.z"):
-            x, z = (rounded(float(run.recording[f"loop.{c}"][row]), run.length_error) for c in "xz")
+        where = rope.at(row)
+        if name == "loop.sideways" and rope.known("loop.x", "loop.z"):
+            x, z = (rounded(float(rope.recording[f"loop.{c}"][row]), rope.length_error) for c in "xz")
             where += f", x = {x} m, z = {z} m"
         yield Judged(words, text, asked, kept, where)
 
 
-def _clearances(run: _Run) -> Iterator[Judged]:
-    if run.known("loop.clearance"):
-        row = int(np.nanargmin(run.recording["loop.clearance"]))
-        clear = float(run.recording["loop.clearance"][row])
-        text = f"{rounded(clear, run.length_error)} m"
-        yield Judged("clearance between the legs", text, "above 0", clear > 0.0, run.at(row))
-    bound = run.asked("guard.clearance")
+def _clearances(rope: _Rope) -> Iterator[Judged]:
+    if rope.known("loop.clearance"):
+        row = int(np.nanargmin(rope.recording["loop.clearance"]))
+        clear = float(rope.recording["loop.clearance"][row])
+        text = f"{rounded(clear, rope.length_error)} m"
+        yield Judged("clearance between the legs", text, "above 0", clear > 0.0, rope.at(row))
+    bound = rope.asked("guard.clearance")
     for kind, words in BODIES.items():
         near = f"nearest.{kind}"
-        if not run.known(f"{near}.clearance"):
+        if not rope.known(f"{near}.clearance"):
             continue
-        clear, t, s, y = (run.last(f"{near}.{key}") for key in ("clearance", "time", "s", "y"))
+        clear, t, s, y = (rope.last(f"{near}.{key}") for key in ("clearance", "time", "s", "y"))
         where = f"t = {t:.2f} s, y = {y:.2f} m, {s:.1f} m along the rope"
         asked = f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0"
-        yield Judged(f"clearance from {words}", f"{rounded(clear, run.length_error)} m", asked, clear > bound, where)
+        yield Judged(f"clearance from {words}", f"{rounded(clear, rope.length_error)} m", asked, clear > bound, where)
 
 
-def _swivels(run: _Run) -> Iterator[Judged]:
+def _swivels(rope: _Rope) -> Iterator[Judged]:
     told = {}
     for end in ("left", "right"):
-        if run.known(name := f"{end}.swivel.slipping"):
-            slipped = float(np.sum(np.diff(run.recording.time) * (run.recording[name][:-1] > 0.0)))
-            told[end] = "locked" if end in run.rope.locked else f"{slipped:.2f} s" if slipped else "none"
+        if rope.known(name := f"{end}.swivel.slipping"):
+            slipped = float(np.sum(np.diff(rope.recording.time) * (rope.recording[name][:-1] > 0.0)))
+            told[end] = "locked" if end in rope.data.locked else f"{slipped:.2f} s" if slipped else "none"
     if told:
         text = ", ".join(f"{end} {word}" for end, word in told.items())
         yield Judged("slip of the swivels", "both locked" if [*told.values()] == ["locked"] * 2 else text)
 
 
-def _errors(run: _Run) -> Iterator[Judged]:
+def _errors(rope: _Rope) -> Iterator[Judged]:
     """Return the estimates of the rope's own error, beside the accuracy that was asked of it."""
     for name, words, unit, factor, asked in (
         ("status.end_force_error", "estimated error of the end forces", "% of the largest", 100.0, "end_force"),
         ("status.loop_error", "estimated error of the loop's place", "mm", 1e3, "loop"),
     ):
-        if run.known(name):
-            bound, found = run.asked(f"accuracy.{asked}"), run.last(name)
+        if rope.known(name):
+            bound, found = rope.asked(f"accuracy.{asked}"), rope.last(name)
             text = f"{number(factor * found, 2)} {unit}"
             if bound > 0.0:
                 yield Judged(words, text, f"{number(factor * bound, 2)} {unit.split()[0]} asked", found <= bound)

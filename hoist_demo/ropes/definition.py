@@ -5,20 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 
 from hoist_demo.cases.case import Case, Tail
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data, scene_parameters
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS
+from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import PLACE
+from hoist_demo.files.values import DERIVED, Given
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.ropes.table import READ
-from hoist_demo.study.provenance import Known, of_host, of_rope
+from hoist_demo.recording.nearness import Pair, pairs
+from hoist_demo.recording.time_series import Recording
+from hoist_demo.study.provenance import Known, of_rope
 from hoist_demo.study.run import RunData, fmu_part
 from rope_model import Level, Neighbours, Scene
 
@@ -36,20 +41,21 @@ class OneRope:
     scene: Scene
     place: Place
     breaks: Break | None
-    given: Mapping[str, str]  # where each value that is set comes from, by name
+    case: Case  # the hoist with this rope alone
 
-    @property
-    def torque_free(self) -> bool:
-        """True if it carries no torque."""
-        return scene_parameters(self.scene).torque_free
-
+    @cached_property
     def plant(self) -> WholeRope:
         """The rope to be wound."""
-        rope, data = InProcessRope(self.scene, READ), self.scene.rope
+        rope, data = InProcessRope(self.scene, name=self.name), self.scene.rope
         if self.breaks is None:
             return rope
         breaks = replace(self.breaks, gravity=self.scene.layout.gravity)
         return BreakingRope(rope, data.mass_per_length, data.length, breaks)
+
+    def data(self) -> RopeData:
+        """Identity of the rope for the reports."""
+        breaks = None if self.breaks is None else (self.breaks.t, self.breaks.s)
+        return replace(self.plant.data(), name=self.name, place=self.place, breaks=breaks)
 
 
 @dataclass(frozen=True)
@@ -61,9 +67,10 @@ class Ropes:
     run: RunData
     ropes: tuple[OneRope, ...]
 
-    def group(self) -> RopeGroup:
+    @cached_property
+    def plant(self) -> RopeGroup:
         """All ropes as one."""
-        group = [Member(rope.name, rope.plant(), rope.place) for rope in self.ropes]
+        group = [Member(rope.name, rope.plant, rope.place) for rope in self.ropes]
         if not self.touching:
             return RopeGroup(group)
         neighbours = Neighbours([rope.scene for rope in self.ropes], [rope.place.origin for rope in self.ropes])
@@ -80,14 +87,26 @@ class Ropes:
         data = [rope.scene.rope for rope in self.ropes]
         return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
 
+    def data(self) -> list[RopeData]:
+        """Identities of the ropes."""
+        return [rope.data() for rope in self.ropes]
+
+    def pairs(self, recording: Recording) -> list[Pair]:
+        """Pairs of ropes in the record of a run."""
+        ropes = [(rope.name, rope.place.origin, rope.scene.rope.diameter) for rope in self.ropes]
+        return pairs(recording, ropes, self.plant.accounts()) if recording.signals else []
+
+    def remarks(self) -> list[str]:
+        """What is to be said beside the ropes' own warnings."""
+        return []
+
     def provenance(self, given: Mapping[str, str]) -> list[Known]:
-        """Sources of the numbers: those of the hoist, and those of each rope under its name; `given` as `of_host`."""
-        ropes = [
+        """Sources of the ropes' numbers, each under its rope's name; `given` as `of_rope`."""
+        return [
             one._replace(name=f"{rope.name}.{one.name}")
             for rope in self.ropes
-            for one in of_rope(self.case, scene_parameters(rope.scene), {**rope.given, **given})
+            for one in of_rope(rope.case, scene_parameters(rope.scene), given)
         ]
-        return [*of_host(replace(self.run, hoist=self.hoist), given), *ropes]
 
 
 def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level) -> Ropes:
@@ -96,9 +115,9 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
     ValueError with all problems.
     """
     problems: list[str] = []
-    shared = case.shared
-    keys = {*run.fmu, *(key for tail in case.ropes for key in tail.parameters)}
-    if guards := sorted(key for key in keys if key.startswith("guard.")):
+    values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]
+    known = rope_parameters()
+    if guards := sorted(key for key, value in values if key.startswith("guard.") and value != known[key].start):
         problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
     ropes = []
     for tail in case.ropes:
@@ -108,7 +127,7 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
                 f"{', '.join(_TAKEN)} are taken"
             )
         try:
-            ropes.append(_rope(tail, {**shared, **tail.parameters, **fmu_part(chosen)}, level, case))
+            ropes.append(_rope(tail, {**tail.parameters, **fmu_part(chosen)}, level, case))
         except ValueError as error:
             problems.append(f"rope {tail.name}: {error}")
     if not problems and ropes[0].scene.shaft.contact.rope_stiffness > 0.0:
@@ -143,5 +162,6 @@ def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case)
     spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
     own = {**parameters, "layout.spacing": spacing}
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
-    given = {**case.given, **tail.given, "layout.spacing": "derived"}
-    return OneRope(tail.name, own, rope_data(own, level), place, breaks, given)
+    apart = Given(spacing, DERIVED, "the rope's place")
+    alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
+    return OneRope(tail.name, own, rope_data(own, level), place, breaks, alone)

@@ -1,4 +1,4 @@
-"""What is best: a choice is judged by all its runs, each against the same disturbances, and by bounds on every run.
+"""Goal of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
 
 A run that failed keeps no bound and has no finite cost. Judging: by the worst run, by the mean of all, or by the share
 of runs that keep the bounds.
@@ -89,7 +89,7 @@ class Standing:
 
 @dataclass(frozen=True)
 class Goal:
-    """What is best, and what every run must keep."""
+    """Cost that is to be small, and bounds that every run must keep."""
 
     weights: Mapping[str, float]  # of each metric; 1 / its unit
     sense: float  # 1: the smallest sum is best, -1: the largest

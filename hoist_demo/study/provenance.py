@@ -16,30 +16,17 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.files.catalogue import SECTIONS, leaves
-from hoist_demo.files.values import GIVEN, VARIED
+from hoist_demo.files.catalogue import CONTROLLER, host_parameters, rope_parameters
+from hoist_demo.files.values import DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
-from hoist_demo.study.run import RunData, build
-from rope_model import Scene
-from rope_model.scene_names import named_parameters
+from hoist_demo.study.run import RunData
 from rope_model.texts import csv_cell
 
 SETTING = "setting"
 #: in the order in which they are told
-STATUSES = (
-    "contradicted",
-    VARIED,
-    GIVEN,
-    "data sheet",
-    "measured",
-    "calibrated",
-    "derived",
-    "published",
-    "exported",
-    "assumed",
-    SETTING,
-)
+_FIRST = ("contradicted", VARIED, GIVEN, "data sheet", "measured", "calibrated", DERIVED, "published", "exported")
+STATUSES = (*_FIRST, "assumed", SETTING)
 #: of the host and of the rope, whose values are no data
 _SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
 #: data that only one controller uses
@@ -56,20 +43,12 @@ class Known(NamedTuple):
 
 
 def of_host(run: RunData, given: Mapping[str, str]) -> list[Known]:
-    """Return the sources of the host's data; ``given`` are the statuses of set values."""
-    case, own = find_case(run.case), build(run.case, {})
-    of_case = {name: value for name, value, _ in _leaves(own)}
+    """Return the sources of the host's data; ``given`` are the statuses of values set beside those of the run."""
     found = []
     for name, value, unit in _leaves(run):
-        if name in given:
-            status = given[name]
-        elif name.partition(".")[0] in _SETTINGS or not _is_number(value):
-            status = SETTING
-        elif value != of_case.get(name, value):
-            status = GIVEN
-        else:
-            status = case.given.get(name, "assumed")
-        found.append(Known(name, value, unit, status))
+        is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
+        status = run.given.get(name, "assumed") if is_datum else SETTING
+        found.append(Known(name, value, unit, given.get(name, status)))
     return found
 
 
@@ -95,8 +74,10 @@ def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> s
         return SETTING
     if name in given:
         return given[name]
-    own = case.rope.get(name, _DEFAULTS.get(name))
-    is_datum = name in _ASSUMED or name in case.given or (name in case.rope and name.startswith("rope."))
+    known = rope_parameters().get(name)
+    own = case.rope.get(name, known and known.start)
+    is_ours = known is not None and "[assumed]" in known.meaning
+    is_datum = is_ours or name in case.given or (name in case.rope and name.startswith("rope."))
     if not _is_number(value) or not (is_datum or value != own):
         return SETTING
     if value != own:
@@ -106,23 +87,17 @@ def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> s
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
     """Name, value and unit of each single value of the host's data that the run uses; parts that are None have none."""
-    for section, kind in SECTIONS.items():
-        if _OF_CONTROLLER.get(section, run.controller) != run.controller:
-            continue
-        for leaf in leaves(kind, f"{section}."):
+    for name, parameter in host_parameters().items():
+        if _OF_CONTROLLER.get(name.partition(".")[0], run.controller) == run.controller and name != CONTROLLER.name:
             value: Any = run
-            for part in leaf.name.split("."):
+            for part in name.split("."):
                 value = getattr(value, part, None)
             if value is not None:
-                yield leaf.name, value, leaf.unit
+                yield name, value, parameter.unit
 
 
 def _is_number(value: Value) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-_DEFAULTS = {p.name: p.value for p in named_parameters(Scene())}
-_ASSUMED = frozenset(p.name for p in named_parameters(Scene()) if "[assumed]" in p.facts.description)
 
 
 def statuses(data: Iterable[Known]) -> dict[str, str]:

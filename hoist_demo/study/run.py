@@ -15,8 +15,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
+from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
@@ -28,7 +28,8 @@ from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import drive, require_possible
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.files.catalogue import SECTIONS, with_values
+from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
+from hoist_demo.files.values import GIVEN, Given, plain
 from hoist_demo.parameters import (
     Arrival,
     Coupling,
@@ -76,11 +77,12 @@ class RunData:
     arrival: Arrival
     fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
+    given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # where values come from
 
     def key(self, fmu_hash: str) -> str:
         """Name of the run, 24 hexadecimal digits."""
         data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
-        del data["case"]  # all that its file says is in the rest
+        del data["case"], data["given"]  # all that its file says is in the rest
         for controller, tuning in _TUNING_OF.items():
             if self.controller != controller:
                 del data[tuning]
@@ -107,40 +109,55 @@ class Outcome:
     passed: str = ""  # what the rope passed through
 
 
-def build(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
-    """The case's data with the given values; a `ValueError` names what does not fit together."""
-    given = find_case(case)
-    values = {**given.settings, **values}
-    data: dict[str, Any] = {"hoist": given.hoist, "winding": given.winding, "gains": given.gains}
-    data |= {name: kind() for name, kind in SECTIONS.items() if name not in data}
-    chosen: dict[str, dict[str, Value]] = {name: {} for name in SECTIONS}
-    for key, value in values.items():
-        section, _, field = key.partition(".")
-        if section in SECTIONS:
-            chosen[section][field] = value
-    for name in SECTIONS:
-        try:
-            data[name] = with_values(data[name], chosen[name])
-        except ValueError as error:
-            raise ValueError(f"{name}: {error}") from error
-    fmu, controller = {**given.rope, **fmu_part(values)}, str(values.get("controller", "pi-feed-forward"))
-    run = RunData(case, controller, fmu=fmu, signals=signals, **data)
+def build(
+    case: str,
+    values: Mapping[str, Value | Given],
+    signals: tuple[str, ...] = (),
+    varied: Mapping[str, Value | Given] | None = None,
+) -> RunData:
+    """Return the data of a run; a `ValueError` names what does not fit together.
+
+    `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist, and nothing follows
+    from them.
+    """
+    found, varied = with_values(find_case(case), values), dict(varied or {})
+    differing = {key: one.value if isinstance(one, Given) else one for key, one in varied.items()}
+    host = {**plain(found.host), **differing}
+    run = RunData(
+        case,
+        str(host.get(CONTROLLER.name, CONTROLLER.start)),
+        fmu={**found.rope, **fmu_part(differing)},
+        signals=signals,
+        given={**found.given, **{key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}},
+        **data_of(host),
+    )
+    if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
+        from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
+
+        wound = replace(found, rope=run.fmu, hoist=run.hoist, winding=run.winding, gains=run.gains)
+        frequency, damping = swing_at_landing(wound)
+        run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
     require_trip_fits(run.hoist, run.winding)
     require_possible(run.controller, run.winding)
     s_curve(run.winding)
     return run
 
 
-def build_trip(case: str, values: Mapping[str, Value], signals: tuple[str, ...] = ()) -> RunData:
+def build_trip(
+    case: str,
+    values: Mapping[str, Value | Given],
+    signals: tuple[str, ...] = (),
+    varied: Mapping[str, Value | Given] | None = None,
+) -> RunData:
     """Build one trip from the landing, as `build`; refuse a jam that it does not reach."""
-    run = build(case, values, signals)
+    run = build(case, values, signals, varied)
     require_jams_on_the_way(run.hoist, run.winding)
     return run
 
 
 def fmu_part(values: Mapping[str, Value]) -> dict[str, Value]:
     """Return the values that are the FMU's."""
-    return {key: v for key, v in values.items() if key != "controller" and key.partition(".")[0] not in SECTIONS}
+    return {key: v for key, v in values.items() if key not in host_parameters()}
 
 
 def execute(run: RunData, fmu: Path) -> Outcome:
@@ -189,11 +206,6 @@ def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> tup
 
 #: Parameters of the rope of which the hoist has a copy for its controller, and their unit.
 SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
-
-
-def tail_rope(values: Mapping[str, Value]) -> dict[str, Value]:
-    """Fields of the hoist by which its drive takes the balance rope for the one with these parameters."""
-    return {field: values[name] for name, field, _ in SHARED if name in values}
 
 
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from hoist_demo.files.catalogue import Catalogue
+from hoist_demo.files.catalogue import parameters
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Sample, Study
 from hoist_demo.study.goal import Bound, Goal
@@ -27,10 +27,10 @@ Outcome = Mapping[str, Any]
 
 def not_monotonic(study: Study, samples: Sequence[Sample], outcomes: Sequence[Outcome]) -> list[str]:
     """Return a sentence for each such result, where it shows first."""
-    catalogue, found = Catalogue(), dict[tuple[str, str], list[str]]()
+    known, found = parameters(), dict[tuple[str, str], list[str]]()
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
     if study.plan is None and len(lists) == len(study.varied):
-        for key in (key for key in lists if not catalogue[key].choices):
+        for key in (key for key in lists if not known[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
                 for what, words in _along(study.goal, key, runs):
                     found.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)

@@ -1,4 +1,4 @@
-"""What a study varies: lists, and ranges to draw from.
+"""Values that a study varies: lists, and ranges to draw from.
 
 Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979; scipy.stats.qmc draws it.
 """
@@ -10,12 +10,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import PlainValidator, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
-from hoist_demo.files.values import read_facts, read_value
+from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter, Value
 
 
@@ -50,36 +50,46 @@ def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[d
     return [{key: r.at(float(u)) for (key, r), u in zip(ranges.items(), row, strict=True)} for row in shares]
 
 
+class _Interval(BaseModel, extra="forbid"):
+    low: Any
+    high: Any
+    unit: str = ""
+    scale: Literal["linear", "log"] = "linear"
+
+
+class _List(BaseModel, extra="forbid"):
+    values: list[Any] = Field(min_length=1)
+    unit: str = ""
+
+
 def varied(parameter: Parameter) -> Any:
     """Return the type of a key of [vary] for pydantic: what it holds is a tuple of values, or a Range."""
-    unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
-    schema = {"type": ["array", "object"], "description": f"{parameter.meaning or parameter.name}{unit}"}
-    return Annotated[Any, PlainValidator(partial(read_varied, parameter)), WithJsonSchema(schema)]
+    return Annotated[
+        Annotated[_List, Tag("list")] | Annotated[_Interval, Tag("range")],
+        Discriminator(lambda table: "list" if isinstance(table, dict) and "values" in table else "range"),
+        BeforeValidator(partial(_table, parameter.name)),
+        AfterValidator(partial(_read, parameter)),
+        WithJsonSchema({"type": ["array", "object"], "description": parameter.about}),
+    ]
 
 
-def read_varied(parameter: Parameter, content: Any) -> tuple[Value, ...] | Range:
-    """Return the values of a list, or the Range of { low, high }; a ValueError names key, value and cure."""
-    name = parameter.name
-    table = read_facts(name, {"values": content} if isinstance(content, list) else _table(name, content))
-    unit, values = table.get("unit"), table.get("values")
-    if isinstance(values, list) and values and not table.keys() & {"low", "high", "scale", "value"}:
-        return tuple(read_value(parameter, value, unit) for value in values)
-    if not {"low", "high"} <= table.keys() or table.keys() & {"value", "values"}:
-        raise ValueError(f"{name} = {content!r} must be a list with values, or have low and high: give them")
-    if parameter.kind not in ("Real", "Integer") or parameter.choices:
-        raise ValueError(f"{name} = {content!r} must be a list, for it is no number: list its values")
-    low, high = (float(read_value(parameter, table[end], unit)) for end in ("low", "high"))
-    scale = table.get("scale", "linear")
-    if scale not in ("linear", "log"):
-        raise ValueError(f"{name} has scale = {scale!r}, which must be linear or log: choose one")
+def _table(name: str, content: Any) -> Any:
+    if isinstance(content, list):
+        return {"values": content}
+    if not isinstance(content, dict) or not content.keys() & {"values", "low", "high"}:
+        raise ValueError(f"{name} = {content!r} must be a list with values, or {{ low, high }}: fix it in [fixed]")
+    return content
+
+
+def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] | Range:
+    name, unit = parameter.name, table.unit
+    if isinstance(table, _List):
+        return tuple(read_value(parameter, value, unit) for value in table.values)
+    low, high = (float(read_value(parameter, end, unit)) for end in (table.low, table.high))
+    if parameter.choices or not parameter.numeric:
+        raise ValueError(f"{name} must be a list, for it is no number: list its values")
     if not low < high:
         raise ValueError(f"{name} has low = {low!r}, which must be below high = {high!r}: exchange them")
-    if scale == "log" and low <= 0.0:
+    if table.scale == "log" and low <= 0.0:
         raise ValueError(f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take linear")
-    return Range(low, high, scale == "log", parameter.kind == "Integer")
-
-
-def _table(name: str, content: Any) -> Mapping[str, Any]:
-    if not isinstance(content, Mapping):
-        raise ValueError(f"{name} = {content!r} must be a list or {{ low, high }}: fix it in [fixed]")
-    return content
+    return Range(low, high, table.scale == "log", parameter.kind == "Integer")

@@ -18,7 +18,7 @@ NAMED = 0.05
 
 def summary(found: Spread) -> list[SummaryRow]:
     """Return the text for the terminal."""
-    rows = [SummaryRow("Windings", "wound to the end", f"{found.completed} of {found.asked.samples}")]
+    rows = [SummaryRow("Windings", "that count", f"{found.completed} of {found.asked.samples}")]
     for name in _measured(found):
         (low, middle, high), unit = _for_people(found.quantiles(name), UNITS[name])
         group = f"{name}, {METRICS[name][1]}"
@@ -73,7 +73,7 @@ def _spoiled(found: Spread) -> str:
 
 
 def remarks(found: Spread) -> list[str]:
-    """Return the rope's warnings and the causes of stops, each with its number of windings."""
+    """Return the rope's warnings and why windings do not count, each with its number of windings."""
     return [f"in {count} of {found.asked.samples} windings: {text}" for text, count in found.remarks.items()]
 
 
@@ -104,7 +104,7 @@ def write_page(found: Spread, path: Path) -> Path:
         for name, datum in asked.data.items()
         for bounds, unit in [_for_people((datum.low, datum.high), datum.unit)]
     ]
-    wound = f"{found.completed} of {asked.samples} windings wound to the end: hoist {asked.hoist}, level {asked.level}."
+    wound = f"{found.completed} of {asked.samples} windings count: hoist {asked.hoist}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [

@@ -23,6 +23,7 @@ from scipy.stats import qmc, rankdata
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.recording.fidelity import mask_neglected
+from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.time_series import Array
 from hoist_demo.study.metrics import ROPE_SIGNALS, measure
 from hoist_demo.study.run import wind
@@ -35,8 +36,8 @@ Wound = tuple[dict[str, float], tuple[str, ...]]
 QUANTILES = (0.05, 0.5, 0.95)
 #: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
 SPOILED = 1.1
-#: before the cause of a winding's stop
-STOPPED = "stopped: "
+#: before the cause of a winding's stop, and before what its rope passed through: it then describes no real rope
+STOPPED, LEFT_OUT = "stopped: ", "left out: "
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
@@ -44,7 +45,8 @@ _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 class Spread:
     """A row per winding: what varied and what was measured.
 
-    NaN where the winding has stopped before, or shows no such thing: the rope's model may not compute it.
+    NaN where the winding has stopped before, its rope has passed through something, or it shows no such thing: the
+    rope's model may not compute it.
     """
 
     asked: Uncertain
@@ -62,8 +64,9 @@ class Spread:
 
     @property
     def completed(self) -> int:
-        """Number of windings that came to their end."""
-        return self.asked.samples - sum(count for text, count in self.remarks.items() if text.startswith(STOPPED))
+        """Number of windings that came to their end with a rope that passed through nothing."""
+        unfit = (STOPPED, LEFT_OUT)
+        return self.asked.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
 
     @property
     def needed(self) -> int:
@@ -111,7 +114,7 @@ def spread(asked: Uncertain, workers: int, progress: Callable[[Iterable[Wound]],
 
 def draw(asked: Uncertain) -> list[dict[str, float]]:
     """The values of what varies, one set per winding."""
-    sequence = qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.seed))
+    sequence = qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.head.seed))
     shares = sequence.random_base2(round(math.log2(asked.samples)))
     return [
         {name: datum.at(float(u)) for (name, datum), u in zip(asked.data.items(), row, strict=True)} for row in shares
@@ -119,19 +122,22 @@ def draw(asked: Uncertain) -> list[dict[str, float]]:
 
 
 def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
-    """The measures of one winding, NaN of one that has stopped, its warnings and why it stopped."""
+    """The measures of one winding with its warnings; NaN of one that says nothing of a real rope, with the reason."""
     run = asked.run(values)
     with warnings_of("hoist_demo") as warnings:
         rope = InProcessRope(rope_data(run.fmu, asked.level), ROPE_SIGNALS)
         result, _ = wind(run, rope)
     result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
-    found = measure(result, run.hoist, run.winding, run.arrival)
-    remarks = [f"warning: {text}" for text in warnings] + ([] if result.completed else [f"{STOPPED}{result.cause}"])
-    return {name: found[name] if result.completed else math.nan for name in asked.measures}, tuple(remarks)
+    passed = passages(result.recording)
+    if result.completed and PASSED not in passed:
+        found = measure(result, run.hoist, run.winding, run.arrival)
+        return {name: found[name] for name in asked.measures}, tuple(f"warning: {text}" for text in warnings)
+    reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
+    return dict.fromkeys(asked.measures, math.nan), (reason,)
 
 
 def remarks_of(wound: Sequence[Iterable[str]]) -> dict[str, int]:
-    """Return remarks with the number of windings of each; numbers that differ between windings are left out."""
+    """Return remarks with the number of windings of each; numbers that differ between windings become ranges."""
     found = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # by the words: by winding, the numbers
     for k, texts in enumerate(wound):
         for text in texts:
@@ -141,9 +147,10 @@ def remarks_of(wound: Sequence[Iterable[str]]) -> dict[str, int]:
 
 
 def _with_numbers(words: Sequence[str], numbers: Collection[Sequence[str]]) -> str:
-    """A remark with those of its numbers that are the same in all of ``numbers``."""
-    kept = [values[0] if len({*values}) == 1 else "…" for values in zip(*numbers, strict=True)]
-    return "".join(word + number for word, number in zip(words, (*kept, ""), strict=True))
+    """A remark with its numbers, or with the range of those that differ."""
+    ranges = [sorted({*values}, key=float) for values in zip(*numbers, strict=True)]
+    told = [values[0] if len(values) == 1 else f"{values[0]} to {values[-1]}" for values in ranges]
+    return "".join(word + number for word, number in zip(words, (*told, ""), strict=True))
 
 
 def _standard(values: Array) -> Array:

@@ -156,6 +156,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Hanging hanging_shape(length, middle, width, cell)": hanging.hanging_shape,
     "void hanging_row(hanging, left[3], across[3], s, row[7])": hanging.node_row,
     "FittedMesh fit_elements(scene, loop_error, decades)": mesh_fit.fit_elements,
+    f"void faced_places(scene, left, right, places[{len(mesh.NOWHERE)}])": mesh_fit.faced_places,
     "void newton_coefficients(Coefficients method, h, c[3])": generalized_alpha.newton_coefficients,
     "void prediction_weights(Coefficients method, h, recentring, ahead, weights[6])": (
         generalized_alpha.prediction_weights
@@ -228,13 +229,13 @@ _SHARED: tuple[tuple[ModuleType, str], ...] = (
     (hang, "CURVATURE_STEPS PLACING_STEPS TWIST_STEP LEAST_TWIST_STEP MOST_TURN MOST_CORRECTIONS"),
     (mesh, "LEG_LENGTHS GRADING"),
     (mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
-    (mesh_pattern, "DUE_EARLY"),
+    (mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
     (paths, "RESTS_BELOW"),
     (rigid, "SETTLING_TIME DIFFERENCE"),
     (rope_on_rope, "MOST_PLACES APART MOST_STRANDS CORRECTIONS"),
     (shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
     (simulator, "FARTHEST_START MOST_STEPS"),
-    (statics, "SETTLED BALANCED"),
+    (statics, "SETTLED BALANCED REST_TOLERANCE"),
     (stepping, "STEP_WORK"),
     (switching, "EVENT_WIDTH"),
     (warning_rules, "YAWED_FAR"),
@@ -246,6 +247,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "FAR": FAR,
     "CHATTER_TIME": switching.CHATTER[1],
     "MESH_LATEST": mesh.LATEST,
+    "PLACES_FACED": len(mesh.NOWHERE),
     "SETTLING_TOLERANCE": rigid.NEWTON_TOLERANCE,
     "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "PROBES": len(rope_on_rope.PROBES),
@@ -439,7 +441,7 @@ def _array(name: str, shape: tuple[int, ...]) -> Any:
 
 
 def structure_at(kind: type[Any], prefix: str) -> Any:
-    """An object of ``kind``, its numbers replaced by symbols, without its other members."""
+    """Return an object of ``kind`` with symbols for its numbers, and without its other members."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
         if hint is float:
@@ -522,7 +524,7 @@ def is_number(text: str) -> bool:
 
 
 def _uses(f: ca.Function) -> Counter[int]:
-    """Number of uses of the result of each instruction."""
+    """Count the uses of the result of each instruction."""
     made_by: dict[int, int] = {}
     uses: Counter[int] = Counter()
     for k in range(f.n_instructions()):

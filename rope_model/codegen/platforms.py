@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import platform
+import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -42,8 +43,12 @@ def host_platform() -> str:
 
 
 def prebuilt_file(package: Path, sources: Mapping[str, str], identifier: str, name: str) -> Path:
-    """Return the library of these sources (text by file name) for the platform ``name``, if ``package`` has it."""
-    parts = (part for item in sorted(sources.items()) for part in item)
+    """Return the path of the library of these sources (text by file name) for the platform ``name`` in ``package``.
+
+    The headers of FMI do not count: FMPy brings them, and another version of it may word their comments otherwise.
+    """
+    own = (item for item in sorted(sources.items()) if not re.fullmatch(r"fmi[23]\w+\.h", item[0]))
+    parts = (part for item in own for part in item)
     key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
     suffix = PLATFORMS[name].suffix if name in PLATFORMS else ""
     return package / "prebuilt" / f"{identifier}-{name}-{key}{suffix}"

@@ -67,6 +67,7 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     mesh_pattern.pattern_centre,
     mesh_pattern.distance_to_due,
     mesh_pattern.transformation_due,
+    mesh_pattern.window_place,
     swivel_phases.frictionless,
     swivel_phases.released_at,
     swivel_phases.relaxes,

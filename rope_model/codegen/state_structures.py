@@ -16,6 +16,7 @@ from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.switching import CHATTER
+from rope_model.simulation.mesh.partition import NOWHERE
 from rope_model.simulation.state import Counts, RopeState
 from rope_model.simulation.wires import NO_MEMORY
 
@@ -54,7 +55,10 @@ def _type_of(hint: Any) -> Any:
 class PatternStructure(Structure):
     """The pattern of TMN-ETM; coarse = 0 for EEM."""
 
-    _fields_ = (("coarse", c_double), ("grading_length", c_double), ("counts", c_int * SEGMENTS), ("end_levels", c_int))
+    _fields_ = (
+        *(("coarse", c_double), ("grading_length", c_double), ("counts", c_int * SEGMENTS), ("end_levels", c_int)),
+        ("windows", c_int * len(NOWHERE)),
+    )
 
 
 class EventStructure(Structure):

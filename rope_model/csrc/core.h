@@ -32,11 +32,17 @@ void arc_lengths(int elements, const double *lengths, double *s);
 /* of the elements at the loop, m */
 double partition_fine(const Pattern *pattern, const double *lengths);
 Mesh fit_mesh(const Scene *scene);
+/* places (PLACES_FACED) of the dividers along the legs, INFINITY where none may press them: formulas.h's faced_places
+   on the mesh that suits the rope, nowhere on one that is given */
+void faced_by(const Scene *scene, double left, double right, double *faced);
 /* number of elements of the mesh on a rope of `length`; 0 and a message when it does not fit.  mesh is not AUTO_MESH */
-int partition_elements(const Mesh *mesh, double length, char *message);
+int partition_elements(const Mesh *mesh, double length, const double *faced, char *message);
 /* `elements` as partition_elements counts them: the count looks at every place of the loop */
-void partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths);
-void partition_transform(Pattern *pattern, int direction, int elements, double *lengths);
+void partition(const Mesh *mesh, double length, double bottom, const double *faced, int elements, Pattern *pattern,
+               double *lengths);
+void partition_transform(Pattern *pattern, int direction, const double *faced, int elements, double *lengths);
+/* whether a window is so far from its divider that it moves without the loop */
+int window_due(const Pattern *pattern, const double *faced);
 
 /* banded.c: A x = b for all columns of b (rows x columns), which becomes x; A, symmetric and positive definite, is
    lost: each of its rows (width + 1) holds the diagonal and the entries right of it, nearest first */

@@ -114,6 +114,10 @@ double model_bottom(const Simulator *rope, const State *state, double t) {
     return 0.5 * (rope->scene.rope.length + left - right);
 }
 
+void model_faced(const Simulator *rope, const State *state, double t, double *faced) {
+    faced_by(&rope->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), faced);
+}
+
 /* what flows in and out at this instant */
 void model_powers(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);

@@ -8,7 +8,9 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     check_scene(scene, message);
     if (message[0]) return NULL;
     const Mesh mesh = fit_mesh(scene);
-    const int elements = partition_elements(&mesh, scene->rope.length, message);
+    double faced[PLACES_FACED];
+    faced_by(scene, 0, 0, faced);
+    const int elements = partition_elements(&mesh, scene->rope.length, faced, message);
     if (elements == 0) {
         char why[MESSAGE];
         memcpy(why, message, sizeof why);
@@ -106,7 +108,10 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     unsupported_motion(scene, state->fidelity, ends, rope->forces.number, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
     const Arrays m = state_arrays(state);
-    partition(&rope->mesh, scene->rope.length, model_bottom(rope, state, t), m.elements, &state->pattern, m.lengths);
+    double faced[PLACES_FACED];
+    model_faced(rope, state, t, faced);
+    partition(&rope->mesh, scene->rope.length, model_bottom(rope, state, t), faced, m.elements, &state->pattern,
+              m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);

@@ -83,6 +83,8 @@ void model_powers(const Simulator *rope, State *state);
 /* energies of the state as it is; returns by how much their total changes */
 double model_energies(Simulator *rope, State *state);
 double model_bottom(const Simulator *rope, const State *state, double t);
+/* faced_by now */
+void model_faced(const Simulator *rope, const State *state, double t, double *faced);
 /* angles of q, v, a, b count from the frames; from now on they count along q */
 void with_angles_along(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *rope, State *state);

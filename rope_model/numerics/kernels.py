@@ -78,9 +78,9 @@ class Kernel:
 def prepare(
     functions: Sequence[ca.Function], build: Build, form: KernelForm = "auto", bundle: Path | None = None
 ) -> tuple[list[ca.Function], str]:
-    """The functions in the wanted form, and the form they have: ``compiled`` or ``portable``.
+    """Return the functions in the wanted form, and the form that could be had: ``compiled`` or ``portable``.
 
-    ``build`` makes their library with a compiler; ``bundle`` is one that it has made, to try before.
+    ``build`` makes their library with a compiler. ``bundle`` is a finished library that is tried first.
 
     Raises RuntimeError where ``compiled`` is asked for and cannot be had.
     """
@@ -173,7 +173,7 @@ def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folde
 
 
 def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str) -> Path:
-    """The library made of the C files among ``sources`` (text by file name), from ``folder`` if it is there already."""
+    """Return the library of the C files among ``sources`` (text by file name), compiled into ``folder`` once."""
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
     made = folder / f"{name}-{_key(*command, *(file.name for file in objects.values()))}{LIBRARY_SUFFIX}"
@@ -190,9 +190,9 @@ def compile_library(sources: Mapping[str, str], compiler: Sequence[str], folder:
 
 
 def make_once(made: Path, make: Callable[[], None]) -> Path:
-    """The file that ``make`` makes, whole and at once, unless it is there.
+    """Call ``make``, unless its file ``made`` is there, and return that file.
 
-    Other processes that want it wait meanwhile, where files have locks; an end of the one that makes it frees the lock.
+    Other processes that want the file wait meanwhile. If the process that makes it dies, the next one makes it.
     """
     if made.exists():
         return made
@@ -329,7 +329,7 @@ def platform_tag() -> str:
 
 
 def load_compiled(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:
-    """The functions as ``library`` has them; RuntimeError when it has them not, or of other sizes."""
+    """Load the functions from ``library``; RuntimeError where it lacks one, or has one of another size."""
     loaded = [ca.external(function.name(), str(library)) for function in functions]
     for ours, theirs in zip(functions, loaded, strict=True):
         sizes = [(f.size_in(i) for i in range(f.n_in())) for f in (ours, theirs)]

@@ -1,11 +1,12 @@
-"""History of contact: impulses, and the error of its forces by the mesh.
+"""History of contact: impulses, and the error of its forces by mesh and steps.
 
 A body that meets the rope sends waves along it.  The mesh follows those that are longer than two of its elements,
 of length l where the body is near; with the wave number k and the tension half way up a leg of half the rope's length
 
     tau = 1 / (k c),    k = pi / l,    c^2 = (T + EI k^2) / rho,    T = rho g L / 4
 
-Faster changes of the pressure P are not resolved: P minus its delay by tau, taken twice,
+A step of length h knows the pressure P in its middle.  Changes of P that are faster than either, with tau^2 + h^2 / 4
+for tau^2, are not resolved: P minus its delay by tau, taken twice,
 
     d = P - s1,  s1' = d / tau,      r = d - s2,  s2' = (d - s2) / tau
 
@@ -26,7 +27,7 @@ from rope_model.physics.shaft import KINDS
 
 #: of the end forces over that of the pressure, root mean squares; of the loop's place, over the length of rope that
 #: weighs as much as the force that is not resolved while the loop swings once: evidence.contact.estimates fits them
-AT_ENDS, OF_PLACE = 1.8, 0.11
+AT_ENDS, OF_PLACE = 1.7, 0.16
 TINY = 1e-300
 
 
@@ -45,7 +46,7 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
 
     ``longest`` (m) is the longest element that a body is near, 0 for none.
     """
-    part = h / (h + delay(scene, longest))
+    part = h / (h + hypot(delay(scene, longest), 0.5 * h))
     pressure = sum(pressures[: len(KINDS)], start=0.0)
     first, second = sums.followed
     first = first + part * (pressure - first)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
@@ -30,6 +31,7 @@ from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.ends.ends import HangingEnds, Phase, clamp_stiffness, nominal_points
 from rope_model.simulation.ends.paths import EndPath
 from rope_model.simulation.fidelity import flexible
+from rope_model.simulation.mesh.partition import faced_by
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import (
@@ -122,6 +124,10 @@ class RopeModel:
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""
         return float(0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t)))
+
+    def faced(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
+        """Places of the dividers along the legs by the ends' heights: mesh_fit.faced_places."""
+        return faced_by(self.scene, paths[0].height(t), paths[1].height(t))
 
     def restart(self, state: RopeState) -> RopeState:
         """The state with consistent accelerations and no history."""

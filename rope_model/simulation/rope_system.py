@@ -198,7 +198,7 @@ class RopeSystem:
         return other
 
     def _alike(self) -> RopeSystem:
-        """A copy, without the ceremony of copy.copy."""
+        """Return a shallow copy; faster than copy.copy."""
         other = object.__new__(type(self))
         vars(other).update(vars(self))
         return other
@@ -218,7 +218,7 @@ class RopeSystem:
         return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
 
     def _sections_of(self, q: Array) -> Array:
-        """``q`` as its wires feel it: without torsion no section turns, however the ends hold theta."""
+        """Return ``q`` for the wires: theta is 0 where the fidelity computes no torsion, however the ends hold it."""
         return q if self.kernels.fidelity == "torsional" else np.where(np.arange(NODE_DOF) == ANGLE, 0.0, q)
 
     def frame_turn(self, q: Array) -> Array:
@@ -248,7 +248,7 @@ class RopeSystem:
     def _newton(
         self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
     ) -> Solution[Evaluation]:
-        """``solve``, where no more bodies than those ``near`` are touched."""
+        """Solve with contact of no other bodies than those ``near``."""
         if self.z.size:
             return self._iterate(near, q, v, a, reaction, c, tolerance)
         kernels, constants, P = self._with_bodies(near, q, v)
@@ -260,7 +260,7 @@ class RopeSystem:
     def _iterate(
         self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
     ) -> Solution[Evaluation]:
-        """``_newton``, where a tangent follows the one before, or elements far apart are coupled."""
+        """Solve where a tangent depends on the previous one (wires), or where elements far apart are coupled."""
         kernels, constants, P = self._with_bodies(near, q, v)
         latest = np.zeros((self.lengths.size, LATEST))
         solve: _Solver
@@ -292,7 +292,7 @@ class RopeSystem:
         return replace(found, resolve=resolve) if self.z.size else found
 
     def _following(self, constants: tuple[Array, ...], latest: Array) -> tuple[Array, ...]:
-        """``constants`` with the vectors that the tangent follows in the frames."""
+        """Return ``constants`` with the wires' latest tangents in the last columns of the frames."""
         lengths, frames, *loads = constants
         if self.z.size:
             frames, own = frames.copy(), self.frames.shape[1]
@@ -300,7 +300,7 @@ class RopeSystem:
         return lengths, frames, *loads
 
     def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
-        """Solver of J x = -R, J that of the chain alone: R is put in as a load."""
+        """Return a solver of J x = -R with the chain's tangent J; the kernels take R as a load."""
         lengths, frames, load, *others = constants
         known = kernels.evaluate(*at, *constants, P)[0]
 
@@ -315,7 +315,7 @@ class RopeSystem:
         return None
 
     def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
-        """``found`` with the forces of the rope on itself."""
+        """Add the forces of the rope on itself to ``found``; a rope that can touch itself overrides it."""
         return found
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
@@ -346,18 +346,18 @@ class RopeSystem:
         return found | {name: found.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:
-        """Powers that flow out in the rope and in its contacts, W."""
+        """Return the powers that the rope and its contacts lose [W]."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         found = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
         return found if self.pushed is None else found._replace(moved=found.moved + float(np.vdot(self.pushed, v)))
 
     def longest_near(self, q: Array) -> float:
-        """The longest of the elements that may touch a body, m; 0 for none."""
+        """Return the length of the longest element that may touch a body [m]; 0 for none."""
         near = self._near(q, 0.0)
         return float(self.lengths[near.any(axis=1)].max()) if near.any() else 0.0
 
     def _near(self, q: Array, margin: float) -> Near:
-        """(elements, bodies): which elements may touch a body, or would if they moved by ``margin`` (m)."""
+        """Return (elements, bodies): whether an element may touch a body after a move by ``margin`` (m)."""
         if self.around is None:
             return _NOTHING
         if self._seen:

@@ -21,9 +21,9 @@ def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Kinds:
 
 
 def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Kinds], ...]:
-    """Which kernels a rope of ``scene`` may need that hangs between these ``ends``.
+    """Return the kernels that a rope of ``scene`` between these ``ends`` may need: fidelity, and kinds of the element.
 
-    Those of a rope on which nothing acts, on every fidelity, are among them: whoever imports it may set other data.
+    Plain kernels of every fidelity are among them, since an importer of the FMU may set other data.
     """
     chosen = choose_fidelity(scene, ends).fidelity
     higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]

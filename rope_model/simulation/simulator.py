@@ -31,7 +31,7 @@ from rope_model.simulation.ends.misfit import follow_account
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import Fidelity, choose_fidelity, unsupported_motion
 from rope_model.simulation.mesh.adaptation import raise_fidelity
-from rope_model.simulation.mesh.partition import Partition, fit_mesh, partition
+from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
 from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.model import RopeModel, ends_of
@@ -80,7 +80,7 @@ class RopeSimulator(BalanceRope):
     def __init__(self, scene: Scene, bundle: Path | None = None) -> None:
         try:
             self._mesh = fit_mesh(scene)
-            elements = partition(self._mesh, scene.rope.length, 0.5 * scene.rope.length).lengths.size
+            elements = mesh_elements(scene)
         except ValueError as error:
             if scene.mesh.kind != "auto":
                 raise
@@ -201,7 +201,7 @@ class RopeSimulator(BalanceRope):
         try:
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
-            cells = partition(self._mesh, rope.length, self.model.bottom(paths, t))
+            cells = partition(self._mesh, rope.length, self.model.bottom(paths, t), self.model.faced(paths, t))
             guess = hanging_guess(cells.nodes_s, *ends)
             rest = np.zeros_like(guess)
             state = RopeState(

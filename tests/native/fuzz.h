@@ -248,12 +248,7 @@ static void set_small(Instance c, unsigned which) {
     for (k = 0; k < INTEGERS; k++) {
         unsigned vr = reference(INTEGER_NAMES[k]);
         one[0] = integers[k];
-        if (MODEL_VARIABLES[vr].length == 1) CALL(api_set(c, MODEL_VARIABLES[vr].kind, vr, reals, one, 1));
-    }
-    if (MODEL_VARIABLES[reference("mesh.counts[1]")].length == 5) { /* an array in FMI 3 */
-        int64_t counts[5];
-        for (k = 0; k < 5; k++) counts[k] = integers[1 + k];
-        CALL(api_set(c, KIND_INTEGER, reference("mesh.counts[1]"), reals, counts, 5));
+        CALL(api_set(c, MODEL_VARIABLES[vr].kind, vr, reals, one, 1));
     }
     one[0] = 1;
     CALL(api_set(c, KIND_BOOLEAN, reference("inputs_at_step_end"), reals, one, 1));

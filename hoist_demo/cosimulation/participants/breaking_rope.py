@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, Reader
 from hoist_demo.parameters import GRAVITY
@@ -82,6 +83,10 @@ class BreakingRope:
     def whole(self) -> BalanceRope | None:
         """The rope until it breaks."""
         return self._rope.whole if self._pieces is None else None
+
+    def data(self) -> RopeData:
+        """Identity of the rope."""
+        return self._rope.data()
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self._pieces, self._ends = None, (left, right)

@@ -33,13 +33,14 @@ from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
+from hoist_demo.cosimulation.participants.library_calls import TEXT, Access, access
 from hoist_demo.parameters.quantity import Value
 
 CallError = FMICallException  #: A call that the FMU answers with discard, error or fatal.
 
 WARNING = 1  #: Status of a message that fails no call; those of errors are larger, in both versions.
 
-_DISCARD = 2
+DISCARD = 2  #: Status of a step that is not done.
 
 _CLOSED = "the FMU is closed, its memory is gone: read from it before close(), or load it anew"
 
@@ -54,8 +55,9 @@ class Buffer(NamedTuple):
     """Values that are read from or written to an FMU again and again."""
 
     names: Sequence[str]
-    call: Callable[[], Any]  # fills `values`, or passes them on
-    values: NDArray[Any]
+    call: Callable[[], Any]  # fills the first row of `values`, or passes it on
+    values: NDArray[Any]  # (rows, names)
+    access: Access  # the same for C, with any row
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +73,7 @@ class Instance(ABC):
     _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
     _fmpy_module: Any
     _prefix: str  #: Of the names in C.
+    _standard: str  #: One of STANDARDS.
     _enumeration: str  #: Type whose functions get and set enumerations.
     _tells_lengths: bool  #: Whether getters and setters are told the number of the values.
     _do_step: Callable[[], None]
@@ -121,18 +124,27 @@ class Instance(ABC):
         self._t.value, self._h.value = t, h
         self._do_step()
 
-    def buffer(self, what: Literal["Get", "Set"], variables: Sequence[Variable]) -> Buffer:
+    def buffer(self, what: Literal["Get", "Set"], variables: Sequence[Variable], rows: int = 1) -> Buffer:
         """Return a reusable buffer for all elements of variables of one type."""
-        kind, number = variables[0].type, sum(len(v.elements) for v in variables)
-        type_ = self._enumeration if kind == "Enumeration" else kind
-        values = (getattr(self._fmpy_module, f"{self._prefix}{type_}") * number)()
-        call = self._access(f"{what}{type_}", variables, values)
-        return Buffer([name for v in variables for name in v.elements], call, np.ctypeslib.as_array(values))
+        names = [name for v in variables for name in v.elements]
+        type_ = self._enumeration if variables[0].type == "Enumeration" else variables[0].type
+        kept = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
+        values = np.zeros((rows, len(names)), kept)
+        references = (c_uint32 * len(variables))(*(v.reference for v in variables))
+        function, rope = self._function(f"{what}{type_}"), self._fmu.component
+        call = self._access(f"{what}{type_}", references, values.ctypes.data_as(c_void_p), len(names))
+        if type_ == "String":
+            text = self.text(variables[0])
+
+            def call() -> None:
+                values[0, 0] = text()
+
+        return Buffer(names, call, values, access(self._standard, function, rope, references, values))
 
     def text(self, variable: Variable) -> Callable[[], str]:
         """A function that reads a String."""
         values = (c_char_p * 1)()
-        call = self._access("GetString", [variable], values)
+        call = self._access("GetString", (c_uint32 * 1)(variable.reference), values, 1)
 
         def read() -> str:
             call()
@@ -140,9 +152,20 @@ class Instance(ABC):
 
         return read
 
-    def _access(self, name: str, variables: Sequence[Variable], values: Any) -> Callable[[], None]:
-        references = (c_uint32 * len(variables))(*(v.reference for v in variables))
-        length = [c_size_t(len(values))] if self._tells_lengths else []
+    @property
+    def stepping(self) -> Access:
+        """The function that steps."""
+        return access(self._standard, self._function("DoStep"), self._fmu.component, (c_uint32 * 0)(), np.zeros((0, 0)))
+
+    def name_in_c(self, name: str) -> str:
+        """Name of a function in its library."""
+        return self._prefix + name
+
+    def _function(self, name: str) -> Any:
+        return self._fmu.dll[self.name_in_c(name)]
+
+    def _access(self, name: str, references: Any, values: Any, number: int) -> Callable[[], None]:
+        length = [c_size_t(number)] if self._tells_lengths else []
         return self._checked(name, references, c_size_t(len(references)), values, *length)
 
     def _checked(self, name: str, *arguments: Any) -> Callable[[], None]:
@@ -150,15 +173,14 @@ class Instance(ABC):
 
         The arguments have their types of C, which a function without a prototype takes as they are, in half the time.
         """
-        name = f"{self._prefix}{name}"
-        call: Callable[[], int] = partial(self._fmu.dll[name], c_void_p(self._fmu.component), *arguments)
+        call: Callable[[], int] = partial(self._function(name), c_void_p(self._fmu.component), *arguments)
 
         def checked() -> None:
             if self._loaded is None:
                 raise RuntimeError(_CLOSED)
             status = call()
             if status > WARNING:
-                raise CallError(name, status)
+                raise CallError(self.name_in_c(name), status)
 
         return checked
 
@@ -213,6 +235,7 @@ class Instance(ABC):
 
 class _Instance2(Instance):
     _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
+    _standard = "FMI2"
     _tells_lengths = False
 
     def _instantiate(self) -> None:
@@ -236,6 +259,7 @@ class _Instance2(Instance):
 
 class _Instance3(Instance):
     _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
+    _standard = "FMI3"
     _tells_lengths = True
 
     def _instantiate(self) -> None:
@@ -250,7 +274,7 @@ class _Instance3(Instance):
     def step(self, t: float, h: float) -> None:
         super().step(t, h)
         if self._ended.value:  # succeeds here, and is a discarded step in FMI 2.0
-            raise CallError("fmi3DoStep", _DISCARD)
+            raise CallError("fmi3DoStep", DISCARD)
 
 
 VERSIONS: Mapping[str, type[Instance]] = dict(zip(FMI_VERSIONS, (_Instance2, _Instance3), strict=True))

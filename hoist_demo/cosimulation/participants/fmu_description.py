@@ -137,7 +137,10 @@ class Fmu(NamedTuple):
 def read_fmu(path: Path) -> Fmu:
     """Model description of an FMU that this host can drive."""
     if not path.is_file():
-        raise ValueError(f"FMU '{path}' is missing: export it with `balance-rope export --out {path}`")
+        raise ValueError(
+            f"FMU '{path}' is missing: `balance-rope export --native --platform host --out {path}` makes it, and needs "
+            "a C compiler; without --native --platform host it needs none, and its rope is slower"
+        )
     return _read(*version_of(path))
 
 

@@ -19,12 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, CallError, Instance
+from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
 from hoist_demo.cosimulation.participants.fmu_description import Variable, parameters_of, read_fmu, unpacked, version_of
+from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.recording.fidelity import FIDELITY, code_of
+from hoist_demo.recording.fidelity import FIDELITY
 from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
@@ -101,29 +102,57 @@ class FmuRope:
 
     def reader(self, names: Sequence[str]) -> Reader:
         """A function that reads some outputs, and the fidelity by its code; arrays are read whole."""
-        asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
-        parts = list[tuple[Callable[[], Any], NDArray[Any], NDArray[np.intp], NDArray[np.intp]]]()
-        for type_ in {v.type for v in asked if v.kind in _NUMBERS}:
-            buffer = self._fmu.buffer("Get", [v for v in asked if v.type == type_])
-            places = {name: k for k, name in enumerate(buffer.names)}
-            there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
-            parts.append((buffer.call, buffer.values, there, here))
-        fidelity = names.index(FIDELITY) if FIDELITY in names and FIDELITY in self._variables else None
-        read_fidelity = None if fidelity is None else self._fmu.text(self._variables[FIDELITY])
-        found = np.full(len(names), np.nan)
+        buffers, values = self._outputs(names, 1)
 
         def read() -> NDArray[np.float64]:
             try:
-                for get, values, there, here in parts:
-                    get()
-                    found[here] = values[there]
-                if read_fidelity is not None:
-                    found[fidelity] = code_of(read_fidelity())
+                for buffer in buffers:
+                    buffer.call()
             except CallError as error:
                 raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
-            return found.copy()
+            found: NDArray[np.float64] = values(1)[0]
+            return found
 
         return read
+
+    def library(self) -> RopeLibrary:
+        """Return the FMU's functions for trip.c."""
+        valid = None if self._valid is None else self._valid.access
+        return RopeLibrary(self._fmu.stepping, self._motions.access, self._table, self._status_of, valid)
+
+    def _table(self, names: Sequence[str], rows: int) -> Table:
+        buffers, values = self._outputs(names, rows)
+        return Table([buffer.access for buffer in buffers], values)
+
+    def _outputs(self, names: Sequence[str], rows: int) -> tuple[list[Buffer], Callable[[int], NDArray[np.float64]]]:
+        """Buffers of outputs by type, and a function that puts their first rows in the order of the names."""
+        asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
+        known = [v for v in asked if v.kind in _NUMBERS or v.name == FIDELITY]
+        parts = []
+        for type_ in dict.fromkeys(v.type for v in known):
+            buffer = self._fmu.buffer("Get", [v for v in known if v.type == type_], rows)
+            places = {name: k for k, name in enumerate(buffer.names)}
+            there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
+            parts.append((buffer, there, here))
+
+        def values(count: int) -> NDArray[np.float64]:
+            found = np.full((count, len(names)), np.nan)
+            for buffer, there, here in parts:
+                kept = buffer.values[:count, there]
+                found[:, here] = codes_of(kept) if kept.dtype == TEXT else kept
+            return found
+
+        return [buffer for buffer, _, _ in parts], values
+
+    def _status_of(self, call: str, status: int) -> Status:
+        """Return the status of a step that has failed in one of its calls, which C has made."""
+        names = {"MOTIONS": f"Set{self._variable(f'{ENDS[0]}.{INPUTS[0]}').type}", "STEP": "DoStep"}
+        if call in names:
+            return self._failure_status(CallError(self._fmu.name_in_c(names[call]), status))
+        try:
+            return self._status()
+        except CallError as error:
+            return self._failure_status(error)
 
     def data(self) -> RopeData:
         """Identity of the rope: its file, and all parameters with their values."""
@@ -200,7 +229,7 @@ class FmuRope:
             raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
-        self._motions.values[...] = *vars(left).values(), *vars(right).values()
+        self._motions.values[0] = *vars(left).values(), *vars(right).values()
         self._motions.call()
 
     def _status(self) -> Status:
@@ -208,7 +237,7 @@ class FmuRope:
         if self._valid is None:
             return _VALID
         self._valid.call()
-        return _VALID if self._valid.values[0] else Status(False, self._text("status.message"))
+        return _VALID if self._valid.values[0, 0] else Status(False, self._text("status.message"))
 
     def _text(self, name: str) -> str:
         """A String output; "" where there is none."""

@@ -101,6 +101,10 @@ class HoistPartner:
         left, right = self.outputs[_ASIDE].tolist() if self.plant.hoist.play is not None else _AT_REST
         return _end(left, y_left, v_left, a_left), _end(right, y_right, v_right, a_right)
 
+    def arrive(self, state: PlantState, acting: Vector, shown: Vector) -> None:
+        """Go on where C has brought the drive, under an input and with OUTPUTS."""
+        self.state, self.input, self._shown, self._done = state, acting, shown, None
+
     def save(self) -> tuple[PlantState, Vector]:
         return self.state, self.input
 

@@ -8,14 +8,16 @@ from __future__ import annotations
 import logging
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from ctypes import c_int, create_string_buffer
 from dataclasses import replace
 from importlib.metadata import version
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, access, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
 from hoist_demo.parameters.quantity import Value
@@ -42,11 +44,15 @@ _TAG = b"rope in process\n"
 class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
-    def __init__(self, scene: Scene, read: Collection[str] | None = None) -> None:
-        """`read` are the outputs that a run records; None: all but the added masses, which are dear."""
+    def __init__(self, scene: Scene, read: Collection[str] | None = None, name: str = "") -> None:
+        """`read` are the outputs that a run records; None: all but the added masses, which are dear.
+
+        `name` is that of one of several ropes, whose warnings begin with it.
+        """
         self._rope = balance_rope(scene)
         self._recorded = SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
         self._warned: set[str] = set()  # subjects of what was logged
+        self._whose = f"{name}: " if name else ""
 
     @property
     def whole(self) -> BalanceRope:
@@ -65,7 +71,7 @@ class InProcessRope:
         for subject, text in self._rope.warnings().items() if status.valid else ():
             if subject not in self._warned:
                 self._warned.add(subject)
-                _log.warning("%s", text)
+                _log.warning("%s%s", self._whose, text)
         return status
 
     def data(self) -> RopeData:
@@ -89,6 +95,44 @@ class InProcessRope:
             return found
 
         return values
+
+    def library(self) -> RopeLibrary | None:
+        """Return the native rope's functions for trip.c; None for the rope in Python."""
+        native: Any = self._rope
+        if native.form != "native":
+            return None
+        lib, rope, warnings, text = native.library
+        ends = np.zeros((1, 2 * len(EndMotion.__dataclass_fields__)))
+
+        def table(names: Sequence[str], rows: int) -> Table:
+            places = [k for k, name in enumerate(names) if name in SIGNALS]
+            fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
+            numbers = (c_int * len(places))(*([*SIGNALS].index(names[k]) for k in places))
+            values, texts = np.zeros((rows, len(places))), np.zeros((rows, len(fidelities)), TEXT)
+            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] * bool(places)
+            accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] * bool(fidelities)
+
+            def read(count: int) -> NDArray[np.float64]:
+                found = np.full((count, len(names)), np.nan)
+                found[:, places], found[:, fidelities] = values[:count], codes_of(texts[:count])
+                return found
+
+            return Table(accesses, read)
+
+        def went_on() -> None:
+            self._log_warnings(native.done(True))
+
+        none = (c_int * 0)()
+        return RopeLibrary(
+            access("NATIVE", lib.rope_advance_to, rope, none, ends),
+            access("NATIVE", lib.rope_advance_to, rope, none, ends),
+            table,
+            lambda call, _: native.done(call != "STEP"),
+            warning=lib.rope_warning,
+            told=create_string_buffer(warnings),
+            text=text,
+            heard=went_on,
+        )
 
     def save(self) -> Snapshot:
         """The state, which nothing changes."""

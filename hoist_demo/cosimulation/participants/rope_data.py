@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import get_args
 
+from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level, Scene, at_level
 from rope_model.scene_names import choices_of, named_parameters
@@ -50,6 +51,18 @@ class RopeData:
     parameters: Mapping[str, Value]
     units: Mapping[str, str]  # as FMI spells them, "1" for a pure number
     fidelity_reason: str = ""  # why the fidelity runs that runs
+    name: str = ""  # of one of several; its signals begin with it
+    place: Place = field(default_factory=Place)
+    breaks: tuple[float, float] | None = None  # when, s, and where, m along the rope from its left end
+
+    @property
+    def prefix(self) -> str:
+        """Beginning of the names of its signals and of its parameters, where there are several ropes."""
+        return f"{self.name}." if self.name else ""
+
+    def whose(self, words: str) -> str:
+        """Return words on the rope, with its name where there are several."""
+        return f"{words}, {self.name}" if self.name else words
 
     @property
     def torque_free(self) -> bool:
@@ -76,3 +89,6 @@ class RopeData:
             if all(self.parameters.get(name) == value for name, value in wanted.items()):
                 return str(level)
         return ""
+
+
+UNKNOWN = RopeData({}, {}, {})  #: A rope of which nothing is known.

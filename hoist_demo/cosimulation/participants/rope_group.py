@@ -18,6 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
 from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
 from rope_model import Account, BalanceRope, EndMotion, Neighbours, Status
@@ -38,6 +39,9 @@ class WholeRope(RopePlant, Protocol):
     @property
     def whole(self) -> BalanceRope | None:
         """The rope; None once it is broken."""
+
+    def data(self) -> RopeData:
+        """Identity of the rope for the reports."""
 
 
 @dataclass(frozen=True)

@@ -186,9 +186,13 @@ class Pair:
     def step_rope(self, t: float, h: float, motion: InterfaceMotion) -> str:
         """Advance the rope from t to t + h [s], where the motion holds; "" or the cause why not."""
         with self._clock:
-            forces = answer(self.rope.step(t, h, *self.drive.ends(motion)), self._read)
-            self._forces = None if isinstance(forces, str) else forces
-            return f"rope, step from t = {t:.6g} s: {forces}" if isinstance(forces, str) else ""
+            return self.rope_stepped(t, self.rope.step(t, h, *self.drive.ends(motion)))
+
+    def rope_stepped(self, t: float, status: Status) -> str:
+        """Take what the rope answers to a step from t [s]; "" or the cause why it is of no use."""
+        forces = answer(status, self._read)
+        self._forces = None if isinstance(forces, str) else forces
+        return f"rope, step from t = {t:.6g} s: {forces}" if isinstance(forces, str) else ""
 
     def step(self, t: float, h: float, load: Load) -> str:
         """Both over one step: the rope follows the motion that the drive makes under the load."""
@@ -244,7 +248,7 @@ class Pair:
         """
         (force, mean), (work, place) = self.forces(), self._before
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
-        made = self.drive.work() - work - float(mean.dot(self.drive.place() - place))
+        made = self.drive.work() - work - float((mean * (self.drive.place() - place)).sum())
         return memory._replace(
             samples=(*memory.samples, sample)[-KEPT:], exchanges=memory.exchanges + 1, residual=memory.residual + made
         )

@@ -98,24 +98,29 @@ MOST_COLUMNS, ROPE_ROWS = 240, 160  #: Size of each picture.
 MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
 
 
-def along(recording: Recording) -> dict[str, object]:
-    """Pictures of what was recorded along a rope whose curve is known, and a note of what was not."""
+def along(recording: Recording, name: str) -> dict[str, object]:
+    """Pictures of what was recorded along a rope whose curve is known, and a note of what was not.
+
+    `name` is that of one of several ropes.
+    """
     rows = frames(len(recording.time), MOST_COLUMNS)
     places = [arc_length(curve) for row in rows if (curve := recording.shape_at(row)) is not None]
     length = max(float(place[-1]) for place in places)
     maps, missing = [], []
-    for name, title, unit, factor in MAPS:
-        values = recording.along(name)
+    for quantity, title, unit, factor in MAPS:
+        values = recording.along(quantity)
         if values is None:
-            missing.append(f"shape.{name}")
+            missing.append(f"shape.{quantity}")
             continue
         if bool(np.isnan(values).all()):  # the fidelity of the rope's model leaves it out
             continue
         picture = factor * over_length(values[rows], places, length)
-        kept = {"id": name, "title": title, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
+        titled = f"{title}, {name}" if name else title
+        kept = {"id": quantity, "title": titled, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
         maps.append(kept | {"values": pack(picture, "u8")})
     note = MISSING.format(" and ".join(missing)) if missing else ""
-    return {"length": length, "rows": ROPE_ROWS, "columns": len(rows), "maps": maps, "note": note}
+    size = {"length": length, "rows": ROPE_ROWS, "columns": len(rows), "span": recording.time[[0, -1]].tolist()}
+    return {"maps": [one | size for one in maps], "note": note}
 
 
 def arc_length(curve: Array) -> Array:

@@ -6,7 +6,6 @@ console and not a hidden dependence.
 
 from __future__ import annotations
 
-import base64
 import json
 import math
 import re
@@ -61,15 +60,6 @@ def write(path: Path, text: str) -> Path:
     """Write a page; the same text gives the same bytes on every system."""
     path.write_text(text, encoding="utf-8", errors="replace", newline="\n")
     return path
-
-
-def picture(title: str, png: Path) -> str:
-    """A titled picture, in the page itself."""
-    data = base64.b64encode(png.read_bytes()).decode("ascii")
-    return (
-        f'<h2>{html_text(title)}</h2>\n<img src="data:image/png;base64,{data}" alt="{html_text(title)}" '
-        'style="max-width: 100%">'
-    )
 
 
 def table(title: str, rows: Sequence[Row]) -> str:

@@ -19,22 +19,22 @@ def tables(data: Mapping[str, object], statuses: Mapping[str, str]) -> list[Tabl
     return [(title, rows(part, f"{title.lower()}.", statuses)) for title, part in data.items()]
 
 
-def rope_tables(rope: RopeData, level: str, fidelities: Sequence[str], statuses: Mapping[str, str]) -> list[Table]:
+def rope_tables(rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str, str]) -> list[Table]:
     """Return tables of the balance rope's source, of the fidelity computed, and of all its parameters."""
     ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
     head += [
-        ("level of accuracy", level or "of none by name; see solver, mesh and model", ""),
+        ("level of accuracy", rope.level or "of none by name; see solver, mesh and model", ""),
         ("fidelity that ran", ran, ""),
     ]
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
     parameters: list[Row] = [
-        (name, word(rope.display(name)), unit_text(unit), statuses.get(name, ""))
+        (name, word(rope.display(name)), unit_text(unit), statuses.get(f"{rope.prefix}{name}", ""))
         for name in rope.parameters
         for unit in (rope.units.get(name, ""),)
     ]
-    return [("Balance rope", head), ("Parameters of the balance rope", parameters)]
+    return [(rope.whose("Balance rope"), head), (rope.whose("Parameters of the balance rope"), parameters)]
 
 
 def word(value: object) -> str:

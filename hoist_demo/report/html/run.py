@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from hoist_demo.cosimulation.participants.rope_data import RopeData
+from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip
 from hoist_demo.recording.passages import FAR
-from hoist_demo.recording.time_series import ALONG_ROPE, TIME, Array, Recording
+from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.time_series import TIME, Array, Recording, is_along
 from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.packing import along
@@ -24,39 +25,25 @@ MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolv
 
 MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 
-NONE_KNOWN = RopeData({}, {}, {})  #: A rope of which nothing is known.
-
-NO_PICTURES: Mapping[str, Path] = {}
-
 SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
 
 
 def run_report(
-    result: Result,
-    hoist: Hoist,
-    report: Report,
-    path: Path,
-    rope: RopeData = NONE_KNOWN,
-    pictures: Mapping[str, Path] = NO_PICTURES,
+    result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (UNKNOWN,)
 ) -> Path:
     """Write the report of a run to `path`: verdict, pictures, and the rest.
 
-    `rope` has the shaft that is drawn; `pictures` are PNG files by what they show.
-    Same run, same bytes but the clock's.
+    `ropes` have the shaft that is drawn. Same run, same bytes but the clock's.
     """
     numbers = "".join(
         page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in found])
         for group in dict.fromkeys(row.group for row in report.rows)
         for found in ([row for row in report.rows if row.group == group],)
     )
-    body = page.fill(
-        "run.html",
-        numbers=numbers,
-        pictures="".join(page.picture(*item) for item in pictures.items()),
-        given="".join(page.table(*table) for table in report.given),
-    )
-    data = _data(result, hoist, rope.locked)
-    data |= {"shaft": drawn_shaft(rope.parameters, result.recording), "open": report.verdict.when}
+    given = "".join(page.table(*table) for table in report.given)
+    body = page.fill("run.html", numbers=numbers, given=given)
+    data = _data(result, hoist, ropes)
+    data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
     return page.write(path, page.render("run", report.title, body, _verdict(report.verdict, report.changed), scripts))
 
@@ -78,17 +65,18 @@ def _verdict(verdict: Verdict, changed: parameter_tables.Table) -> str:
     return "".join(parts)
 
 
-def _data(result: Result, hoist: Hoist, locked: Collection[str]) -> dict[str, object]:
+def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, object]:
     """All that the scripts read; a run without a recorded row leaves the numbers of its end only."""
-    recording = result.recording
+    recording, of_ropes = result.recording, [rope.name for rope in ropes]
     if not recording.signals:
         return {"time": None}
     start, extra = float(recording.time[0]), panels.derived_signals(recording, hoist)
     known = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
-    names = [name for name in known if name != TIME and not name.startswith(ALONG_ROPE)]
+    names = [name for name in known if name != TIME and not is_along(name)]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
-    shown = panels.panels(recording, hoist)
+    shown = panels.panels(recording, hoist, of_ropes)
+    drawn = [(rope, own) for rope in ropes if _drawn(own := of_rope(recording, rope.name))]
     return {
         "time": packing.pack_to(packing.thin_times(recording.time, MOST_TIMES), 1e-4),
         # a run that stopped at once has one row, and an axis needs a length
@@ -96,12 +84,14 @@ def _data(result: Result, hoist: Hoist, locked: Collection[str]) -> dict[str, ob
         "signals": signals,
         "panels": [_panel(panel, recording) for panel in shown],
         "marks": [{"t": mark.t, "label": mark.label} for mark in panels.marks(result)],
-        "transformations": panels.transformations(recording),
-        "slips": {end: panels.slips(recording, end) for end in ("left", "right")},
+        "transformations": panels.transformations(recording, of_ropes),
+        "slips": {end: panels.slips(recording, end, of_ropes) for end in ("left", "right")},
         "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
-        "locked": list(locked),
+        "locked": ropes[0].locked,
+        "alike": hoist.tail_rope_number,
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
-        **_curve(recording),
+        "ropes": [_curve(own, rope) for rope, own in drawn],
+        "along": [along(own, rope.name) for rope, own in drawn],
     }
 
 
@@ -131,19 +121,23 @@ def _panel(panel: panels.Panel, recording: Recording) -> dict[str, object]:
     }
 
 
-def _curve(recording: Recording) -> Mapping[str, object]:
-    """The rope's curve at its frames, and what is known along it; both null when no curve was recorded."""
-    rows = packing.frames(len(recording.time), MOST_FRAMES)
-    shapes = [recording.shape_at(row) for row in rows]
-    curves = np.array([shape for shape in shapes if shape is not None])
-    if curves.size == 0 or not bool(np.all(np.isfinite(curves))):
-        return {"rope": None, "along": None}
-    rope = {
+def _drawn(own: Recording) -> bool:
+    """Return True if the rope's curve was recorded and computed."""
+    shapes = [shape for row in (0, -1) if (shape := own.shape_at(row)) is not None]
+    return bool(shapes) and bool(np.isfinite(shapes).all())
+
+
+def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
+    """The rope's curve at its frames, in the shaft, and where its ends are from the conveyances' centres."""
+    rows = packing.frames(len(own.time), MOST_FRAMES)
+    curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.place.origin
+    return {
+        "name": rope.name,
+        "places": [rope.place.at(end) for end in ("left", "right")],
         "points": curves.shape[1],
-        "t": packing.pack_to(recording.time[rows], 1e-4),
+        "t": packing.pack_to(own.time[rows], 1e-4),
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},
     }
-    return {"rope": rope, "along": along(recording)}
 
 
 Drawn = Mapping[str, object]

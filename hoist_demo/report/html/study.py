@@ -34,7 +34,7 @@ _FIRST = ("judged", "within", "excess", "slip_safety", "clearance", "loop_turns"
 
 @dataclass(frozen=True)
 class Judgement:
-    """What a study finds best, and what it remarks on."""
+    """Best choice of a study, and its remarks."""
 
     metrics: Sequence[str] = ()  # that it judges by
     choices: Sequence[int] = ()  # number of each run's choice; none: each is its own
@@ -154,10 +154,10 @@ def _passed(table: pd.DataFrame) -> str:
     return f"In {_listed(runs)} the rope passed into or through something, the status says what." if runs else ""
 
 
-def _listed(runs: Sequence[int], most: int = 8) -> str:
-    """Numbers of runs, the first of many."""
-    more = f" and {len(runs) - most} more" if len(runs) > most else ""
-    return ("run " if len(runs) == 1 else "runs ") + ", ".join(map(str, runs[:most])) + more
+def _listed(runs: Sequence[int]) -> str:
+    """Return the numbers of the first eight runs, and how many more there are."""
+    more = f" and {len(runs) - 8} more" if len(runs) > 8 else ""
+    return ("run " if len(runs) == 1 else "runs ") + ", ".join(map(str, runs[:8])) + more
 
 
 def _early(table: pd.DataFrame) -> str:

@@ -31,11 +31,11 @@ static int dynamic_equilibrium(Simulator *rope, State *state, double time, doubl
 }
 
 /* how Newton's method ended */
-static int on_partition(Simulator *rope, State *state, int direction) {
+static int on_partition(Simulator *rope, State *state, int direction, const double *faced) {
     const Arrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
-    partition_transform(&state->pattern, direction, m.elements, m.lengths);
+    partition_transform(&state->pattern, direction, faced, m.elements, m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     if (state->fidelity == RIGID) /* its shape and energies do not come from the mesh */
         return CONVERGED;
@@ -56,10 +56,13 @@ static int on_partition(Simulator *rope, State *state, int direction) {
 }
 
 int transform_if_due(Simulator *rope, State *state) {
+    const double bottom = model_bottom(rope, state, state->t);
+    double faced[PLACES_FACED];
     int direction, status = CONVERGED;
-    while (status == CONVERGED &&
-           (direction = (int)transformation_due(&state->pattern, model_bottom(rope, state, state->t), DUE_EARLY)))
-        status = on_partition(rope, state, direction);
+    model_faced(rope, state, state->t, faced);
+    while (status == CONVERGED && ((direction = (int)transformation_due(&state->pattern, bottom, DUE_EARLY)) != 0 ||
+                                   window_due(&state->pattern, faced)))
+        status = on_partition(rope, state, direction, faced);
     return status;
 }
 

@@ -68,19 +68,36 @@ static int longest_of(const double *lengths, int stride, int count) {
     return found;
 }
 
-/* both legs from their ends on; what another place of the loop would ask for halves the longest elements; gives the
-   number of the left leg's */
-static int legs(int first, int last, double growth, int elements, double *left, double *right) {
+/* whether element k of this leg, from its end on, is in a window */
+static int in_window(const int *windows, int side, int k) {
+    for (int i = side; i < PLACES_FACED; i += 2)
+        if (0 <= k - windows[i] && k - windows[i] < WINDOW) return 1;
+    return 0;
+}
+
+/* element k of so many is divided evenly */
+static void divide(double *lengths, int stride, int count, int k, int parts) {
+    const double each = lengths[(ptrdiff_t)stride * k] / parts;
+    for (int i = count - 1; i > k; i--) lengths[(ptrdiff_t)stride * (i + parts - 1)] = lengths[(ptrdiff_t)stride * i];
+    for (int i = k; i < k + parts; i++) lengths[(ptrdiff_t)stride * i] = each;
+}
+
+/* both legs from their ends on; those to spare refine all but the outermost, first those of the windows, then the
+   longest; gives the number of the left leg's */
+static int legs(int first, int last, double growth, int elements, const int *windows, double *left, double *right) {
     int counts[2] = {leg(first, growth, left, 1), leg(last, growth, right, -1)};
-    for (int spare = elements - counts[0] - counts[1]; spare > 0; spare--) {
+    int spare = elements - counts[0] - counts[1];
+    for (int side = 0; side < 2; side++)
+        for (int k = counts[side] - 1; k > 0; k--)
+            if (spare >= WINDOW_PARTS - 1 && in_window(windows, side, k)) {
+                divide(side ? right : left, side ? -1 : 1, counts[side], k, WINDOW_PARTS);
+                counts[side] += WINDOW_PARTS - 1;
+                spare -= WINDOW_PARTS - 1;
+            }
+    for (; spare > 0; spare--) {
         int i = longest_of(left, 1, counts[0]), j = longest_of(right, -1, counts[1]);
         int side = i == 0 || (j > 0 && right[-j] > left[i]);
-        double *lengths = side ? right - j : left + i;
-        int stride = side ? -1 : 1;
-        for (int k = counts[side] - (side ? j : i); k > 0; k--)
-            lengths[(ptrdiff_t)stride * k] = lengths[(ptrdiff_t)stride * (k - 1)];
-        lengths[0] *= 0.5;
-        lengths[stride] = lengths[0];
+        divide(side ? right : left, side ? -1 : 1, counts[side], side ? j : i, 2);
         counts[side]++;
     }
     return counts[0];
@@ -91,7 +108,7 @@ static double outer_of(const Mesh *mesh, double length) {
     return rint(length / mesh->coarse_length - inner_length(mesh->counts));
 }
 
-int partition_elements(const Mesh *mesh, double length, char *message) {
+int partition_elements(const Mesh *mesh, double length, const double *faced, char *message) {
     message[0] = '\0';
     if (mesh->kind == EEM) {
         require_in_bounds(mesh, message); /* what 'auto' asks for may be too much */
@@ -104,6 +121,7 @@ int partition_elements(const Mesh *mesh, double length, char *message) {
     double growth = mesh->grading_length / (length / (outer + inner_length(mesh->counts)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
+    for (int i = 0; i < PLACES_FACED; i++) elements += isfinite(faced[i]) ? WINDOW * (WINDOW_PARTS - 1) : 0;
     if (elements > (double)MOST_ELEMENTS) return say_too_many_elements(message, elements, MOST_ELEMENTS);
     return (int)elements;
 }
@@ -153,13 +171,29 @@ static void tmn(const Pattern *pattern, int elements, double *lengths) {
     }
 
     double *left = lengths + ends[0], *right = lengths + elements - 1 - ends[1];
-    fill_inner(counts, left + legs(first, last, growth, both, left, right));
+    fill_inner(counts, left + legs(first, last, growth, both, pattern->windows, left, right));
     end(levels, longest[0], lengths, 1);
     end(levels, longest[1], lengths + elements - 1, -1);
     for (int k = 0; k < elements; k++) lengths[k] *= coarse;
 }
 
-void partition(const Mesh *mesh, double length, double bottom, int elements, Pattern *pattern, double *lengths) {
+void faced_by(const Scene *scene, double left, double right, double *faced) {
+    faced_places(scene, left, right, faced);
+    for (int i = 0; scene->mesh.kind != AUTO_MESH && i < PLACES_FACED; i++) faced[i] = INFINITY;
+}
+
+static void place_windows(Pattern *pattern, const double *faced) {
+    for (int i = 0; i < PLACES_FACED; i++) pattern->windows[i] = (int)rint(window_place(pattern, faced[i]));
+}
+
+int window_due(const Pattern *pattern, const double *faced) {
+    for (int i = 0; pattern->coarse > 0 && i < PLACES_FACED; i++)
+        if (fabs(window_place(pattern, faced[i]) - pattern->windows[i]) > WINDOW_DUE) return 1;
+    return 0;
+}
+
+void partition(const Mesh *mesh, double length, double bottom, const double *faced, int elements, Pattern *pattern,
+               double *lengths) {
     memset(pattern, 0, sizeof *pattern);
     if (mesh->kind == EEM) {
         for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
@@ -175,11 +209,13 @@ void partition(const Mesh *mesh, double length, double bottom, int elements, Pat
     pattern->counts[0] = (int)first;
     for (int k = 0; k < SEGMENTS - 2; k++) pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
+    place_windows(pattern, faced);
     tmn(pattern, elements, lengths);
 }
 
-void partition_transform(Pattern *pattern, int direction, int elements, double *lengths) {
+void partition_transform(Pattern *pattern, int direction, const double *faced, int elements, double *lengths) {
     pattern->counts[0] += direction;
     pattern->counts[SEGMENTS - 1] -= direction;
+    place_windows(pattern, faced);
     tmn(pattern, elements, lengths);
 }

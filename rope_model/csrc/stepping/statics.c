@@ -6,7 +6,6 @@
 #include "messages.h"
 
 enum { MAX_ITERATIONS = 10000 };
-#define TOLERANCE 1e-11
 /* m, or rad */
 #define LARGEST_MOVE 0.3
 
@@ -70,7 +69,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         memcpy(m.q, trial, bytes);
         memcpy(m.reaction, R, bytes);
         balanced += force <= rounding;
-        if (balanced > BALANCED || (tau > 1e8 && norm < TOLERANCE * m.s[m.elements])) {
+        if (balanced > BALANCED || (tau > 1e8 && norm < REST_TOLERANCE * m.s[m.elements])) {
             state->offsets[RIGHT] += turned;
             clamp_force(&s, m.q, -1, m.reaction);
             return 1;

@@ -60,7 +60,7 @@ Axis = tuple[float, float, float]
 
 
 class Following(NamedTuple):
-    """Last input of an end, its way of following, and its faults since the start; y alone shows the causes."""
+    """State of an end that follows: latest input, filtered motion, misfits so far, and signs in y of their cause."""
 
     given: tuple[float, float, float, float, float, float, float, float, float, float, float, float, float] = (
         0.0,
@@ -74,10 +74,7 @@ class Following(NamedTuple):
     speed: float = 0.0  # m/s
     acceleration: float = 0.0  # m/s^2
     squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
-    wave: tuple[float, float] = (
-        0.0,
-        0.0,
-    )  # m/s^2, of the leg's slowest axial wave, now and a quarter of a period later
+    wave: tuple[float, float] = (0.0, 0.0)  # m/s^2, of the leg's slowest axial wave, now and a quarter period later
     lag: float = 0.0  # m/s^2, of an estimated acceleration of y behind the true one
     force: float = 0.0  # N^2 s, time integral of the square of the end force's error
     drift: float = 0.0  # m, slow part of the misfit of y
@@ -207,7 +204,7 @@ def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
-    """Signs in a new sample of a grid of positions, and of a table with linear interpolation."""
+    """Return the fields that count signs of rounded positions, and of a table that is interpolated linearly."""
     fits: Any = 0.0
     for grid in reversed(GRIDS):
         place = end.y / grid
@@ -249,7 +246,7 @@ def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
 def _followed(
     w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
 ) -> tuple[Any, ...]:
-    """The quintic of one coordinate from x, v, a on, over the step ``h``."""
+    """Return the quintic of one coordinate over the step ``h``, from x, v, a to the observer's state."""
     given_place, given_speed, acceleration = motion
     place, speed = quintic.extrapolate(given_place, given_speed, acceleration, ahead)
     beyond = beyond_linear(h, (x, v), (asked, acceleration), (place, speed), lively, jerk)
@@ -266,7 +263,7 @@ def _followed(
 
 
 class Sampled(NamedTuple):
-    """Place and speed that a sample has beyond a motion of linear acceleration, and the parts of them that fit."""
+    """Misfit of a sample against a motion of linear acceleration, and the shares of it that a consistent motion has."""
 
     farther: Any
     faster: Any
@@ -277,9 +274,9 @@ class Sampled(NamedTuple):
 def beyond_linear(
     h: Any, start: tuple[Any, Any], accelerations: tuple[Any, Any], sample: tuple[Any, Any], lively: Any, jerk: float
 ) -> Sampled:
-    """The place and speed of a ``sample`` after a step ``h`` from ``start`` on.
+    """Compare place and speed of a ``sample`` with linear acceleration over the step ``h`` from ``start`` on.
 
-    What changes of the acceleration within the step explain fits.
+    A change of the acceleration within the step explains a part of the misfit; ``jerk`` bounds its rate.
     """
     (x, v), (before, after), (place, speed) = start, accelerations, sample
     change = abs(after - before)
@@ -294,9 +291,9 @@ def beyond_linear(
 
 
 def _explained(misfit: Any, most: Any) -> Any:
-    """The part of a misfit that a motion which fits may have: all up to ``most``, none from twice that on.
+    """Return the share of a misfit that a consistent motion explains: 1 up to ``most``, 0 from twice that on.
 
-    Continuous: masters that look for events vary the step.
+    It is continuous, since masters that look for events vary the step.
     """
     return smaller(larger(2.0 - abs(misfit) / most, 0.0), 1.0)
 

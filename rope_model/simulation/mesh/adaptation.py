@@ -14,7 +14,7 @@ from rope_model.simulation.ends.ends import right_offset
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.fidelity import lowest_sufficient
 from rope_model.simulation.mesh.mesh_pattern import DUE_EARLY, transformation_due
-from rope_model.simulation.mesh.partition import Partition, transform
+from rope_model.simulation.mesh.partition import Partition, transform, window_due
 from rope_model.simulation.mesh.transfer import transfer_fields
 from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.fidelity_rules import carries_torque
@@ -32,8 +32,10 @@ RELAXATION_TIME = 0.1
 
 def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
     """The state on the transformed mesh when the loop has travelled far enough, or why there is none."""
-    while direction := transformation_due(state.partition, model.bottom(state.paths, state.motion.t), DUE_EARLY):
-        transformed = _on_partition(model, state, transform(state.partition, direction))
+    t = state.motion.t
+    bottom, faced = model.bottom(state.paths, t), model.faced(state.paths, t)
+    while (direction := transformation_due(state.partition, bottom, DUE_EARLY)) or window_due(state.partition, faced):
+        transformed = _on_partition(model, state, transform(state.partition, direction, faced))
         if isinstance(transformed, str):
             return transformed
         state = transformed

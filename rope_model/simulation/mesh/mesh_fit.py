@@ -5,7 +5,7 @@ as long as the error of its place at rest allows, which grows with the second po
 with the sixth when they are short (physics.accuracy); docs/promise.md shows the errors kept.  Segment IV covers the
 bend, its decay above, and the way to the next transformation.  The elements next to the clamped ends resolve the
 bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a divider may press
-a leg all elements are short enough for the blow.
+a leg all elements are short enough for the waves of its blow, and half as long where they face it.
 
 `python -m evidence.mesh_rule` fits the basis of the constants.
 """
@@ -95,18 +95,29 @@ def pumped_grading(scene: Any) -> Any:
     return g * (share * share) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
+def faced_places(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
+    """Return (8,): distances (m) along the rope from its ends, at these heights, to where each divider may press a leg.
+
+    Left and right leg by turns; infinite where the divider does not hold the leg, or hangs far from it.
+    """
+    shaft, half = scene.shaft, 0.5 * scene.layout.spacing
+    return tuple(
+        where(_may_press(scene, divider, leg), height - divider.y, math.inf)
+        for divider in (shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4)
+        for leg, height in ((-half, left), (half, right))
+    )
+
+
+def _may_press(scene: Any, divider: Any, leg: Any) -> Any:
+    gap = abs(leg * cos(divider.direction) - divider.offset) - 0.5 * divider.size
+    near = both(divider.size > 0, gap < REACH * scene.layout.spacing)
+    return both(scene.shaft.contact.stiffness > 0, near)
+
+
 def pressed_length(scene: Any) -> Any:
-    """The longest element that may face a divider, m; infinite where none is near that holds the rope."""
-    shaft = scene.shaft
-    dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
-    pressed = both(shaft.contact.stiffness > 0, either(*(_is_near(scene, divider) for divider in dividers)))
+    """The longest element of a rope with a leg that a divider may press, m; infinite where there is none."""
+    pressed = either(*(place < math.inf for place in faced_places(scene, 0.0, 0.0)))
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
-
-
-def _is_near(scene: Any, divider: Any) -> Any:
-    leg = 0.5 * scene.layout.spacing * cos(divider.direction)
-    gap = smaller(abs(leg - divider.offset), abs(leg + divider.offset)) - 0.5 * divider.size
-    return both(divider.size > 0, gap < REACH * scene.layout.spacing)
 
 
 def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
@@ -132,7 +143,7 @@ def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(of, coarse)))
     fine = _fine_count(of, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
-    equal = where(short, larger(ceil(length / smaller(of.fine, longest)), 8.0), 0.0)
+    equal = where(short, larger(ceil(length / smaller(of.fine, 0.5 * longest)), 8.0), 0.0)
     end_levels = sum((less(of.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(of.end, coarse))
     grading = where(longest < math.inf, 0.0, of.grading)  # no elements of I and VII joined
     return FittedMesh(equal, coarse, fine, end_levels, grading)

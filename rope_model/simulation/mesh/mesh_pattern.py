@@ -9,11 +9,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rope_model.physics.elementary import either, floor, less, where
+from rope_model.physics.elementary import either, floor, larger, less, smaller, where
 from rope_model.simulation.mesh.mesh_fit import DUE
 
 #: m, for rounding: a transformation is made where it is due by this less
 DUE_EARLY = 1e-7
+#: l of a leg that are refined where it faces a divider, and elements of each.  A blow that rises within four delays of
+#: mesh_fit.BLOW goes 4/pi l along the rope; WINDOW_DUE l off, more than half and the way between two transformations,
+#: the window moves
+WINDOW, WINDOW_PARTS, WINDOW_DUE = 6, 3, 1.6
 
 
 def fine_share(counts: Any) -> Any:
@@ -45,6 +49,12 @@ def pattern_centre(pattern: Any) -> Any:
 def distance_to_due(pattern: Any, bottom: Any) -> Any:
     """Distance (m) of the loop past the limit; negative when no transformation is due or possible."""
     return _past_limit(pattern, bottom - pattern_centre(pattern))
+
+
+def window_place(pattern: Any, place: Any) -> Any:
+    """Where the window about ``place`` (m from the end) would begin, in l, on the rope or just beyond."""
+    beyond = pattern.counts[0] + pattern.counts[6] + inner_length(pattern.counts[1:6])
+    return smaller(larger(place / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
 
 
 def _past_limit(pattern: Any, offset: Any) -> Any:

@@ -19,24 +19,31 @@ long, is shorter than l; unresolved, it leans the whole leg.  And the pattern go
 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
 waves of a swaying leg travel at sqrt(g x).  An element may be as long as sqrt(``grading_length`` x).  Their number, the
 same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
+
+Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from rope_model.parameters import MOST_ELEMENTS, Mesh, Scene
-from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
+from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_places, fit_elements
 from rope_model.simulation.mesh.mesh_pattern import (
+    WINDOW,
+    WINDOW_DUE,
+    WINDOW_PARTS,
     fewest_outer,
     fine_share,
     inner_length,
     pattern_centre,
     relative_lengths,
+    window_place,
 )
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
@@ -47,6 +54,8 @@ LATEST = 0.25
 #: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
 #: nearer to segments II to VI than GRADING (m - 1) l
 LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
+#: places of dividers on a rope that none may press
+NOWHERE = (math.inf,) * 8
 
 
 @dataclass(frozen=True)
@@ -56,6 +65,7 @@ class Partition:
     ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved
     ``end_levels`` times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.
     Where I or VII has fewer than one, the end cuts off as many l of the other segments.
+    ``windows`` begin so many l from the ends, in the order of mesh_fit.faced_places; those of none are beyond the rope.
     """
 
     lengths: Array
@@ -63,6 +73,7 @@ class Partition:
     coarse: float = 0.0
     end_levels: int = 0
     grading_length: float = 0.0
+    windows: tuple[int, ...] = (0,) * len(NOWHERE)
 
     @property
     def nodes_s(self) -> Array:
@@ -99,8 +110,19 @@ def fit_mesh(scene: Scene) -> Mesh:
     )
 
 
-def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
-    """The partition of a rope of ``length`` whose loop hangs at arc length ``bottom``."""
+def faced_by(scene: Scene, left: float, right: float) -> Sequence[float]:
+    """mesh_fit.faced_places on the mesh that suits the rope; nowhere on one that is given."""
+    return faced_places(scene, left, right) if scene.mesh.kind == "auto" else NOWHERE
+
+
+def mesh_elements(scene: Scene) -> int:
+    """Number of elements of the scene's rope; ValueError where the mesh does not fit it."""
+    length = scene.rope.length
+    return int(partition(fit_mesh(scene), length, 0.5 * length, faced_by(scene, 0.0, 0.0)).lengths.size)
+
+
+def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] = NOWHERE) -> Partition:
+    """The partition of a rope of ``length`` with its loop at arc length ``bottom``, and dividers where ``faced``."""
     if mesh.kind == "auto":
         raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
     if mesh.kind == "eem":
@@ -113,36 +135,51 @@ def partition(mesh: Mesh, length: float, bottom: float) -> Partition:
         raise ValueError(messages.too_few_lengths(inner * mesh.coarse_length, length))
     coarse = length / (outer + inner)
     elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
+    elements += WINDOW * (WINDOW_PARTS - 1) * int(np.isfinite(faced).sum())
     if elements > MOST_ELEMENTS:
         raise ValueError(messages.too_many_elements(elements, MOST_ELEMENTS))
     least = fewest_outer(mesh.counts)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), least, outer - least))
-    return _tmn((first, *mesh.counts, int(outer) - first), coarse, mesh.end_levels, mesh.grading_length)
+    counts = (first, *mesh.counts, int(outer) - first)
+    return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), faced)
 
 
-def transform(old: Partition, direction: float) -> Partition:
-    """The partition after one transformation, ``direction`` +1 when the loop travels to the right, else -1."""
+def transform(old: Partition, direction: float, faced: Sequence[float] = NOWHERE) -> Partition:
+    """The partition after one transformation: ``direction`` +1 when the loop travels to the right, -1 to the left.
+
+    The windows follow the dividers.
+    """
     first, last = old.counts[0] + int(direction), old.counts[6] - int(direction)
-    return _tmn((first, *old.counts[1:6], last), old.coarse, old.end_levels, old.grading_length)
+    return _tmn(replace(old, counts=(first, *old.counts[1:6], last)), faced)
 
 
-def _tmn(counts: tuple[int, ...], coarse: float, end_levels: int, grading_length: float) -> Partition:
+def window_due(pattern: Partition, faced: Sequence[float]) -> bool:
+    """Whether a window is so far from its divider that it moves without the loop."""
+    return pattern.coarse > 0 and any(
+        abs(window_place(pattern, place) - window) > WINDOW_DUE
+        for place, window in zip(faced, pattern.windows, strict=True)
+    )
+
+
+def _tmn(pattern: Partition, faced: Sequence[float]) -> Partition:
+    """``pattern`` with its windows where dividers are ``faced``, and with the lengths of its elements."""
+    counts, coarse, levels = pattern.counts, pattern.coarse, pattern.end_levels
     inner = np.repeat(relative_lengths(counts[1:6]), counts[1:6])
     first, last = max(counts[0], 1), max(counts[6], 1)
     # rest of II to VI within the ends of the rope
     shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
     kept = shares[shares > 0.0]
-    growth, fine = grading_length / coarse, fine_share(counts[1:6])
+    growth, fine = pattern.grading_length / coarse, fine_share(counts[1:6])
     # where the pattern is cut off the loop bends the rope up to its end
     for longest in (fine, 1.0):
-        ends = [_end(end_levels, longest if n < 1 else 1.0) for n in counts[::6]]
-        elements = _leg_elements(counts[0] + counts[6], growth) + inner.size - kept.size
-        elements -= sum(end.size - end_levels - 1 for end in ends)
+        ends = [_end(levels, longest if n < 1 else 1.0) for n in counts[::6]]
+        elements = pattern.lengths.size - kept.size - sum(end.size - 1 for end in ends)
         if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
             break
-    left, right = _legs(first, last, elements, growth)
+    windows = tuple(round(window_place(pattern, place)) for place in faced)
+    left, right = _legs(first, last, elements, growth, windows)
     lengths = np.concatenate((ends[0], left[1:], kept, right[:0:-1], ends[1][::-1]))
-    return Partition(coarse * lengths, counts, coarse, end_levels, grading_length)
+    return replace(pattern, lengths=coarse * lengths, windows=windows)
 
 
 def _end(levels: int, longest: float) -> Array:
@@ -177,10 +214,21 @@ def _leg_elements(units: int, growth: float) -> int:
     return max(counts[k] + counts[units - k] for k in range(1, units))
 
 
-def _legs(first: int, last: int, elements: int, growth: float) -> tuple[list[float], list[float]]:
-    """Both legs from their ends on, of so many elements in all: those to spare halve the longest but the outermost."""
+def _legs(
+    first: int, last: int, elements: int, growth: float, windows: tuple[int, ...]
+) -> tuple[list[float], list[float]]:
+    """Both legs from their ends on, of so many elements in all: those to spare refine all but the outermost.
+
+    First those of the windows, then the longest.
+    """
     both = _leg(first, growth), _leg(last, growth)
-    for _ in range(elements - len(both[0]) - len(both[1])):
+    spare = elements - len(both[0]) - len(both[1])
+    for side, leg in enumerate(both):
+        for k in range(len(leg) - 1, 0, -1):
+            if spare >= WINDOW_PARTS - 1 and any(0 <= k - window < WINDOW for window in windows[side::2]):
+                leg[k : k + 1] = [leg[k] / WINDOW_PARTS] * WINDOW_PARTS
+                spare -= WINDOW_PARTS - 1
+    for _ in range(spare):
         leg = max(both, key=lambda leg: max(leg[1:], default=0.0))
         k = len(leg) - 1 - leg[::-1].index(max(leg[1:]))  # the one nearest the loop
         leg[k : k + 1] = [0.5 * leg[k]] * 2

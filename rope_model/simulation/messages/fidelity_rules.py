@@ -1,4 +1,4 @@
-"""Which fidelity of the model serves, and why, as far as numbers tell: for simulation.fidelity and its C."""
+"""Rules that decide which fidelity of the model serves, and why; for simulation.fidelity and its C."""
 
 from __future__ import annotations
 

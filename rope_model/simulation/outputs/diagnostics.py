@@ -185,9 +185,9 @@ def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float
     return along
 
 
-def observation_points(q: Array, bottom: Array, above: float = 3.0) -> Array:
-    """(2, 7): r, r', theta on the left and right leg at the height ``above`` (m) the lowest point (3 in the source)."""
+def observation_points(q: Array, bottom: Array) -> Array:
+    """Return (2, 7): r, r', theta on the left and right leg, 3 m above the lowest point as in the source."""
     i = int(np.argmin(q[:, 1]))
-    height = bottom[1] + above
+    height = bottom[1] + 3.0
     legs = q[i::-1], q[i:]
     return np.array([[np.interp(height, leg[:, 1], leg[:, k]) for k in range(7)] for leg in legs])

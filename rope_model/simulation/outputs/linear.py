@@ -1,9 +1,18 @@
-"""Small motions x (7 of each node) of a rope about a rest, from exact derivatives of the element's residual R.
+"""Small motions x (7 of each node) of a rope at rest or in steady flow, from derivatives of the element's residual R.
 
     M a + D v + K x = f ,   y = Cq x + Cv v + Ca a ,   K = dR/dq ,  D = dR/dv ,  M = dR/da + node masses .
 
 f are the forces of the conveyances on the end nodes.  Unlike the tangent of Newton's method these have the parts
 without energy: Qk, and air that blows.
+
+Flow: the left end rises at the speed w, the right one sinks, and the rope flows through a loop that stands still.  The
+rope's velocity is -w r' and its acceleration w^2 r''; its tension is higher by rho w^2.  Nodes slide along the rope at
+the speed S, which is w about the loop and falls linearly to 0 at the ends.  Small motions of the nodes then obey
+
+    (M a - 2 G v - H x) + D (v - S P x) + K x = f ,   G = int rho S N^T N' ,  H = int rho S^2 N'^T N' ,
+
+with K at the flowing rope and P x the derivative of x along the rope at the nodes.  The lengths of the legs are frozen,
+and the flow is left out of the inertia of spin.
 """
 
 from __future__ import annotations
@@ -16,10 +25,11 @@ import casadi as ca
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
 
-from rope_model.physics.element import NODE_DOF
+from rope_model.physics.element import NODE_DOF, PARAMETERS
 from rope_model.physics.frame import conveyance_load
-from rope_model.physics.hermite import bend, node_values
+from rope_model.physics.hermite import GAUSS, bend, node_values
 from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.messages.fidelity_rules import not_plumb
@@ -33,6 +43,8 @@ from rope_model.simulation.stepping.hang import equilibrium_in_frame
 #: outputs of an end, and of the loop
 _LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 _LOOP = ("x", "y", "z", "yaw")
+#: most corrections of the shape at rest to that in flow, and the last one's size [m, rad]
+_CORRECTIONS, _CORRECTED = 50, 1e-7
 
 
 @dataclass(frozen=True)
@@ -52,13 +64,13 @@ class LinearRope:
     maps: tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]
 
 
-def linear_rope(rope: Evaluated) -> LinearRope:
-    """Return the small motions of a rope at rest.
+def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
+    """Return the small motions of a rope at rest, or of one through which its left end winds at the speed [m/s].
 
     Raises
     ------
     ValueError
-        If it has no torsion, an end that is not plumb, or touches a body.
+        If it has no torsion, an end that is not plumb, touches a body, or finds no steady flow.
     """
     system, motion = rope.system, rope.state.motion
     q, n = motion.q, system.lengths.size
@@ -68,23 +80,61 @@ def linear_rope(rope: Evaluated) -> LinearRope:
         raise ValueError("both ends must be plumb for a linear model: set attachment = 'plumb'")
     if system.longest_near(q) > 0.0:
         raise ValueError("the rope at rest touches a body in the shaft and has no linear model there: choose a height")
-    rest = np.zeros_like(q)
-    frames, P = system.element_data(q, rest)
-    both, none = np.hstack((q[:-1], q[1:])).T, np.zeros((2 * NODE_DOF, n))
-    parts = _derivatives(system.kernels.kinds).map(n)(
-        both, none, none, system.lengths[None, :], frames.T, np.tile(P[:, None], n)
-    )
-    K, D, M = (assembled(np.asarray(part), n) for part in parts)
+    nodes_s, lengths = arc_lengths(system.lengths), system.lengths[None, :]
+    derivatives, rho = _derivatives(system.kernels.kinds).map(n), float(system.P[PARAMETERS.index("rho")])
+    along = _along(system.lengths)
+
+    def evaluated(q: Array) -> tuple[Array, tuple[sp.csc_matrix, ...]]:
+        """R and its derivatives where the rope flows through q."""
+        v = -speed * (along @ q.ravel()).reshape(q.shape)
+        frames, P = system.element_data(q, v)
+        sides = (np.hstack((x[:-1], x[1:])).T for x in (q, v, np.zeros_like(q)))
+        R, *parts = derivatives(*sides, lengths, frames.T, np.tile(P[:, None], n))
+        blocks, R_nodes = np.asarray(R).reshape(2, NODE_DOF, n), np.zeros_like(q)
+        R_nodes[:-1] += blocks[0].T
+        R_nodes[1:] += blocks[1].T
+        return R_nodes, tuple(assembled(np.asarray(part), n) for part in parts)
+
+    def flow(speeds: Array) -> tuple[sp.csc_matrix, sp.csc_matrix]:
+        """G and H of nodes that slide."""
+        G, H = (np.asarray(x) for x in _flow().map(n)(lengths, np.vstack((speeds[:-1], speeds[1:]))))
+        return assembled(rho * G, n), assembled(rho * H, n)
+
+    R, (K, D, M) = evaluated(q)
+    reaction = motion.reaction
+    if speed:
+        free, through = system.free.ravel(), flow(np.full(n + 1, speed))[1]
+        for _ in range(_CORRECTIONS):
+            missing = (R - (through @ q.ravel()).reshape(q.shape) - system.load).ravel()[free]
+            change = np.zeros(q.size)
+            tangent = (K - speed * D @ along - through).tocsc()
+            change[free] = splu(tangent[free][:, free]).solve(missing)
+            q = q - change.reshape(q.shape)
+            R, (K, D, M) = evaluated(q)
+            if np.abs(change).max() < _CORRECTED:
+                break
+        else:
+            raise ValueError(f"speed = {speed:g} m/s must leave the rope a steady flow: take a lower one")
+        pulled = np.zeros_like(q)
+        pulled[0, :3], pulled[-1, :3] = -q[0, 3:6], q[-1, 3:6]
+        reaction = R - (through @ q.ravel()).reshape(q.shape) + rho * speed**2 * pulled - system.load
+        apart = float(np.linalg.norm(q[-1, :3:2] - q[0, :3:2]))
+        slide = np.interp(
+            nodes_s, [0.0, rope.loop.s - apart, rope.loop.s + apart, nodes_s[-1]], [0.0, *[speed] * 2, 0.0]
+        )
+        G, H = flow(slide)
+        K = (K - D @ sp.diags(np.repeat(slide, NODE_DOF)) @ along - H).tocsc()
+        D = (D - 2 * G).tocsc()
+    both = np.hstack((q[:-1], q[1:])).T
     M = (M + sp.diags(system.node_mass.ravel())).tocsc()
     rows, values = [], []
     for node in (0, n):
         mine = slice(NODE_DOF * node, NODE_DOF * (node + 1))
-        found = _end_load()(q[node], motion.reaction[node])
+        found = _end_load()(q[node], reaction[node])
         by_q, by_f, at_rest = (np.asarray(part) for part in found)
         here = sp.csr_matrix(np.eye(NODE_DOF * (n + 1))[mine])
         rows.append([by_q @ here + by_f @ K[mine], by_f @ D[mine], by_f @ M[mine]])
         values.append(at_rest.ravel())
-    nodes_s = arc_lengths(system.lengths)
     i = min(int(np.searchsorted(nodes_s, rope.loop.s, side="right")) - 1, n - 1)
     l = float(system.lengths[i])
     by_q, at_rest = (np.asarray(x) for x in _loop()(both[:, i], (rope.loop.s - nodes_s[i]) / l, l))
@@ -110,11 +160,39 @@ def let_turn(rope: RopeSimulator) -> None:
 
 @cache
 def _derivatives(kinds: Kinds) -> Any:
-    """(q, v, a, l, F, P) -> dR/dq, dR/dv, dR/da of one element."""
+    """(q, v, a, l, F, P) -> R, dR/dq, dR/dv, dR/da of one element."""
     residual = rope_element("torsional", kinds).residual
     x = [ca.SX.sym(f"x{k}", residual.size1_in(k)) for k in range(residual.n_in())]
     R = residual(*x)
-    return ca.Function("derivatives", x, ca.cse([ca.densify(ca.jacobian(R, x[k])) for k in range(3)]))
+    return ca.Function("derivatives", x, ca.cse([R, *(ca.densify(ca.jacobian(R, x[k])) for k in range(3))]))
+
+
+def _along(lengths: Array) -> sp.csr_matrix:
+    """P: derivatives along the rope of r, r' and theta at the nodes, means of both sides."""
+    l, q = ca.SX.sym("l"), ca.SX.sym("q", 2 * NODE_DOF)
+    sides = []
+    for node in (0, 1):
+        slope = [q[NODE_DOF * node + k] for k in (3, 4, 5)]
+        bends = [bend(node, l, *(q[j + k] for j in (0, 3, 7, 10))) for k in range(3)]
+        sides += [*slope, *bends, (q[13] - q[6]) / l]
+    parts = ca.Function("along", [l], [ca.densify(ca.jacobian(ca.vertcat(*sides), q))]).map(lengths.size)(
+        lengths[None, :]
+    )
+    share = np.full(NODE_DOF * (lengths.size + 1), 0.5)
+    share[:NODE_DOF] = share[-NODE_DOF:] = 1.0
+    return sp.csr_matrix(sp.diags(share) @ assembled(np.asarray(parts), lengths.size))
+
+
+@cache
+def _flow() -> Any:
+    """(l, S of both nodes) -> int S N^T N' and int S^2 N'^T N' of one element, without theta."""
+    l, S, q = ca.SX.sym("l"), ca.SX.sym("S", 2), ca.SX.sym("q", 2 * NODE_DOF)
+    G, H = ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF)
+    for xi, weight in GAUSS:
+        B = ca.jacobian(ca.vertcat(*node_values(xi, l, ca.vertsplit(q))[:6]), q)
+        N, N_s, speed = B[:3, :], B[3:, :], (1 - xi) * S[0] + xi * S[1]
+        G, H = G + weight * l * speed * (N.T @ N_s), H + weight * l * speed**2 * (N_s.T @ N_s)
+    return ca.Function("flow", [l, S], [ca.densify(G), ca.densify(H)])
 
 
 @cache

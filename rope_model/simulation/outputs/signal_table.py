@@ -105,7 +105,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
     yield (
         "status.contact_error",
         Signal(
-            "1", "estimated RMS error of the bodies' pressure by the mesh while they press, relative to the largest"
+            "1", "estimated RMS error of the bodies' pressure by mesh and steps as they press, relative to the largest"
         ),
     )
     for name, unit in (("position", "m"), ("speed", "m/s"), ("acceleration", "m/s2")):

@@ -29,6 +29,8 @@ from rope_model.physics.hanging import hanging_shape, node_row
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
+#: last full Newton correction in ``system.norm``, over the rope's length
+REST_TOLERANCE = 1e-11
 #: s: pseudo-time steps beyond leave no inertia that matters
 SETTLED = 1e3
 #: corrections with forces balanced to rounding, after which what still moves costs no energy; tau takes at most 51 from
@@ -38,7 +40,7 @@ _QA, _QK = PARAMETERS.index("Qa"), PARAMETERS.index("Qk")
 
 
 class StaticsError(RuntimeError):
-    """No equilibrium found, after so many ``corrections``; ``turned``: for it turned too far on the way there."""
+    """No equilibrium after so many ``corrections``; ``turned`` says that the rope turned too far on the way."""
 
     def __init__(self, message: str, corrections: int = 0, turned: bool = False) -> None:
         super().__init__(message)
@@ -59,17 +61,11 @@ class Equilibrium:
 
 
 def find_equilibrium(
-    system: RopeSystem,
-    guess: Array,
-    t: float = 0.0,
-    tolerance: float = 1e-11,
-    max_iterations: int = 10000,
-    most_turn: float = math.inf,
+    system: RopeSystem, guess: Array, t: float = 0.0, max_iterations: int = 10000, most_turn: float = math.inf
 ) -> Equilibrium:
     """Equilibrium near ``guess`` (nodes, 7), whose angles count along it, the ends held by the system as at ``t``.
 
-    ``tolerance`` is for the last full Newton correction in ``system.norm`` relative to the rope's length.  The search
-    ends without success where its ``turn`` exceeds ``most_turn`` (rad).
+    The search ends without success where its ``turn`` exceeds ``most_turn`` (rad).
     """
     q = np.where(system.free, guess, system.prescribed_motion(t)[0])
     rest = np.zeros_like(q)
@@ -110,14 +106,14 @@ def find_equilibrium(
             break
         system, q, reaction = system.with_reference(trial), trial, following
         balanced += force <= rounding
-        if balanced > BALANCED or (tau > 1e8 and system.norm(x) < tolerance * scale):
+        if balanced > BALANCED or (tau > 1e8 and system.norm(x) < REST_TOLERANCE * scale):
             return Equilibrium(q, reaction - system.clamp_force(q), k, turn)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
     raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > most_turn)
 
 
 def relaxation(change: Any, last: Any) -> Any:
-    """Part of a correction to be made, from the ``change`` of the squared error by the one before, of which ``last``.
+    """Return the part of a correction to take, from the ``change`` of the squared error by the part ``last`` before.
 
     The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
     """

@@ -197,8 +197,8 @@ class AlongPlot extends TimePlot {
   constructor(parent, map, times, player) {
     const panel = { id: map.id, title: map.title, unit: map.unit, group: "Stress", least: 0, height: 260, named: false };
     super(parent, panel, times, [], player);
-    this.span = [times[0], times[times.length - 1]];
-    const { rows, columns } = DATA.along, { lo, hi } = map.values, from = Math.min(0, lo);
+    this.map = map;
+    const { rows, columns } = map, { lo, hi } = map.values, from = Math.min(0, lo);
     const canvas = document.createElement("canvas");
     canvas.width = columns;
     canvas.height = rows;
@@ -213,13 +213,13 @@ class AlongPlot extends TimePlot {
   }
 
   range() {
-    return [DATA.along.length, 0]; // the left end on top
+    return [this.map.length, 0]; // the left end on top
   }
 
   drawContent(group) {
-    const box = { x: this.x(this.span[0]), y: this.y(0), preserveAspectRatio: "none", href: this.source };
-    const width = this.x(this.span[1]) - box.x;
-    add(group, "image", { ...box, width, height: this.y(DATA.along.length) - box.y });
+    const { span, length } = this.map;
+    const box = { x: this.x(span[0]), y: this.y(0), preserveAspectRatio: "none", href: this.source };
+    add(group, "image", { ...box, width: this.x(span[1]) - box.x, height: this.y(length) - box.y });
     const place = { x: -this.height / 2 + 10, y: 11, transform: "rotate(-90)", "text-anchor": "middle", class: "tick" };
     add(this.svg, "text", place, "length from the left end [m]");
   }

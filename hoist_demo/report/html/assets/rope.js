@@ -1,8 +1,10 @@
-// The rope in space: positions by interpolation between frames, parallel projection, drawn as SVG.
+// The ropes in space: positions by interpolation between frames, parallel projection, drawn as SVG.
 // X to the right, Y up, Z towards the reader of the front view. Turning is about Y first, then about the screen's x.
 
 class Curves {
   constructor(rope) {
+    this.name = rope.name;
+    this.places = rope.places;
     this.n = rope.points;
     this.t = unpack(rope.t);
     this.axes = ["x", "y", "z"].map((axis) => unpack(rope[axis]));
@@ -26,6 +28,32 @@ class Curves {
       hi = Math.max(hi, value);
     }
     return [lo, hi];
+  }
+
+  // centres of both conveyances
+  centres(points) {
+    return [points[0], points[this.n - 1]].map(([x, y, z], k) => [x - this.places[k][0], y, z - this.places[k][1]]);
+  }
+}
+
+// all ropes of a hoist
+class Ropes {
+  constructor(ropes) {
+    this.all = ropes.map((rope) => new Curves(rope));
+  }
+
+  // ropes that hang at time t, each with its points and its lowest one; at least one, for the drawing
+  at(t) {
+    const hanging = this.all.filter((rope) => t <= rope.t[rope.t.length - 1] + 1e-3);
+    return (hanging.length ? hanging : this.all.slice(0, 1)).map((rope) => {
+      const points = rope.at(t), k = lowest(points);
+      return { rope, points, k, bottom: points[k] };
+    });
+  }
+
+  spread(axis) {
+    const all = this.all.map((rope) => rope.spread(axis));
+    return [Math.min(...all.map(([lo]) => lo)), Math.max(...all.map(([, hi]) => hi))];
   }
 }
 
@@ -53,7 +81,7 @@ class RopeView {
 
   // as far away as shows the loop, and what is near it: the dividers and the lower conveyance
   show(t) {
-    const points = this.curves.at(t), [, bottom] = points[lowest(points)], { car, data } = this.shaft;
+    const [{ points, bottom: [, bottom] }] = this.curves.at(t), { car, data } = this.shaft;
     const ends = [points[0], points[points.length - 1]].map(([, y]) => y + car.above + car.height);
     const heights = [...ends, ...data.dividers.map(({ y }) => y + 0.5)].map((y) => y - bottom);
     this.across = Math.max(7, ...heights.filter((above) => above < NEAR).map((above) => 1.35 * above));
@@ -93,7 +121,7 @@ class RopeView {
   }
 
   draw(t) {
-    const points = this.curves.at(t), k = lowest(points), bottom = points[k];
+    const ropes = this.curves.at(t), [{ rope, points, bottom }] = ropes, ends = rope.centres(points);
     const svg = clear(this.svg);
     if (this.fixed) {
       this.centre = [0, (this.fixed.low + this.fixed.high) / 2, 0];
@@ -104,18 +132,19 @@ class RopeView {
       this.centre = [0, bottom[1] + 0.25 * Math.cos(this.tilt) * (this.height / this.scale), 0];
       const tall = this.height / this.scale / Math.max(0.3, Math.cos(this.tilt));
       [this.low, this.high] = [bottom[1] - 0.3 * tall, bottom[1] + tall];
-      this.drawLevels(points);
-      this.drawTrace(t);
+      this.drawLevels(ropes);
+      for (const one of ropes) this.drawTrace(t, one.rope);
     }
-    if (this.fixed) this.drawSheave(points);
-    this.shaft.draw(this, t, points);
-    for (const end of [points[0], points[points.length - 1]]) this.drawCar(end);
-    const rope = add(svg, "g", { class: "rope" });
-    add(rope, "path", { class: "left", d: this.path(points, 0, k) });
-    add(rope, "path", { class: "right", d: this.path(points, k) });
-    const [x, y] = this.project(bottom);
-    add(rope, "circle", { class: "bottom", cx: x.toFixed(2), cy: y.toFixed(2), r: this.fixed ? 2 : 3.5 });
-    this.shaft.drawContacts(this, t, points);
+    if (this.fixed) this.drawSheave(ends);
+    this.shaft.draw(this, t, ends, bottom);
+    for (const end of ends) this.drawCar(end);
+    for (const one of ropes) {
+      const drawn = add(svg, "g", { class: "rope" }), [x, y] = this.project(one.bottom);
+      add(drawn, "path", { class: "left", d: this.path(one.points, 0, one.k) });
+      add(drawn, "path", { class: "right", d: this.path(one.points, one.k) });
+      add(drawn, "circle", { class: "bottom", cx: x.toFixed(2), cy: y.toFixed(2), r: this.fixed ? 2 : 3.5 });
+    }
+    this.shaft.drawContacts(this, t, ropes);
     svg.dataset.t = t.toFixed(3);
     svg.dataset.bottom = bottom.map((value) => value.toFixed(4)).join(" ");
   }
@@ -125,9 +154,9 @@ class RopeView {
     add(this.svg, "line", { class: kind, x1: a[0].toFixed(1), y1: a[1].toFixed(1), x2: b[0].toFixed(1), y2: b[1].toFixed(1) });
   }
 
-  // level frames at fixed heights of the shaft, to see the motion against, and the plumb lines of both suspensions
-  drawLevels(points) {
-    const { low, high } = this, { values, step } = ticks(low, high, 6);
+  // level frames at fixed heights of the shaft, to see the motion against, and the plumb lines of the suspensions
+  drawLevels(ropes) {
+    const { low, high } = this, { values, step } = ticks(low, high, 6), [{ points }] = ropes;
     const half = this.shaft.walled ? this.shaft.reach : [Math.abs(points[0][0]) * 1.6, Math.max(0.3, 1.2 / this.stretch[2])];
     for (const y of values) {
       const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => this.project([a * half[0], y, b * half[1]]));
@@ -135,18 +164,18 @@ class RopeView {
       const place = { x: corners[1][0].toFixed(1), y: (corners[1][1] - 3).toFixed(1), "text-anchor": "middle" };
       if (Math.abs(this.tilt) < 1.2) add(this.svg, "text", { class: "tick", ...place }, `${tickText(y, step)} m`);
     }
-    for (const end of [points[0], points[points.length - 1]]) {
+    for (const end of ropes.flatMap((one) => [one.points[0], one.points[one.points.length - 1]])) {
       this.line([end[0], low, end[2]], [end[0], Math.min(high, end[1]), end[2]], "plumb");
     }
   }
 
-  drawTrace(t) {
-    const first = this.curves.t[0], trace = [];
+  drawTrace(t, rope) {
+    const first = rope.t[0], trace = [];
     for (let back = Math.min(3, t - first); back > 0; back -= 0.1) {
-      const points = this.curves.at(t - back);
+      const points = rope.at(t - back);
       trace.push(points[lowest(points)]);
     }
-    const here = this.curves.at(t);
+    const here = rope.at(t);
     trace.push(here[lowest(here)]);
     const d = trace.map((point) => this.project(point)).map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L");
     add(this.svg, "path", { class: "trace", d: `M${d}` });
@@ -168,12 +197,12 @@ class RopeView {
     }
   }
 
-  drawSheave(points) {
+  drawSheave(ends) {
     const { height, radius } = DATA.sheave, [x, y] = this.project([0, height, 0]);
-    for (const end of [points[0], points[points.length - 1]]) {
+    for (const end of ends) {
       this.line([end[0], end[1] + this.shaft.car.above + this.shaft.car.height, 0], [end[0], height, 0], "head-rope");
     }
-    const rx = (Math.abs(points[0][0]) || radius) * this.scale * this.stretch[0];
+    const rx = (Math.abs(ends[0][0]) || radius) * this.scale * this.stretch[0];
     add(this.svg, "ellipse", { class: "sheave", cx: x, cy: y, rx, ry: Math.max(2, radius * this.scale) });
   }
 

@@ -10,7 +10,7 @@ function start() {
 
   byId("player").hidden = byId("plots-section").hidden = false;
   const plots = makePlots(player, times, values);
-  const rope = DATA.rope ? makeRope(player, times, values) : () => {};
+  const rope = DATA.ropes.length ? makeRope(player, times, values) : () => {};
   const drawPlots = (some = plots) => {
     const width = Number(byId("window").value), [from, to] = DATA.span;
     // the plots move under the cursor, but never beyond the record
@@ -49,7 +49,7 @@ function start() {
 // what matters most: the hardest strike, else what the verdict names
 function opening(times, values) {
   let found = { force: 0, t: DATA.open ?? DATA.span[0] };
-  for (const name of Object.keys(DATA.signals).filter((each) => /^contact\.\w+$/.test(each))) {
+  for (const name of Object.keys(DATA.signals).filter((each) => /(^|\.)contact\.\w+$/.test(each))) {
     values(name).forEach((force, k) => (found = force > found.force ? { force, t: times[k] } : found));
   }
   return found.t;
@@ -60,7 +60,7 @@ function makePlots(player, times, values) {
   let group = "";
   const quiet = [];
   // behind the largest stress, or behind all when that is not drawn
-  let left = DATA.along ? DATA.along.maps : [];
+  let left = DATA.along.flatMap(({ maps }) => maps);
   const maps = () => {
     for (const map of left) {
       if (map.quiet) quiet.push(`${map.title} (${short(unpack(map.values)[0])} ${map.unit})`);
@@ -84,7 +84,8 @@ function makePlots(player, times, values) {
   maps();
   add(home, "h3", {}, "Any signal");
   plots.push(freePlot(home, player, times, values));
-  if (DATA.along && DATA.along.note) add(home, "p", { class: "hint wide", id: "along-note" }, DATA.along.note);
+  const [along] = DATA.along;
+  if (along && along.note) add(home, "p", { class: "hint wide", id: "along-note" }, along.note);
   if (quiet.length) add(home, "p", { class: "hint wide" }, `Nothing moved in: ${quiet.join("; ")}.`);
   return plots;
 }
@@ -117,7 +118,7 @@ function freePlot(home, player, times, values) {
 function makeRope(player, times, values) {
   const signal = (name, t) => (name in DATA.signals ? values(name)[indexBefore(times, t)] : NaN);
   byId("stage").hidden = byId("instants-section").hidden = false;
-  const curves = new Curves(DATA.rope), [low] = curves.spread(1), [left, right] = curves.spread(0);
+  const curves = new Ropes(DATA.ropes), [low] = curves.spread(1), [left, right] = curves.spread(0);
   const shaft = { low: low - 1, high: DATA.sheave.height + DATA.sheave.radius + 1 };
   const bodies = new Shaft(DATA.shaft, signal), loop = new RopeView(byId("loop"), curves, null, bodies);
   const slim = new RopeView(byId("overview-true"), curves, shaft, bodies);
@@ -176,7 +177,7 @@ function makeReadout(player, times, values) {
   const wanted = [
     ["conveyance.left.y", "left conveyance", "m", 1], ["conveyance.left.vy", "speed", "m/s", 1],
     ["drive.torque", "motor torque", "kN m", 1e-3], ["drive.tension_ratio", "tension ratio", "", 1],
-    ["left.fy", "pull, left", "kN", -1e-3], ["right.fy", "pull, right", "kN", -1e-3],
+    ["left.fy", "pull, left", "kN", -1e-3 * DATA.alike], ["right.fy", "pull, right", "kN", -1e-3 * DATA.alike],
     ["loop.y", "loop, lowest point", "m", 1], ["loop.x", "in plane, x", "m", 1], ["loop.z", "out of plane, z", "m", 1],
     ["loop.yaw", "yaw", "deg", 180 / Math.PI], ["loop.clearance", "clearance", "m", 1],
     ["stress.bending_max", "largest bending stress", "MPa", 1e-6],

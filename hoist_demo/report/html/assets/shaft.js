@@ -48,29 +48,31 @@ class Shaft {
     return found;
   }
 
-  // where the rope is pressed now: the drawn point that is nearest to a body of each kind whose force there is
-  contacts(t, points) {
-    const k = lowest(points), boxes = this.boxes(points[0], points[points.length - 1]), found = [];
-    for (const kind of new Set(boxes.map((box) => box.kind))) {
-      const force = this.signal(`contact.${kind}`, t);
-      if (!(force > 0)) continue;
-      let best = { distance: Infinity, point: points[0] };
-      for (const box of boxes.filter((each) => each.kind === kind)) {
-        // a conveyance is what the other leg may come near
-        const some = box.own === 0 ? points.slice(k) : box.own === 1 ? points.slice(0, k + 1) : points;
-        for (const point of some) {
-          const distance = distanceFrom(box, point);
-          if (distance < best.distance) best = { distance, point };
+  // where ropes are pressed now: the drawn point that is nearest to a body of each kind whose force there is
+  contacts(t, ropes) {
+    const found = [];
+    for (const { rope, points, k } of ropes) {
+      const boxes = this.boxes(...rope.centres(points)), named = rope.name ? `${rope.name}.` : "";
+      for (const kind of new Set(boxes.map((box) => box.kind))) {
+        const force = this.signal(`${named}contact.${kind}`, t);
+        if (!(force > 0)) continue;
+        let best = { distance: Infinity, point: points[0] };
+        for (const box of boxes.filter((each) => each.kind === kind)) {
+          // a conveyance is what the other leg may come near
+          const some = box.own === 0 ? points.slice(k) : box.own === 1 ? points.slice(0, k + 1) : points;
+          for (const point of some) {
+            const distance = distanceFrom(box, point);
+            if (distance < best.distance) best = { distance, point };
+          }
         }
+        found.push({ kind, force, point: best.point });
       }
-      found.push({ kind, force, point: best.point });
     }
     return found;
   }
 
-  draw(view, t, points) {
-    const ends = [points[0], points[points.length - 1]], low = view.fixed ? view.fixed.low : view.low;
-    const bottom = points[lowest(points)], high = view.fixed ? ends[0][1] + 1e3 : view.high;
+  draw(view, t, ends, bottom) {
+    const low = view.fixed ? view.fixed.low : view.low, high = view.fixed ? ends[0][1] + 1e3 : view.high;
     if (this.walled) this.drawLining(view, Math.max(low, this.data.floor ?? -Infinity), high);
     if (this.data.floor !== null) this.polygon(view, this.ring(this.data.floor), "floor");
     for (const box of this.boxes(...ends)) {
@@ -80,8 +82,8 @@ class Shaft {
     this.drawGuards(view, t, bottom, ends);
   }
 
-  drawContacts(view, t, points) {
-    const found = this.contacts(t, points);
+  drawContacts(view, t, ropes) {
+    const found = this.contacts(t, ropes);
     for (const { kind, force, point } of found) {
       const [x, y] = view.project(point), words = `${kind.replace("_", " ")} ${short(force)} N`;
       add(view.svg, "circle", { class: "contact", cx: x.toFixed(1), cy: y.toFixed(1), r: view.fixed ? 3 : Math.min(14, 4 + Math.log10(1 + force) * 2).toFixed(1) });

@@ -1,0 +1,165 @@
+"""Linear models of hoist and balance ropes against the nonlinear co-simulation: `python -m evidence.linear`.
+
+A small torque pulse is given twice: to the co-simulation, at rest or in the midst of a trip at constant speed, and to
+the linear model there. Ratios of Laplace transforms on Re s = SIGMA are compared up to 2 Hz, which is what shows within
+some 1 / SIGMA. In motion the response is the difference of two trips with the same torque but for the pulse.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import find_case
+from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.schemes.catalogue import find_scheme
+from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Memory, Pair, Stopwatch
+from hoist_demo.design.linearise import linearise
+from hoist_demo.design.reduction import reduced
+from hoist_demo.drive.equations import INPUT_NAMES
+from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.plant import HoistPlant
+from rope_model import EndMotion, Level
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+TORQUE = ("torque_command",)
+DRIVE = ("rate", "pull_left", "pull_right", "tension_left")
+SEEN = (*DRIVE, "left.fy", "right.fy", "loop.x", "loop.y", "loop.yaw")
+SIGMA = 0.6  #: 1/s
+GRID: Complex = np.asarray(SIGMA + 2j * np.pi * np.linspace(0.05, 2.0, 60), dtype=np.complex128)
+HEIGHTS = (0.1, 0.3, 0.5, 0.7, 0.9)
+HOISTS = ("rope-120", "rope-240", "kiruna-355", "monopol-1000")
+PULSE = 0.005  #: Of the torque limit.
+_BEFORE, _LASTS, _SETTLES = 1.2, 9.0, 3.0  #: s to the pulse's middle; 1 / SIGMA of a record; s at speed before it.
+_HARD = 1.0  #: m/s^2, mean acceleration to a speed.
+
+
+def smooth(case: Case) -> Case:
+    """Return the case without what has no derivative."""
+    guides = None if case.hoist.guides is None else replace(case.hoist.guides, coulomb=0.0)
+    return replace(case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None))
+
+
+def wavelet(t: float) -> float:
+    """Ricker's, at 1 Hz: it leaves the hoist where and as fast as it was."""
+    z = (np.pi * (t - _BEFORE)) ** 2
+    return float((1 - 2 * z) * np.exp(-z))
+
+
+@dataclass
+class Shaken:
+    """A co-simulation in open loop but for a speed loop that is recorded."""
+
+    case: Case
+    start: float  # m, height of the left conveyance
+    H: float  # s, communication step
+    level: Level = "standard"
+
+    def __post_init__(self) -> None:
+        scene = rope_data(self.case.rope, self.level)
+        solver = replace(scene.solver, step_max=min(self.H / 2, scene.solver.step_max))
+        self.rope = InProcessRope(scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional")))
+        plant, travel = HoistPlant(self.case.hoist), self.case.hoist.shaft_travel
+        heights = self.start, travel - self.start
+        status = self.rope.initialize(0.0, *(EndMotion(y=y) for y in heights))
+        if not status.valid:
+            raise ValueError(status.message)
+        forces = self.rope.reader(ROPE_FORCES)()[:2]
+        state, u = plant.equilibrium(*heights, *forces.tolist()), np.zeros(len(INPUT_NAMES))
+        u[0], u[1:3] = state.x[0], forces
+        self.held = float(u[0])
+        self.drive = HoistPartner(plant, state, u, Stopwatch())
+        self.pair, self.scheme = Pair(self.drive, self.rope), find_scheme("iterative-secant")
+        self.read, self.k = self.rope.reader(SEEN[len(DRIVE) :]), 0
+        self.memory: Memory = self.pair.start(0.0)
+
+    def step(self, torque: float) -> list[float]:
+        """Advance by H under a torque command; return SEEN before."""
+        seen = [*(float(self.drive.outputs[SHOWN[name]]) for name in DRIVE), *self.read()]
+        self.drive.command(torque, 0.0, np.zeros(6))
+        self.memory, cause = self.scheme.advance(self.pair, self.memory, self.k * self.H, self.H)
+        if cause:
+            raise RuntimeError(cause)
+        self.k += 1
+        return seen
+
+    def followed(self, speed: float, rise: float) -> float:
+        """Torque that takes the hoist to the speed [m/s] within so many seconds and keeps it there."""
+        hoist, x = self.case.hoist, min(self.k * self.H / rise, 1.0)
+        wanted, push = speed * x**3 * (10 - 15 * x + 6 * x**2), speed / rise * 30 * (x * (1 - x)) ** 2
+        error = wanted - hoist.sheave_radius * float(self.drive.outputs[SHOWN["rate"]])
+        return self.held + hoist.sheave_radius * hoist.moving_mass * (push + error)
+
+
+def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0, level: Level = "standard") -> Complex:
+    """Transfer functions (s, SEEN) of the co-simulation from the torque's command."""
+    rise, travel, steps = abs(speed) / _HARD, case.hoist.shaft_travel, round(_LASTS / s[0].real / H)
+    before = speed * (rise / 2 + _SETTLES + _BEFORE) if speed else 0.0
+    run = Shaken(case, at * travel - before, H, level)
+    while speed and run.k * H < rise + _SETTLES:
+        run.step(run.followed(speed, rise))
+    begin, saved = run.k, (run.drive.save(), run.rope.save(), run.memory)
+    torques, plain = np.full(steps, run.held), list[list[float]]()
+    for k in range(steps if speed else 0):
+        torques[k] = run.followed(speed, rise)
+        plain.append(run.step(float(torques[k])))
+    run.drive.restore(saved[0])
+    run.rope.restore(saved[1])
+    run.memory, run.k = saved[2], begin
+    given = PULSE * case.hoist.torque_limit * np.array([wavelet((k + 0.5) * H) for k in range(steps)])
+    moved = np.array([run.step(float(torque)) for torque in torques + given])
+    moved -= np.array(plain) if speed else moved[0]
+    decay = np.exp(-np.outer(s, np.arange(steps) * H))
+    # the command is held over a step, outputs go straight from one to the next; the first is 0
+    found: Complex = (decay @ moved) * H / ((decay @ given) * (1 - np.exp(-s * H)) / s)[:, None]
+    return found
+
+
+def errors(found: Complex, exact: Complex) -> tuple[Array, Array]:
+    """Largest errors (outputs,) over the grid: dB and degrees."""
+    ratio = found / exact
+    return np.abs(20 * np.log10(np.abs(ratio))).max(axis=0), np.abs(np.angle(ratio, deg=True)).max(axis=0)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the table of a few hoists."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("hoists", nargs="*", default=HOISTS)
+    parser.add_argument("--at", type=float, nargs="+", default=HEIGHTS)
+    parser.add_argument("--speed", type=float, default=0.0)
+    parser.add_argument("--sigma", type=float, default=SIGMA)
+    parser.add_argument("--states", type=int, default=17)
+    parser.add_argument("--step", type=float, default=0.005)
+    parser.add_argument("--level", default="standard")
+    options = parser.parse_args(arguments)
+    grid: Complex = np.asarray(options.sigma + 1j * GRID.imag, dtype=np.complex128)
+    print(
+        f"{'hoist':>14}{'at':>5}{'s':>6}" + "".join(f"{name:>16}" for name in (*SEEN, "small, drive")) + "  dB/degrees"
+    )
+    for name in options.hoists:
+        case = smooth(find_case(name))
+        for at in options.at:
+            begin = perf_counter()
+            (model,) = linearise(case, [at], level=options.level, speed=options.speed)
+            took = perf_counter() - begin
+            truth = shaken(case, at, grid, options.step, options.speed, options.level)
+            exact = model.selected(TORQUE, SEEN).response(grid)[:, :, 0]
+            small = reduced([model.selected(TORQUE, DRIVE[:3])], options.states).response(0, grid)[:, :, 0]
+            decibels, degrees = errors(small, truth[:, :3])
+            found = [*zip(*errors(exact, truth), strict=True), (decibels.max(), degrees.max())]
+            print(
+                f"{name:>14}{at:5.2f}{took:6.2f}" + "".join(f"{f'{a:.3f}/{b:.2f}':>16}" for a, b in found), flush=True
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,183 @@
+"""What a hoist's file leaves out and what follows from the rest, by stated rules; and values that no hoist has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+from hoist_demo.cases.case import Case, Tail
+from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
+from hoist_demo.files.values import DERIVED, Given, plain
+from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
+from hoist_demo.parameters.quantity import Value
+from rope_model import rope as catalogue_rope
+
+#: m [assumed]: length of a balance rope beyond the travel: loop, and sump below the lower landing
+TAIL_SPARE = 40.0
+#: m^2/s^2 [assumed]: EA of a head rope over its mass per length, a modulus of 110 GPa of the steel
+HEAD_ROPE_STIFFNESS = 1.3e7
+_OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
+
+
+@dataclass(frozen=True)
+class Known:
+    """What rules take: the hoist as far as it is known, its trip, and the drive's view of its balance ropes."""
+
+    hoist: Hoist
+    winding: Winding
+    tail: Hoist  # of which number, mass and length of the balance ropes are known
+
+    @property
+    def torque(self) -> float:
+        """Torque of the acceleration with the payload [N m]."""
+        hoist, (coulomb, viscous) = self.hoist, self.hoist.travel_loss
+        imbalance = GRAVITY * abs(hoist.mass_left - hoist.mass_right)
+        losses = coulomb + viscous * self.winding.speed
+        return hoist.sheave_radius * (hoist.moving_mass * self.winding.acceleration + imbalance + losses)
+
+
+class Rule(NamedTuple):
+    """What a parameter is where the file leaves it out."""
+
+    key: str
+    words: str
+    value: Callable[[Known], Value]
+
+
+LENGTH = Rule("rope.length", f"hoist.shaft_travel + {TAIL_SPARE:g} m", lambda k: k.hoist.shaft_travel + TAIL_SPARE)
+RULES = (
+    Rule("hoist.tail_rope_number", "the number of the [[rope]]s", lambda k: k.tail.tail_rope_number),
+    Rule("hoist.tail_rope_mass", "rope.mass_per_length; of unequal ropes the sum", lambda k: k.tail.tail_rope_mass),
+    Rule("hoist.tail_rope_length", "rope.length; of unequal ropes the mean by mass", lambda k: k.tail.tail_rope_length),
+    Rule("winding.travel", "hoist.shaft_travel, from landing to landing", lambda k: k.hoist.shaft_travel),
+    Rule(
+        "hoist.head_rope_mass",
+        "the balance ropes' mass per length over hoist.head_rope_number: balanced",
+        lambda k: k.hoist.tail_mass / k.hoist.head_rope_number,
+    ),
+    Rule(
+        "hoist.head_rope_stiffness",
+        f"{HEAD_ROPE_STIFFNESS:g} m2/s2 times hoist.head_rope_mass",
+        lambda k: HEAD_ROPE_STIFFNESS * k.hoist.head_rope_mass,
+    ),
+    Rule(
+        "hoist.torque_limit",
+        "1.5 times that of the acceleration with the payload: R (m a + g times the imbalance + losses)",
+        lambda k: 1.5 * k.torque,
+    ),
+    Rule("gains.speed", "3 1/s times all moving masses", lambda k: 3.0 * k.hoist.moving_mass),
+    Rule("gains.integral_time", "2 s", lambda _: 2.0),
+    Rule("gains.position", "0.5 1/s", lambda _: 0.5),
+)
+
+
+def completed(host: Mapping[str, Given], tails: Iterable[Tail], **head: Any) -> Case:
+    """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
+    host = dict(host)
+    if "hoist.shaft_travel" not in host and "winding.travel" in host:
+        deep = abs(float(host["winding.travel"].value))
+        host["hoist.shaft_travel"] = Given(deep, DERIVED, "winding.travel")
+    found = data_of(plain(host))
+    length = Given(LENGTH.value(Known(found["hoist"], found["winding"], Hoist())), DERIVED, LENGTH.words, follows=True)
+    problems, filled = list[str](), list[Tail]()
+    for k, tail in enumerate(tails, 1):
+        try:
+            filled.append(replace(tail, values={"rope.length": length, **_of_catalogue(tail), **tail.values}))
+        except ValueError as error:
+            problems.append(f"rope {k}: {error}")
+    if problems:
+        raise ValueError("\n".join(problems))
+    tails = tuple(filled)
+    drive = _drive_s_view(tails)
+    if host.get("hoist.tail_rope_number", Given(drive.tail_rope_number)).value != drive.tail_rope_number:
+        raise ValueError(
+            f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
+            "number of the [[rope]] says: leave it out"
+        )
+    for rule in RULES:
+        if rule.key not in host:
+            value = rule.value(Known(found["hoist"], found["winding"], drive))
+            host[rule.key] = Given(value, DERIVED, rule.words, follows=True)
+            found = data_of(plain(host))
+    require_trip_fits(found["hoist"], found["winding"])
+    far = dict.fromkeys(line for one in tails for line in remarks(plain({**host, **one.values})))
+    data = {name: found[name] for name in ("hoist", "winding", "gains")}
+    return Case(**head, **data, host=host, tails=tails, rope=tails[0].parameters, remarks=tuple(far))
+
+
+def _of_catalogue(tail: Tail) -> dict[str, Given]:
+    """Return what the catalogue knows of a rope; ValueError where it has none such."""
+    if not tail.construction:
+        return {}
+    diameter, lay = float(tail.parameters.get("rope.diameter", 0.0)), tail.lay
+    middle = catalogue_rope(tail.construction, diameter, lay=lay).middle  # type: ignore[arg-type]  # it checks the lay
+    source = f"catalogue, {tail.construction}, middle of its range"
+    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in _OF_CATALOGUE}
+
+
+def _drive_s_view(tails: tuple[Tail, ...]) -> Hoist:
+    """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
+    mass = rope_parameters()["rope.mass_per_length"].start
+    each = [(tail.parameters.get("rope.mass_per_length", mass), tail.parameters["rope.length"]) for tail in tails]
+    ropes = [(float(m), float(length)) for m, length in each]
+    number = sum(tail.number for tail in tails)
+    if len(tails) == 1 and not (tails[0].place or tails[0].breaks):
+        ((own, length),) = ropes
+        return Hoist(tail_rope_number=number, tail_rope_mass=own, tail_rope_length=length)
+    if number > len(tails):
+        raise ValueError("number must be 1 where ropes hang at places of their own: give each its own [[rope]]")
+    return hoist_with(Hoist(), ropes)
+
+
+def with_values(case: Case, values: Mapping[str, Value | Given]) -> Case:
+    """Return the hoist with values as if they stood in its file: what follows by rules follows anew."""
+    if not values:
+        return case
+    given = {key: one if isinstance(one, Given) else Given(one) for key, one in values.items()}
+    of_host = {key: one for key, one in given.items() if key in host_parameters()}
+    of_rope = {key: one for key, one in given.items() if key not in of_host}
+    tails = [replace(tail, values=_stated(tail.values) | of_rope) for tail in case.tails]
+    head = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
+    return completed(_stated(case.host) | of_host, tails, **head)
+
+
+def _stated(values: Mapping[str, Given]) -> dict[str, Given]:
+    return {key: one for key, one in values.items() if not one.follows}
+
+
+#: what hoists have: beyond it a value is remarked on, as one whose unit may be another
+USUAL = {
+    "hoist.payload_left": (200.0, 6e4),
+    "hoist.payload_right": (200.0, 6e4),
+    "hoist.conveyance_mass": (500.0, 8e4),
+    "hoist.conveyance_mass_right": (500.0, 8e4),
+    "hoist.sheave_mass": (500.0, 2e5),
+    "hoist.sheave_radius": (0.4, 5.0),
+    "hoist.torque_limit": (1e3, 5e6),
+    "hoist.power_limit": (1e4, 2e7),
+    "hoist.head_rope_mass": (0.3, 30.0),
+    "hoist.head_rope_stiffness": (3e6, 5e8),
+    "hoist.head_rope_length_up": (2.0, 200.0),
+    "hoist.shaft_travel": (20.0, 3500.0),
+    "winding.speed": (0.2, 25.0),
+    "winding.acceleration": (0.05, 2.0),
+    "winding.jerk": (0.05, 5.0),
+    "winding.emergency_deceleration": (0.5, 10.0),
+    "rope.length": (20.0, 3600.0),
+    "rope.mass_per_length": (0.3, 40.0),
+    "rope.diameter": (0.008, 0.12),
+    "rope.Qa": (1e6, 1e9),
+    "layout.spacing": (0.3, 8.0),
+}
+
+
+def remarks(values: Mapping[str, Value]) -> Iterable[str]:
+    """Yield a line on each value that is far from what hoists have."""
+    units = {**rope_parameters(), **host_parameters()}
+    for key, (low, high) in USUAL.items():
+        value = values.get(key)
+        if isinstance(value, float) and value != 0.0 and math.isfinite(value) and not low <= abs(value) <= high:
+            unit = units[key].unit
+            yield f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} {unit}: check its unit"

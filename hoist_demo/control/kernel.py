@@ -1,0 +1,31 @@
+"""The control law as a CasADi function, for whoever makes C of it."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+
+from hoist_demo.control.controller import Gains, SpeedController
+from hoist_demo.drive.equations import numbers_of, with_numbers
+from hoist_demo.parameters import Hoist
+
+#: What the law takes before the gains and the hoist's numbers, in their own orders.
+ARGUMENTS = ("position", "speed_asked", "acceleration", "travel", "speed", "holding_torque", "integral", "h")
+
+
+@cache
+def law_kernel(parts: Hoist) -> Any:
+    """(ARGUMENTS, Gains and hoist's numbers in one vector) -> (torque, limited, integral), of SpeedController.law.
+
+    One text for all hoists with these parts (`drive.equations.parts_of`).
+    """
+    gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
+    given, p = ca.SX.sym("given", len(ARGUMENTS)), ca.SX.sym("p", len(numbers_of(parts)))
+    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(given)
+    controller = SpeedController(with_numbers(parts, ca.vertsplit(p)), hold, SimpleNamespace(**gains))
+    found = controller.law((s, v, a), travel, speed, integral, h)
+    return ca.Function("law", [ca.vertcat(given, *gains.values(), p)], [ca.vertcat(*found)])

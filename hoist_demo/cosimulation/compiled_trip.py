@@ -1,0 +1,226 @@
+"""Samples of a trip in C, as many at a time as nobody need look at: trip.c.
+
+It takes what most trips have: the scheme gauss-seidel-1, the speed controller, head ropes that hold on the sheave, a
+rope in a library, and a C compiler. All else goes on in `host.Host`, which gives the same bits.
+"""
+
+from __future__ import annotations
+
+import math
+from ctypes import CDLL, Structure, addressof, byref, c_double, c_int, c_size_t, c_void_p, cast
+from dataclasses import astuple
+from functools import cache
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hoist_demo.control.controller import Command, ControllerState, Gains
+from hoist_demo.control.kernel import ARGUMENTS, law_kernel
+from hoist_demo.control.trajectory import Trajectory
+from hoist_demo.cosimulation.drive_signals import ROW
+from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
+from hoist_demo.cosimulation.participants.library_calls import CALLS, HEARD, STANDARDS, Access, RopeLibrary, Table
+from hoist_demo.cosimulation.run_state import RunState
+from hoist_demo.cosimulation.schemes.interface import ENDS, KEPT, ROPE_FORCES, Sample, Stopwatch
+from hoist_demo.drive import integrator, plant
+from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES, numbers_of, parts_of
+from hoist_demo.drive.outputs import OUTPUTS, SHOWN
+from hoist_demo.drive.plant import SIDE_FORCES
+from hoist_demo.parameters import Coupling, Hoist
+from rope_model import EndMotion
+from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler, generate_c
+
+_STOPS = ("WELL", "LOOK", "DRIVE", *CALLS)  #: How samples end: well, before one to be looked at, or what has failed.
+_SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
+_SPELT = {"y": "y", "vy": "v", "ay": "a"}  #: Names in OUTPUTS, where they are others.
+#: -1: a hoist has nothing that leans
+_ENDS = [SHOWN.get(f"{_SPELT.get(name, name)}_{side}", -1) for side in ENDS for name in EndMotion.__dataclass_fields__]
+_MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
+#: What trip.c takes from here for all hoists, by name.
+_NUMBERS: dict[str, float] = {
+    **{name: getattr(integrator, name) for name in ("CHUNK", "SHORTEST", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
+    "LEAST_ROPE": plant.LEAST_ROPE,
+    "KEPT": KEPT,
+    "WARNING": WARNING,
+    "DISCARD": DISCARD,
+    "INPUTS": len(INPUT_NAMES),
+    "TORQUE": INPUT_NAMES.index("torque_command"),
+    "FORCE": FORCES[0],
+    "SIDES": _SIDES.start,
+    "PHI": STATE_NAMES.index("phi"),
+    "WORKS": integrator.WORKS,
+    **{f"{name.upper()}_WORK": WORK_NAMES.index(name) for name in ENDS},
+    "OUTPUTS": len(OUTPUTS),
+    **{name.upper(): SHOWN[name] for name in ("y_left", "a_left", "pull_left", "rate")},
+    **{name.upper(): ARGUMENTS.index(name) for name in ("travel", "speed", "integral")},
+    **{name: k for names in (STANDARDS, _STOPS) for k, name in enumerate(names)},
+}
+
+
+def _fields(kind: Any, names: str) -> list[tuple[str, Any]]:
+    return [(name, kind) for name in names.split()]
+
+
+def _structure(given: int) -> type[Structure]:
+    """Trip of trip.c, where the law is given so many numbers."""
+    fields = (
+        *_fields(c_void_p, "drive z y"),
+        *_fields(c_double * given, "given"),
+        *_fields(Access, "step motions valid forces sides guard"),
+        *_fields(c_void_p, "recorded warning told text heard"),
+        *_fields(c_int, "records warnings watched per_sample per_step"),
+        *_fields(c_double, "start H period radius start_height ropes slack_tension"),
+        *_fields(c_void_p, "reference samples row"),
+        *_fields(c_size_t, "columns"),
+        *_fields(c_double, "step_next torque integral residual exchanges drive_time rope_time"),
+        *_fields(c_int, "kept steps evaluations status"),
+    )
+    return type("_Trip", (Structure,), {"_fields_": fields})
+
+
+class Reached(NamedTuple):
+    """Where samples in C have ended."""
+
+    sample: int  # that is to be recorded next
+    cause: str = ""  # why the trip cannot go on
+    within: bool = False  # whether steps before that sample are still to be done
+
+
+class CompiledTrip:
+    """The trip of a run in C; the rows of its samples and its state are the run's."""
+
+    def __init__(
+        self, run: RunState, rope: RopeLibrary, hoist: Hoist, gains: Gains, coupling: Coupling, start_height: float,
+        clocks: tuple[Stopwatch, Stopwatch], most: int,
+    ) -> None:  # fmt: skip
+        """`clocks` are the drive's and the rope's; at most so many samples are done at a time."""
+        self._run, self._rope, self._coupling, self._clocks = run, rope, coupling, clocks
+        self._drive = drive = run.drive.plant.holding
+        self._library = _library(parts_of(hoist), drive.kernels)
+        self._advance = CDLL(str(drive.kernels.library)).advance
+        names = run.recorder.names[len(ROW) :]
+        known = {"holding_torque": run.holding_torque, "h": coupling.sample_time}
+        argument = [*(known.get(name, 0.0) for name in ARGUMENTS), *astuple(gains), *numbers_of(hoist)]
+        self._table, self._forces = rope.table(names, most), rope.table(ROPE_FORCES, 1)
+        self._sides = rope.table(SIDE_FORCES if hoist.play is not None else (), 1)
+        self._guard = rope.table([name for name in names if name == "guard.tripped"], 1)
+        self._recorded = (Access * len(self._table.accesses))(*self._table.accesses)
+        self._samples, self._heard = np.zeros((KEPT, 7)), HEARD(rope.heard)
+        self._trajectory: Trajectory | None = None
+        self._trip: Any = _structure(len(argument))(
+            drive=cast(self._advance, c_void_p),
+            z=drive.z.ctypes.data,
+            y=drive.y.ctypes.data,
+            given=(c_double * len(argument))(*argument),
+            step=rope.step,
+            motions=rope.motions,
+            valid=rope.valid or Access(),
+            forces=_one(self._forces),
+            sides=_one(self._sides),
+            guard=_one(self._guard),
+            recorded=addressof(self._recorded),
+            records=len(self._recorded),
+            **{name: cast(getattr(rope, name), c_void_p) for name in ("warning", "told", "text")},
+            heard=cast(self._heard, c_void_p),
+            warnings=len(rope.told or ()),
+            **{name: getattr(coupling, name) for name in ("start", "period", "per_sample", "per_step")},
+            H=coupling.step,
+            radius=hoist.sheave_radius,
+            start_height=start_height,
+            ropes=hoist.tail_rope_number,
+            slack_tension=-math.inf if hoist.slack_tension is None else hoist.slack_tension,
+            samples=self._samples.ctypes.data,
+            columns=len(run.recorder.names),
+        )
+
+    def samples(self, first: int, last: int) -> Reached:
+        """Samples from the first on until before the last, and the steps behind each."""
+        run, trip = self._run, self._trip
+        if run.course.trajectory.trip is not None or (run.controller is not None and run.controller.brake is not None):
+            return Reached(first)
+        begun = run.course.winding.emergency_at
+        trip.watched = begun is None or begun > first * self._coupling.period
+        self._follow(run.course.trajectory)
+        self._give()
+        rows, reached = run.recorder.following, c_int(first)
+        trip.row = rows.ctypes.data
+        stop = _STOPS[self._library.trip_samples(byref(trip), byref(reached), last)]
+        self._rope.heard()
+        done = reached.value - first + (stop not in ("WELL", "LOOK"))
+        rows[:done, len(ROW) :] = self._table.read(done)
+        run.recorder.count += done
+        if done:
+            self._take()
+            t = self._coupling.start + (run.steps - (stop == "WELL")) * self._coupling.step
+            cause = run.pair.rope_stepped(t, self._rope.status(stop, trip.status))
+            return Reached(reached.value, cause, within=stop == "DRIVE")
+        return Reached(first)
+
+    def _follow(self, trajectory: Trajectory) -> None:
+        """Put the reference at all samples where C finds it."""
+        if trajectory is self._trajectory:
+            return
+        coupling, self._trajectory = self._coupling, trajectory
+        samples, within = np.ogrid[: self._run.recorder.size, : coupling.per_step]
+        t = coupling.start + samples * coupling.period + within * coupling.step / coupling.per_step
+        self._reference = trajectory.sample((t - coupling.start).ravel())
+        self._trip.reference = self._reference.ctypes.data
+
+    def _give(self) -> None:
+        """Give the run's state to C."""
+        run, trip, drive, memory = self._run, self._trip, self._run.drive, self._run.memory
+        state, found = drive.state, self._drive.result
+        parts = {"x": state.x, "works": state.works, "acting": drive.input, "shown": drive.outputs}
+        self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
+        for name, values in parts.items():
+            self._drive.y[found[name]] = values
+        for kept, sample in zip(self._samples, memory.samples, strict=False):
+            kept[...] = np.concatenate([[sample.t], *sample[1:]])
+        trip.kept, trip.step_next, trip.steps = len(memory.samples), state.step_next, run.steps
+        trip.integral = 0.0 if run.controller is None else run.controller.integral
+        trip.residual, trip.exchanges = memory.residual, memory.exchanges
+        trip.evaluations = trip.drive_time = trip.rope_time = 0
+
+    def _take(self) -> None:
+        """Take the run's state from C."""
+        run, trip, found = self._run, self._trip, self._drive.result
+        x, works, acting, shown = (self._drive.y[found[name]].copy() for name in ("x", "works", "acting", "shown"))
+        run.drive.arrive(run.drive.state._replace(x=x, works=works, step_next=trip.step_next), acting, shown)
+        samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in self._samples[: trip.kept].copy())
+        run.memory = run.memory._replace(samples=samples, exchanges=int(trip.exchanges), residual=trip.residual)
+        run.controller, run.steps = ControllerState(trip.integral), trip.steps
+        run.commands = [Command(trip.torque, False, run.controller)]
+        sides = self._drive.given["path"][_SIDES]
+        run.drive.command(trip.torque, 0.0, sides)
+        self._drive.evaluations += trip.evaluations
+        for clock, time in zip(self._clocks, (trip.drive_time, trip.rope_time), strict=True):
+            clock.wall += time
+
+
+def _one(table: Table) -> Access:
+    """The one access of a table, or none."""
+    return table.accesses[0] if table.accesses else Access()
+
+
+@cache
+def _library(parts: Hoist, kernels: integrator.DriveKernels) -> CDLL:
+    """The library of trip.c for hoists with these parts; RuntimeError without a C compiler."""
+    if (compiler := find_compiler()) is None:
+        raise RuntimeError("no C compiler found")
+    law, given, found = law_kernel(parts), kernels.given, kernels.result
+    numbers = _NUMBERS | {
+        **{f"AT_{name.upper()}": given[name].start for name in ("s", "h", "path", "l0")},
+        **{f"AT_{name.upper()}": found[name].start for name in ("works", "error", "shown")},
+        "REACHED": found["works"].stop,
+        "SIZE": found["shown"].stop,
+        "LAW_GIVEN": law.numel_in(0),
+        **{f"SZ_{n.upper()}": 1 + max(getattr(f, f"sz_{n}")() for f in (law, kernels.advance)) for n in _MEMORY},
+    }
+    sources = {
+        "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),
+        "numbers.h": "".join(f"#define {name} {value!r}\n" for name, value in numbers.items())
+        + f"static const int ENDS_SHOWN[] = {{{', '.join(map(str, _ENDS))}}};\n",
+        "law.c": generate_c((law,), "law"),
+    }
+    return CDLL(str(compile_library(sources, compiler, cache_folder(), "hoist_trip")))

@@ -1,0 +1,67 @@
+"""A rope's functions as trip.c calls them, by pointers: those of FMI, or of rope.h."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from ctypes import CFUNCTYPE, Structure, addressof, c_int, c_size_t, c_void_p, cast
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hoist_demo.recording.fidelity import code_of
+from rope_model import Status
+
+STANDARDS = ("NATIVE", "FMI2", "FMI3")  #: Whose functions they are; trip.c knows them by their places here.
+CALLS = ("MOTIONS", "STEP", "VALID", "FORCES")  #: What a step of the rope calls, in turn.
+TEXT = np.dtype("S24")  #: What is kept of a text.
+
+
+class Access(Structure):
+    """A function that gets or sets values, row by row of an array."""
+
+    _fields_ = (
+        *(("standard", c_int), ("text", c_int), ("function", c_void_p), ("rope", c_void_p), ("numbers", c_void_p)),
+        *(("count", c_size_t), ("length", c_size_t), ("bytes", c_size_t), ("values", c_void_p)),
+    )
+
+
+def access(standard: str, function: Any, rope: int, numbers: Any, values: NDArray[Any]) -> Access:
+    """Access to what has these numbers in C by an array (rows, values)."""
+    shape = len(numbers), values.shape[1], values.strides[0], values.ctypes.data
+    code = STANDARDS.index(standard)
+    made = Access(code, values.dtype == TEXT, cast(function, c_void_p), rope, addressof(numbers), *shape)
+    made.kept = numbers, values  # it has their addresses alone
+    return made
+
+
+def codes_of(fidelities: NDArray[Any]) -> NDArray[np.float64]:
+    """Codes of fidelities that are kept as TEXT."""
+    names, places = np.unique(fidelities, return_inverse=True)
+    return np.array([code_of(name.decode()) for name in names.tolist()])[places].reshape(fidelities.shape)
+
+
+class Table(NamedTuple):
+    """Outputs in several rows."""
+
+    accesses: Sequence[Access]
+    read: Callable[[int], NDArray[np.float64]]  # the first rows, (rows, outputs)
+
+
+@dataclass(frozen=True)
+class RopeLibrary:
+    """A rope for trip.c."""
+
+    step: Access  # the function alone
+    motions: Access  # of the ends, to be given
+    table: Callable[[Sequence[str], int], Table]  # of outputs, with this many rows
+    status: Callable[[str, int], Status]  # of a step that has failed in one of CALLS, which has returned this
+    valid: Access | None = None
+    warning: Any = None  # rope_warning, where somebody must ask
+    told: Any = None  # for each of the warnings whether it was heard
+    text: Any = None  # room for one
+    heard: Callable[[], object] = lambda: None  # hears those that are new, and that C has gone on
+
+
+HEARD = CFUNCTYPE(None)

@@ -1,0 +1,84 @@
+"""What files of studies, duties, uncertain windings and measurements have in common: a head, and values of runs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from hoist_demo.cases.table import NAMED, find_case
+from hoist_demo.files.catalogue import of_run
+from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
+from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
+from hoist_demo.files.values import Given, Text, given, stated
+from rope_model import Level
+from rope_model.texts import printable
+
+
+class Head(Table):
+    """Title, and the hoist that is wound: a file, or the name of one that comes with the project."""
+
+    title: Text = Field("", validate_default=True)
+    hoist: Text = "rope-120"
+
+    @field_validator("title")
+    @classmethod
+    def _is_named(cls, title: str, info: ValidationInfo) -> str:
+        return title or printable(opened_by(info)[-1].stem)
+
+    @field_validator("hoist")
+    @classmethod
+    def _is_there(cls, name: str, info: ValidationInfo) -> str:
+        found = str(beside(info, name)) if name.endswith(".toml") and name not in NAMED else name
+        find_case(found)
+        return found
+
+
+def _values(table: Any) -> dict[str, Given]:
+    return (table.file or {}) | stated(contents(table))
+
+
+#: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
+Values = Annotated[
+    dict[str, Given], flat("Values", {"file": (RopeValues, Field({}, alias="from")), **of_run(given)}, _values)
+]
+
+
+class LevelHead(Head):
+    """Head of a file that is wound in process."""
+
+    level: Level | None = Field(None, description="accuracy against speed of the rope; else the hoist's")
+
+
+class RunFile(File):
+    """A file of windings in process; each kind says under which name its head stands."""
+
+    head: LevelHead
+    fixed: Values = EMPTY
+
+    @property
+    def title(self) -> str:
+        return self.head.title
+
+    @property
+    def hoist(self) -> str:
+        return self.head.hoist
+
+    @property
+    def level(self) -> Level:
+        return self.head.level or find_case(self.hoist).level
+
+
+class RopeQuestion(KnownFile):
+    """A file that asks something of a rope of which properties are known; they decide some of its parameters."""
+
+    fixed: Values = EMPTY
+
+    @model_validator(mode="after")
+    def _is_decided_once(self) -> Self:
+        _ = self.catalogue_rope
+        names = sorted(self.fixed.keys() & {f"rope.{name}" for name in FOLLOWING})
+        if names:
+            lines = [f"[fixed] {name} follows from the properties: give [known] or [rope] instead" for name in names]
+            raise ValueError("\n".join(lines))
+        return self

@@ -1,0 +1,173 @@
+"""A trip in C has the numbers, the words and the states of the host in Python, and leaves to it what it cannot wind."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exports import FLAVOURS
+from numpy.testing import assert_allclose
+
+from hoist_demo.cases.table import find_case
+from hoist_demo.control.controller import Gains
+from hoist_demo.cosimulation.compiled_trip import CompiledTrip
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_in_process
+from hoist_demo.cosimulation.run_state import Result, RunState
+from hoist_demo.cosimulation.schemes.interface import RopePlant
+from hoist_demo.parameters import Coupling, Winding
+from rope_model import Level
+
+pytestmark = pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
+
+COUPLING, GAINS = Coupling(step=0.02, sample=0.01), Gains()
+TRIP = Winding(travel=6.0, speed=4.0, start_delay=0.2, settle=0.8)
+
+
+class InPython(Host):
+    """A host that winds all samples itself."""
+
+    def _compiled(self, run: RunState) -> None:
+        return None
+
+
+@dataclass
+class Wound:
+    """Runs of one trip, in Python where that is asked for."""
+
+    name: str = "rope-120"
+    level: Level = "draft"
+    coupling: Coupling = COUPLING
+    winding: Winding = TRIP
+    gains: Gains = GAINS
+    rope: dict[str, Any] = field(default_factory=dict)
+    hoist: dict[str, Any] = field(default_factory=dict)
+    fmu: Path | None = None
+
+    def run(self, python: bool = False, **options: Any) -> Result:
+        case = find_case(self.name)
+        rope: RopePlant = (
+            rope_in_process(self.name, level=self.level, parameters=self.rope)
+            if self.fmu is None
+            else FmuRope(self.fmu, {**case.rope, **self.rope})
+        )
+        hoist = replace(case.hoist, **self.hoist)
+        result = (InPython if python else Host)(rope, hoist, self.winding, self.coupling, self.gains).run(**options)
+        if self.fmu is not None:
+            rope.close()
+        return result
+
+
+@pytest.fixture
+def in_c(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Numbers of the samples that were done in C, call by call."""
+    done: list[int] = []
+    samples = CompiledTrip.samples
+
+    def counted(self: CompiledTrip, first: int, last: int) -> Any:
+        reached = samples(self, first, last)
+        done.append(reached.sample - first)
+        return reached
+
+    monkeypatch.setattr(CompiledTrip, "samples", counted)
+    return done
+
+
+def assert_alike(one: Result, other: Result) -> None:
+    """The same outcome, and numbers to 1e-9 of a signal's largest: another libm rounds otherwise, here none differs."""
+    assert (one.cause, one.completed, one.steps, one.winding) == (
+        other.cause,
+        other.completed,
+        other.steps,
+        other.winding,
+    )
+    assert list(one.recording.signals) == list(other.recording.signals)
+    for name, values in other.recording.signals.items():
+        largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
+        assert_allclose(one.recording[name], values, rtol=0.0, atol=1e-9 * largest, err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "wound",
+    [
+        Wound(),
+        Wound(level="standard", coupling=Coupling(step=0.01, sample=0.02)),
+        Wound("monopol-1000", coupling=Coupling(step=0.02)),  # its conveyances have play
+        Wound("rope-240", rope={"model.fidelity": 1}),
+    ],
+    ids=lambda wound: f"{wound.name} {wound.level}",
+)
+def test_a_trip_in_c_has_the_numbers_of_python(wound: Wound, in_c: list[int]) -> None:
+    whole = wound.run()
+    assert sum(in_c) == whole.recording.time.size - 1
+    assert_alike(whole, wound.run(python=True))
+    assert sum(in_c) == whole.recording.time.size - 1
+
+
+@pytest.mark.parametrize("kind", ["native-2", "native-3", "python"])
+def test_an_fmu_is_wound_in_c(kind: str, fmu_of: Callable[[str], Path], in_c: list[int]) -> None:
+    wound = Wound(fmu=fmu_of(kind), winding=replace(TRIP, travel=0.5, settle=0.2))
+    whole = wound.run()
+    assert sum(in_c) == whole.recording.time.size - 1
+    assert_alike(whole, wound.run(python=True))
+
+
+def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> None:
+    wound = Wound(winding=replace(TRIP, travel=20.0), rope={"guard.window": 0.6, "model.fidelity": 1})
+    stopped = wound.run()
+    assert stopped.winding.emergency_at is not None
+    assert in_c.count(0) == 1  # the sample that sees it
+    assert sum(in_c) == stopped.recording.time.size - 2
+    assert_alike(stopped, wound.run(python=True))
+
+
+@pytest.mark.parametrize("coupling", [Coupling(step=0.02, sample=0.01), Coupling(step=0.01, sample=0.02)])
+@pytest.mark.parametrize("kind", ["", "native-2", "native-3"])
+@pytest.mark.parametrize("part", ["rope", "drive"])
+def test_a_trip_that_fails_does_so_with_the_words_of_python(
+    part: str, kind: str, coupling: Coupling, fmu_of: Callable[[str], Path]
+) -> None:
+    wound = Wound(coupling=coupling, fmu=fmu_of(kind) if kind else None)
+    if part == "rope":
+        wound.rope = {"inputs.acceleration_max": 0.5}  # m/s^2, less than the trip's
+    else:
+        wound.hoist = {"shaft_travel": 6.0, "head_rope_length_up": 0.3}
+        wound.gains = Gains(speed=2e4, integral_time=0.2, position=3.0, feed_forward=0.0)  # overshoots
+    failed, told = wound.run(), wound.run(python=True)
+    assert part in failed.cause.split(":")[0 if part == "rope" else 1]
+    assert_alike(failed, told)
+    assert failed.checkpoint is not None
+    assert told.checkpoint is not None
+    assert failed.checkpoint.sample == told.checkpoint.sample
+
+
+@pytest.mark.parametrize("python", [False, True])
+def test_a_trip_goes_on_in_the_other_form(python: bool) -> None:
+    wound = Wound()
+    stopped = wound.run(python, progress=lambda _, t: t < 1.51)
+    assert stopped.checkpoint is not None
+    assert_alike(wound.run(not python, resume=stopped.checkpoint), wound.run())
+
+
+def test_warnings_are_those_of_python(caplog: pytest.LogCaptureFixture) -> None:
+    wound = Wound("caught-rope", coupling=Coupling(step=0.02), winding=find_case("caught-rope").winding)
+    told = []
+    for python in (False, True):
+        caplog.clear()
+        wound.run(python)
+        told.append([record.getMessage() for record in caplog.records if record.name.startswith("hoist_demo")])
+    assert "has struck" in told[0][0]
+    assert told[0] == told[1]
+
+
+def test_other_schemes_slipping_ropes_and_brakes_are_wound_in_python(in_c: list[int]) -> None:
+    for wound in (
+        Wound(coupling=Coupling(step=0.02, scheme="semi-implicit-1")),
+        Wound("jammed-conveyance"),
+        Wound("slack-rope", winding=replace(find_case("slack-rope").winding, emergency_at=0.5)),
+    ):
+        assert wound.run().completed
+    assert sum(in_c) == 0
