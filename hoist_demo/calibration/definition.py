@@ -83,8 +83,7 @@ class Measured(RopeQuestion):
         problems += [
             f"measured {k}: places.{name} = {s:g} m must be from 0 to {length:g} m: measure it from the left"
             for k, one in enumerate(self.measurements, 1)
-            if isinstance(one, Markers)
-            for name, s in one.places.items()
+            for name, s in (one.places.items() if isinstance(one, Markers) else ())
             if not 0.0 <= s <= length
         ]
         if problems:

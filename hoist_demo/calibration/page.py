@@ -146,7 +146,7 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
     for m in found.measured.measurements:
         if isinstance(m, Markers):
             rms = math.sqrt(sum(float(next(predicted)) ** 2 for _ in m.values) / len(m.values))
-            rows.append((f"{m.title}, RMS", 0.0, rms, m.sigma, "m"))
+            rows.append((f"{m.name or m.file}, RMS", 0.0, rms, m.sigma, "m"))
             continue
         for k, value in enumerate(m.values, 1):
             name = f"{m.title} {k}" if len(m.values) > 1 else m.title

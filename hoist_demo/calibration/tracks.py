@@ -1,32 +1,26 @@
-"""Motion that somebody has measured: the paths of a rope's ends and of markers along it, in a CSV file.
-
-A column each:  t                                time, s
-                left.x ... right.z               places of the ends
-                left.dx ... right.dz, optional   direction in which the rope leaves each end, of any length
-                NAME.x, NAME.y, NAME.z           place of a marker; empty where it was lost
+"""Motion that somebody has measured: paths of a rope's ends and of markers, in a CSV file (docs/reference/files.md).
 
 The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at the start.
 Ends follow smoothing splines (generalised cross-validation), at rest before the file begins.  A marker that leaps away
 from its running median is masked, as one that was lost.
 
-A residual is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
-shifts, less the measured one.  Offsets and delay have standard errors, too, and are found anew for each rope (variable
-projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  With r in standard errors the loss is
-2 c^2 (sqrt(1 + (r/c)^2) - 1), soft_l1: what is far off leads less.
+A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
+shifts, less the measured one.  Offsets and delay have standard errors and are found anew for each rope (variable
+projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+import warnings
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal, Protocol, Self
+from typing import Any, Literal, Self
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from scipy.interpolate import BSpline, CubicHermiteSpline, make_interp_spline, make_smoothing_spline, make_splrep
-from scipy.ndimage import median_filter
 
 from hoist_demo.files.reading import Table, beside
 from hoist_demo.files.values import Text
@@ -45,35 +39,6 @@ MEDIAN, LEAP = 5, 8.0
 LEAST_NOISE = 1e-7
 #: corrections of offsets and delay
 ROUNDS = 5
-METRES = {"m": 1.0, "cm": 0.01, "mm": 1e-3}
-
-
-@dataclass(frozen=True)
-class Track:
-    """A measured motion in the rope's axes."""
-
-    t: Array  # (n,), s; the file begins at REST
-    spacing: float  # m, of the ends at the start
-    ends: tuple[BSpline, ...]  # x, y, z, lean, lean_z of each by time
-    markers: Array  # (n - REST, markers, 3), m; NaN where lost or not compared
-
-    @cached_property
-    def seen(self) -> NDArray[np.bool_]:
-        """True where a coordinate was measured."""
-        return np.isfinite(self.markers)
-
-    def motion(self, t: float) -> tuple[EndMotion, EndMotion]:
-        """Return the motions of the ends; at the first time they rest."""
-        moving, ends = float(t > self.t[0]), []
-        for spline in self.ends:
-            place, speed, acceleration = (spline(t, k).tolist() for k in range(3))
-            rates = (moving * x for x in (*speed[:3], *acceleration[:3]))
-            ends.append(replace(EndMotion(*place[:3], *rates), lean=place[3], lean_z=place[4]))
-        return ends[0], ends[1]
-
-
-class _Hung(Protocol):
-    scene: Scene
 
 
 class Markers(Table):
@@ -90,40 +55,35 @@ class Markers(Table):
     skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
     offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
-    _track: Track = PrivateAttr()
+    _t: Array = PrivateAttr()  # (n,), s; the file begins at REST
+    _spacing: float = PrivateAttr()  # m, of the ends at the start
+    _path: BSpline = PrivateAttr()  # x, y, z, lean, lean_z of both ends by time, (2, 5)
+    _places: Array = PrivateAttr()  # (n - REST, markers, 3), m; NaN where lost or not compared
 
     @model_validator(mode="after")
     def _is_there(self, info: ValidationInfo) -> Self:
-        self._track = read_track(beside(info, self.file), self)
+        self._t, self._spacing, self._path, self._places = _read(beside(info, self.file), self)
         return self
-
-    @property
-    def title(self) -> str:
-        """Name in the results."""
-        return self.name or self.file
-
-    @property
-    def track(self) -> Track:
-        """The contents of the file."""
-        return self._track
 
     @property
     def values(self) -> Array:
         """Zeros, as the predictions are residuals, of what was seen and then of offsets and delay."""
-        return np.zeros(np.count_nonzero(self.track.seen) + 3 * len(self.places) + 1)
+        return np.zeros(np.isfinite(self._places).sum() + 3 * len(self.places) + 1)
 
-    def predict(self, trial: _Hung) -> list[float]:
-        """Residuals (m), whose squares are the loss."""
-        residuals: list[float] = (self.sigma * self.residuals(trial.scene)).tolist()
-        return residuals
+    def motion(self, t: float) -> tuple[EndMotion, EndMotion]:
+        """Return the motions of the ends; at the first time they rest."""
+        moving, path = float(t > self._t[0]), self._path
+        place, speed, acceleration = path(t), moving * path(t, 1)[:, :3], moving * path(t, 2)[:, :3]
+        left, right = np.hstack((place[:, :3], speed, acceleration, np.zeros((2, 2)), place[:, 3:])).tolist()
+        return EndMotion(*left), EndMotion(*right)
 
-    def wind(self, scene: Scene) -> tuple[Array, Array]:
-        """Places and speeds (n - REST, markers, 3) of the markers on the rope of ``scene`` between these ends."""
+    def wind(self, scene: Scene) -> CubicHermiteSpline:
+        """Places of the markers by time (markers, 3), on the rope of ``scene`` between these ends."""
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
-        layout = replace(scene.layout, spacing=self.track.spacing)
+        layout = replace(scene.layout, spacing=self._spacing)
         rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
-        for k, t in enumerate(self.track.t.tolist()):
-            ends = self.track.motion(t)
+        for k, t in enumerate(self._t.tolist()):
+            ends = self.motion(t)
             status = rope.initialize(t, *ends) if k == 0 else rope.advance_to(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file} at t = {t:g} s: {status.message}")
@@ -131,27 +91,26 @@ class Markers(Table):
                 rows = rope.rows()
                 at = elements_at(np.array([*self.places.values()]), np.diff(rows[:, 0]))
                 found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at)])
-        places, speeds = np.swapaxes(np.array(found), 0, 1)
-        return places, speeds
+        return CubicHermiteSpline(self._t[REST:], *np.swapaxes(found, 0, 1))
 
-    def residuals(self, scene: Scene) -> Array:
-        """Residuals in standard errors, of what was seen and then of offsets and delay; their squares are the loss."""
-        seen, t = self.track.seen, self.track.t[REST:]
-        motion, count = CubicHermiteSpline(t, *self.wind(scene)), seen[0].size
+    def predict(self, trial: Any) -> Array:
+        """Residuals (m) on the scene of a measurements.Trial; their squares are the loss."""
+        motion, t, seen = self.wind(trial.scene), self._t[REST:], np.isfinite(self._places)
+        count = seen[0].size
         each = np.broadcast_to(np.eye(count).reshape(*seen[0].shape, count), (*seen.shape, count))
         b: Array = np.zeros(count + 1)
         for _ in range(ROUNDS):
             then = np.clip(t + self.delay * b[-1], t[0], t[-1])
             B = np.column_stack((self.offset * each[seen], self.delay * motion(then, 1)[seen])) / self.sigma
-            r = (motion(then) - self.track.markers)[seen] / self.sigma + B[:, :-1] @ b[:-1]
+            r = (motion(then) - self._places)[seen] / self.sigma + B[:, :-1] @ b[:-1]
             weight = 1.0 / np.sqrt(1.0 + np.square(r / ROBUST))
             b -= np.linalg.solve((B.T * weight) @ B + np.eye(b.size), (B.T * weight) @ r + b)
         lost = np.sign(r) * ROBUST * np.sqrt(2.0 * (np.hypot(1.0, r / ROBUST) - 1.0))
-        return np.asarray(np.concatenate((lost, b)))
+        return np.asarray(self.sigma * np.concatenate((lost, b)))
 
 
-def read_track(path: Path, asked: Markers) -> Track:
-    """Read a track; ValueError names what is wrong."""
+def _read(path: Path, asked: Markers) -> tuple[Array, float, BSpline, Array]:
+    """Contents of the file; ValueError names what is wrong."""
     try:
         columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
@@ -167,7 +126,7 @@ def read_track(path: Path, asked: Markers) -> Track:
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
         raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
-    leaning, unit = "left.dx" in names, METRES[asked.unit]
+    leaning, unit = "left.dx" in names, {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]
     if leaning and asked.ends != "clamped":
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
     axes, origin, spacing = _axes(unit * vectors("left"), unit * vectors("right"), asked)
@@ -175,26 +134,28 @@ def read_track(path: Path, asked: Markers) -> Track:
     for name, nominal in (("left", -0.5 * spacing), ("right", 0.5 * spacing)):
         place = (unit * vectors(name) - origin) @ axes.T - [nominal, 0.0, 0.0]
         lean = _leans(vectors(name, ("dx", "dy", "dz")) @ axes.T) if leaning else np.zeros((t.size, 2))
-        whole = np.isfinite(path_of_end := np.hstack((place, lean))).all(axis=1)
-        if whole.sum() < 2 * FIRST:
-            raise ValueError(f"{asked.file} has {whole.sum()} places of {name}, needed are {2 * FIRST}: give more")
-        known = path_of_end[whole]
-        rest = np.broadcast_to(known[:FIRST].mean(axis=0), (REST, 5))
-        ends.append(_smooth(np.concatenate((before, t[whole])), np.vstack((rest, known))))
+        ends.append(np.hstack((place, lean)))
+    paths = np.stack(ends, axis=1)
+    whole = np.isfinite(paths).all(axis=(1, 2))
+    if whole.sum() < 2 * FIRST:
+        raise ValueError(f"{asked.file} has both ends at {whole.sum()} times, needed are {2 * FIRST}: give more")
+    rest = np.broadcast_to(paths[whole][:FIRST].mean(axis=0), (REST, 2, 5))
+    smooth = _smooth(np.concatenate((before, t[whole])), np.concatenate((rest, paths[whole])))
     markers = np.stack([(unit * vectors(name) - origin) @ axes.T for name in asked.places], axis=1)
     markers = _masked(markers, asked.sigma)
     markers[t < t[0] + asked.skip] = np.nan
     if not np.isfinite(markers).any():
         raise ValueError(f"{asked.file} has no place of a marker behind skip = {asked.skip:g} s: lower skip")
-    return Track(np.concatenate((before, t)), spacing, tuple(ends), markers)
+    return np.concatenate((before, t)), spacing, smooth, markers
 
 
 def _smooth(t: Array, x: Array) -> BSpline:
-    """Spline of fifth degree through ``x`` (n, m), as far from it as a cubic one by generalised cross-validation."""
-    noise = np.square(x - make_smoothing_spline(t, x)(t)).sum(axis=0)
+    """Spline of fifth degree by ``x`` (n, ...), as far from it as a cubic one by generalised cross-validation."""
+    smooth, noise = np.empty_like(x), np.square(x - make_smoothing_spline(t, x)(t)).sum(axis=0)
     noise[noise < t.size * LEAST_NOISE**2] = 0.0
-    found = [make_splrep(t, one, k=5, s=s) for one, s in zip(x.T, noise, strict=True)]
-    return make_interp_spline(t, np.column_stack([spline(t) for spline in found]), k=5)
+    for place, s in np.ndenumerate(noise):
+        smooth[:, *place] = make_splrep(t, x[:, *place], k=5, s=s)(t)
+    return make_interp_spline(t, smooth, k=5)
 
 
 def _axes(left: Array, right: Array, asked: Markers) -> tuple[Array, Array, float]:
@@ -210,13 +171,10 @@ def _axes(left: Array, right: Array, asked: Markers) -> tuple[Array, Array, floa
 
 def _masked(markers: Array, sigma: float) -> Array:
     """``markers`` (n, markers, 3) without those that leap away from their running median."""
-    frames, filled = np.arange(len(markers)), np.zeros_like(markers)
-    for place in np.ndindex(markers.shape[1:]):
-        x = markers[:, *place]
-        if (known := np.isfinite(x)).any():
-            filled[:, *place] = np.interp(frames, frames[known], x[known])
-    away = np.abs(filled - median_filter(filled, size=(MEDIAN, 1, 1), mode="nearest"))
-    usual = np.maximum(1.4826 * np.median(away, axis=0), sigma)  # a normal error's, from its median
+    around = np.pad(markers, ((MEDIAN // 2, MEDIAN // 2), (0, 0), (0, 0)), mode="edge")
+    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):  # of a marker that was long lost
+        away = np.abs(markers - np.nanmedian(sliding_window_view(around, MEDIAN, axis=0), axis=-1))
+        usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)  # a normal error's, from its median
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)
 
 

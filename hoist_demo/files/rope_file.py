@@ -16,6 +16,7 @@ from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
+from rope_model.parameters import LEAST
 from rope_model.texts import printable
 
 #: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
@@ -50,7 +51,8 @@ class RopeAsked(Table):
     lay: Lay = "right-hand"
 
 
-_PROPERTIES = [Parameter(name, p.unit, "Real", minimum=0.0, meaning=name) for name, p in PROPERTIES.items()]
+_LOWEST = dict.fromkeys(PROPERTIES, LEAST) | {"torque_factor": 0.0}
+_PROPERTIES = [Parameter(name, p.unit, "Real", minimum=_LOWEST[name], meaning=name) for name, p in PROPERTIES.items()]
 Properties = Annotated[dict[str, Given], flat("Properties", {p.name: (given(p), None) for p in _PROPERTIES})]
 
 
