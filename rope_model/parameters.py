@@ -183,10 +183,7 @@ class Layout(Checked):
 
 @dataclass(frozen=True)
 class Swivel(Checked):
-    """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance.
-
-    Its axis is plumb, as below a conveyance; or that of a clamp, as of a gripper; or the rope's, which a hinge leaves.
-    """
+    """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance."""
 
     mode: SwivelMode = choice(
         "locked",

@@ -99,11 +99,8 @@ static inline double end_value(const EndMotion *motion, int place) {
 }
 
 /* ends.c; limits: of formulas.h's follow_limits */
-void ends_refusal(const Inputs *inputs, const EndMotion *target, const double limits[3][4], int side, char *message);
-/* where message is '': whether the motion leans an end that has no clamp */
-void not_clamped(const Swivel *swivel, const EndMotion *target, int side, char *message);
-/* of the conveyance's yaw in theta */
-extern const double YAW_SENSE[2];
+void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[3][4], int side, char *message);
+extern const double YAW_SENSE[2]; /* of the conveyance's yaw in theta */
 void ends_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message);
 /* about the tangent, on the rope's end with this row of the reaction */
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);

@@ -74,16 +74,15 @@ int rope_retune(Simulator *rope, const Scene *scene) {
 /* the ends at rest at t where the rope is hung up; points: where they are; 0 when they cannot be */
 static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], double points[2][3]) {
     EndMotion first[2];
-    ends_on_the_way(&rope->scene, ends, 0, first);
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
         const Path path = path_resting(state->t, end);
+        first[side] = end_on_the_way(&rope->scene, ends, side, 0);
         state->paths[side] = path_resting(state->t, &first[side]);
         state->following[side] = following_resting(state->t, end);
         double limits[3][4];
         follow_limits(&path, &state->following[side], limits);
-        ends_refusal(&rope->scene.inputs, end, limits, side, rope->message);
-        not_clamped(&rope->scene.swivels[side], end, side, rope->message);
+        ends_refusal(&rope->scene, end, limits, side, rope->message);
         if (rope->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
@@ -156,8 +155,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         const Path path = follow_path(before, &now, t, manner.observer);
         double limits[3][4];
         follow_limits(&path, &now, limits);
-        ends_refusal(&scene->inputs, &ends[side], limits, side, rope->message);
-        not_clamped(&scene->swivels[side], &ends[side], side, rope->message);
+        ends_refusal(scene, &ends[side], limits, side, rope->message);
         if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);
         if (rope->message[0]) return 0;
         const double leg = side == LEFT ? bottom : scene->rope.length - bottom;

@@ -123,8 +123,8 @@ int flexible_start(Simulator *rope, State *state, char *message);
 /* hang.c: the state at rest, hung up untwisted, turned in and relaxed, then between these ends; 0 and a message when it
    cannot be */
 int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
-/* the ends on their way to there; where all are plumb there is no way to go */
-void ends_on_the_way(const Scene *scene, const EndMotion ends[2], double part, EndMotion placed[2]);
+/* an end on its way to there; plumb ones have none to go */
+EndMotion end_on_the_way(const Scene *scene, const EndMotion ends[2], int side, double part);
 
 /* switching.c */
 void release_swivels(Simulator *rope, State *state);

@@ -32,6 +32,7 @@ from rope_model.simulation.ends.ends import HangingEnds, Phase, clamp_stiffness,
 from rope_model.simulation.ends.paths import EndPath
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.partition import faced_by
+from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import (
@@ -91,8 +92,9 @@ class RopeModel:
 
     def pushed(self, system: RopeSystem, t: float) -> RopeSystem:
         """``system`` with the forces that act at ``t``, its clamps as they lean then."""
-        clamps = ends_of(system).clamps(t, clamp_stiffness(self.scene.rope, system.lengths.min()))
-        system = system if clamps is None else system.with_clamps(clamps)
+        if not_plumb(self.scene):
+            stiffness = clamp_stiffness(self.scene.rope, system.lengths.min())
+            system = system.with_clamps(ends_of(system).clamps(t, stiffness))
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
     def ends(self, state: RopeState) -> HangingEnds:

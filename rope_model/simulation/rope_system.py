@@ -135,8 +135,9 @@ class RopeSystem:
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
         self._scale[SLOPE] = lengths.min()
-        nothing = np.zeros((nodes, NODE_DOF))
-        self._loads = self.load, boundary.friction_load(nodes), self.node_mass, nothing, nothing
+        #: springs of the stiffness hold - axis axis^T at the nodes (nodes, 7)
+        self.clamps = (np.zeros((nodes, NODE_DOF)),) * 2
+        self._loads = self.load, boundary.friction_load(nodes), self.node_mass, *self.clamps
         self._refer()
 
     def _refer(self) -> None:
@@ -169,14 +170,9 @@ class RopeSystem:
         other = self._alike()
         hold, axis = np.zeros((2, *self.free.shape))
         hold[[0, -1], SLOPE], axis[[0, -1], SLOPE] = clamps[:, :1], clamps[:, 1:]
-        other._loads = *self._loads[:3], hold, axis
+        other.clamps, other._loads = (hold, axis), (*self._loads[:3], hold, axis)
         other._constants = self.lengths, self.frames, *other._loads
         return other
-
-    @property
-    def clamps(self) -> tuple[Array, Array]:
-        """Springs of the stiffness hold - axis axis^T at the nodes (nodes, 7)."""
-        return self._loads[3:]
 
     def clamp_force(self, q: Array) -> Array:
         """Return (nodes, 7): the forces of the clamps against ``q``."""

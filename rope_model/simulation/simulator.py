@@ -25,7 +25,7 @@ from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, st
 from rope_model.simulation.contact.bodies import no_room
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
-from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, not_clamped, refusal, right_offset
+from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
 from rope_model.simulation.ends.following import Following, follow, follow_limits, follow_program, manner_of
 from rope_model.simulation.ends.misfit import follow_account
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
@@ -42,7 +42,7 @@ from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem
 from rope_model.simulation.state import RopeState
-from rope_model.simulation.stepping.hang import ends_on_the_way, hang
+from rope_model.simulation.stepping.hang import end_on_the_way, hang
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
 from rope_model.simulation.stepping.stepping import as_rigid, most_work, step_towards
 from rope_model.simulation.wires import fresh_memory
@@ -187,12 +187,11 @@ class RopeSimulator(BalanceRope):
         scene, rope = self.scene, self.scene.rope
         if not abs(t) <= FARTHEST_START:
             return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
-        first = ends_on_the_way(scene, (left, right), 0.0)
+        first = [end_on_the_way(scene, (left, right), side, 0.0) for side in (0, 1)]
         paths = (EndPath.at_rest(t, first[0]), EndPath.at_rest(t, first[1]))
         for side, target in zip(SIDES, (left, right), strict=True):
             limits = follow_limits(EndPath.at_rest(t, target), Following.at_rest(t, target))
-            message = refusal(scene.inputs, target, limits, side)
-            if message := message or not_clamped(getattr(scene, side), target, side):
+            if message := refusal(scene, target, limits, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > RESTS_BELOW:
                 return Status(False, messages.moves_at_start(side))
@@ -247,7 +246,7 @@ class RopeSimulator(BalanceRope):
         manner, followed = manner_of(scene), []
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end)
-            refused = refusal(scene.inputs, end, found.limits, side) or not_clamped(getattr(scene, side), end, side)
+            refused = refusal(scene, end, found.limits, side)
             if message := refused or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
             bottom = self.model.bottom(state.paths, start)
@@ -320,7 +319,8 @@ class RopeSimulator(BalanceRope):
         q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
         if dof > ANGLE:
             paths = [*self.state.paths]
-            paths[side] = paths[side].leaned(dof - ANGLE - 1, float(change[0]))
+            leans = np.array(paths[side].leans) + change[0] * np.eye(2)[dof - ANGLE - 1]
+            paths[side] = paths[side]._replace(leans=leans.tolist())
             system = self.model.pushed(system.with_boundary(replace(self.ends, paths=(paths[0], paths[1]))), m.t)
         else:
             for x, dx in zip((q, v, a), change, strict=True):

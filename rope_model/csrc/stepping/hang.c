@@ -126,29 +126,26 @@ static int relax(Simulator *rope, State *state, const Before *before, char *mess
     return 1;
 }
 
-void ends_on_the_way(const Scene *scene, const EndMotion ends[2], double part, EndMotion placed[2]) {
-    for (int side = LEFT; side <= RIGHT; side++)
-        placed[side] = not_plumb(scene) ? partly_placed(&scene->layout, &scene->rope, &ends[side], &ends[!side],
-                                                        YAW_SENSE[side], part)
-                                        : ends[side];
+EndMotion end_on_the_way(const Scene *scene, const EndMotion ends[2], int side, double part) {
+    return partly_placed(&scene->layout, &scene->rope, &ends[side], &ends[!side], YAW_SENSE[side],
+                         not_plumb(scene) ? part : 1);
 }
 
-/* the state between these ends, their clamps leaned with the sections that they hold */
-static void leaned(Simulator *rope, State *state, const EndMotion ends[2]) {
+/* the state at rest between these ends on their way, their clamps leaned with the sections that they hold */
+static void leaned(Simulator *rope, State *state, const EndMotion ends[2], double part) {
     const Arrays m = state_arrays(state);
-    double *rest = rope->trial.v;
-    memset(rest, 0, sizeof(double) * (size_t)m.nodes * DOF);
     for (int side = LEFT; side <= RIGHT; side++) {
         double *slope = m.q + (side ? (size_t)m.elements * DOF : 0) + SLOPE, found[3];
-        state->paths[side] = path_resting(state->t, &ends[side]);
+        const EndMotion placed = end_on_the_way(&rope->scene, ends, side, part);
+        state->paths[side] = path_resting(state->t, &placed);
         if (rope->scene.swivels[side].attachment != CLAMPED) continue;
         clamped_slope(&state->paths[side], state->t, YAW_SENSE[side], slope, found);
         memcpy(slope, found, sizeof found);
     }
-    state->offsets[RIGHT] += rope_system_transport(rope, state, m.q, rest, rest, rest);
+    state->offsets[RIGHT] += rope_system_transport(rope, state, m.q, m.v, m.a, m.a);
 }
 
-static int hang_plumb(Simulator *rope, State *state, char *message) {
+static int hang_in_loop(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
@@ -162,15 +159,10 @@ static int hang_plumb(Simulator *rope, State *state, char *message) {
 }
 
 int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message) {
-    const int attachments[2] = {rope->scene.swivels[LEFT].attachment, rope->scene.swivels[RIGHT].attachment};
     const int steps = not_plumb(&rope->scene) ? PLACING_STEPS : 0;
-    EndMotion placed[2];
-    for (int side = LEFT; side <= RIGHT; side++) rope->scene.swivels[side].attachment = PLUMB;
-    int found = hang_plumb(rope, state, message);
-    for (int side = LEFT; side <= RIGHT; side++) rope->scene.swivels[side].attachment = attachments[side];
-    for (int k = 1; k <= steps && found; k++) {
-        ends_on_the_way(&rope->scene, ends, (double)k / PLACING_STEPS, placed);
-        leaned(rope, state, placed);
+    int found = hang_in_loop(rope, state, message);
+    for (int k = 0; k < steps && found; k++) {
+        leaned(rope, state, ends, (k + 1.0) / PLACING_STEPS);
         found = equilibrium_in_frame(rope, state, INFINITY, message);
     }
     return found;

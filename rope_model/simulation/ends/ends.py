@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.parameters import Inputs, Swivel
-from rope_model.physics.elementary import atan2, cos, dot, hypot, larger, sin, smaller, sqrt, where
+from rope_model.parameters import Inputs, Scene, Swivel
+from rope_model.physics.elementary import atan2, cos, dot, hypot, larger, sin, smaller, sqrt
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.following import Following, Limits
 from rope_model.simulation.ends.paths import PATH, REACH, EndMotion, EndPath
@@ -100,10 +100,8 @@ class HangingEnds:
         tension, held = float(reaction[-side, 1]), float(reaction[-side, ANGLE])
         return float(moment_of_swivel(self.swivels[side], self.states[side], tension, held))
 
-    def clamps(self, t: float, stiffness: float) -> Array | None:
-        """Return (2, 4): stiffness and axis of each end as in ``clamp``, 0 without one; None for plumb ends."""
-        if all(swivel.attachment == "plumb" for swivel in self.swivels):
-            return None
+    def clamps(self, t: float, stiffness: float) -> Array:
+        """Return (2, 4): stiffness and axis of each end as in ``clamp``, 0 without one."""
         held = [stiffness * (swivel.attachment == "clamped") for swivel in self.swivels]
         return np.array([clamp(path, t, k) for path, k in zip(self.paths, held, strict=True)])
 
@@ -126,8 +124,8 @@ def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: flo
 def clamp(path: Any, t: Any, stiffness: Any) -> tuple[Any, ...]:
     """Stiffness (N m) of a clamp, and its axis times the root of that."""
     lean, lean_z = path.leaning(t)
-    angle, root = sqrt(lean * lean + lean_z * lean_z), sqrt(stiffness)
-    aside = root * where(angle > LEAST_LEAN, sin(angle) / larger(angle, LEAST_LEAN), 1.0)
+    angle, root = larger(sqrt(lean * lean + lean_z * lean_z), LEAST_LEAN), sqrt(stiffness)
+    aside = root * sin(angle) / angle
     return stiffness, aside * lean, -root * cos(angle), aside * lean_z
 
 
@@ -143,15 +141,12 @@ def clamp_stiffness(rope: Any, shortest: Any) -> Any:
 
 
 def partly_placed(layout: Any, rope: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
-    """End ``own`` on its way from where the rope hangs in a loop (part 0) to its place and lean (part 1).
-
-    ``sense`` is -1 on the left, 1 on the right.
-    """
+    """End ``own`` on its way from where the rope hangs in a loop (part 0) to its place and lean (part 1)."""
     x, z = other.x - own.x - sense * layout.spacing, other.z - own.z
     narrow = HANGING_WIDTH * (rope.length - abs(other.y - own.y)) / larger(hypot(x, z), LEAST_LEAN)
     aside = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
-    lean, lean_z = (part * angle for angle in own.leans)
-    return EndMotion(own.x + aside * x, own.y, own.z + aside * z, yaw=own.yaw, lean=lean, lean_z=lean_z)
+    x, z = own.x + aside * x, own.z + aside * z
+    return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)
 
 
 def nominal_points(spacing: float) -> Array:
@@ -167,10 +162,13 @@ def right_offset(left: Any, right: Any) -> Any:
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
-def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str:
+def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
     """Return '' when an end can follow ``target`` on a path with these limits; else cause and cure."""
+    inputs, clamped = scene.inputs, getattr(scene, side).attachment == "clamped"
     for name, bound in REACH.items():
         if -bound <= (value := getattr(target, name)) <= bound:
+            if value != 0 and name.startswith("lean") and not clamped:
+                return messages.no_clamp(side, name, value)
             continue
         if not math.isfinite(value):
             return messages.input_not_finite(side, name, value)
@@ -182,14 +180,6 @@ def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str
     if not limits.peaks[worst[0]] <= inputs.acceleration_max:
         unit = "rad/s^2" if worst[0] == 3 else "m/s^2"
         return messages.inputs_do_not_fit(side, PATH[worst[0]], limits.peaks[worst[0]], unit, inputs.acceleration_max)
-    return ""
-
-
-def not_clamped(swivel: Swivel, target: EndMotion, side: str) -> str:
-    """Return '' unless the motion leans an end that has no clamp; else cause and cure."""
-    for name, lean in zip(("lean", "lean_z"), target.leans, strict=True):
-        if lean != 0 and swivel.attachment != "clamped":
-            return messages.not_clamped(side, name, lean)
     return ""
 
 

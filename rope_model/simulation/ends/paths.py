@@ -37,8 +37,7 @@ def _motion(unit: str, description: str, reach: float) -> float:
 class EndMotion:
     """Motion of a conveyance's suspension point; x and z from the nominal point, y the height in the shaft.
 
-    Metres, seconds, radians; yaw about Y (up).  A clamp leans after it has yawed; as it leans on, yaw is its spin about
-    its axis.
+    Metres, seconds, radians; yaw about Y (up).  A clamp yaws first, then leans; as it leans on, it spins by yaw.
     """
 
     x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", FARTHEST)
@@ -52,10 +51,8 @@ class EndMotion:
     az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", HARDEST)
     yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
     yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
-    lean: float = _motion("rad", "lean of the {side} clamp from plumb, in plane; with attachment = clamped", math.pi)
-    lean_z: float = _motion(
-        "rad", "lean of the {side} clamp from plumb, out of plane; with attachment = clamped", math.pi
-    )
+    lean: float = _motion("rad", "lean of the {side} end from plumb, in plane; of a clamp alone", math.pi)
+    lean_z: float = _motion("rad", "lean of the {side} end from plumb, out of plane; of a clamp alone", math.pi)
 
     def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
         """Return the motion ``after`` (s) from here, on quintics to the motion ``to``, ``h`` (s) from here."""
@@ -66,7 +63,7 @@ class EndMotion:
             for start, stop in zip(starts, stops, strict=True)
         ]
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_rate, _) = motions
-        leans = zip(self.leans, to.leans, strict=True)
+        leans = (self.lean, to.lean), (self.lean_z, to.lean_z)
         lean, lean_z = (start + after / h * (stop - start) for start, stop in leans)
         return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, lean, lean_z)
 
@@ -85,36 +82,26 @@ class EndMotion:
         """Second rates of x, y, z, m/s^2."""
         return self.ax, self.ay, self.az
 
-    @property
-    def leans(self) -> Leans:
-        """Lean of the clamp in and out of plane, rad; its axis is off plumb by the root of their squares."""
-        return self.lean, self.lean_z
-
 
 #: coefficients of 1, s, s^2 ... of one coordinate
 Quintic = tuple[float, float, float, float, float, float]
 #: of x, y, z and yaw
 OfAxes = tuple[Any, Any, Any, Any]
-#: of a clamp, in and out of plane
-Leans = tuple[float, float]
 
 
 class EndPath(NamedTuple):
-    """A quintic in s = t - start for each values of x, y, z and yaw; held from ``stop`` on.
-
-    ``leans`` are those of a clamp at ``start`` and ``stop``, linear in between.
-    """
+    """A quintic in s = t - start for each values of x, y, z and yaw; held from ``stop`` on.  Leans are linear."""
 
     start: float
     stop: float
     coefficients: tuple[Quintic, Quintic, Quintic, Quintic]
-    leans: tuple[Leans, Leans] = ((0.0, 0.0), (0.0, 0.0))
+    leans: tuple[tuple[float, float], tuple[float, float]] = ((0.0, 0.0), (0.0, 0.0))  # at start and stop
 
     @staticmethod
     def at_rest(t: float, at: EndMotion) -> EndPath:
         """No motion at all."""
         x, y, z, yaw = ((place, 0.0, 0.0, 0.0, 0.0, 0.0) for place in (*at.position, at.yaw))
-        return EndPath(t, t, (x, y, z, yaw), (at.leans, at.leans))
+        return EndPath(t, t, (x, y, z, yaw), ((at.lean, at.lean_z), (at.lean, at.lean_z)))
 
     def at_constant_acceleration(self, t: float) -> EndPath:
         """The motion at ``t`` with its accelerations kept, before and after."""
@@ -134,12 +121,6 @@ class EndPath(NamedTuple):
         part = (smaller(t, self.stop) - self.start) / larger(self.stop - self.start, SHORTEST_PATH)
         (x, z), (to_x, to_z) = self.leans
         return x + part * (to_x - x), z + part * (to_z - z)
-
-    def leaned(self, axis: int, change: float) -> EndPath:
-        """The path with one of its leans changed (rad)."""
-        gains = change * (axis == 0), change * (axis == 1)
-        start, stop = ((x + gains[0], z + gains[1]) for x, z in self.leans)
-        return self._replace(leans=(start, stop))
 
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
         """Position, velocity and acceleration at ``t``."""

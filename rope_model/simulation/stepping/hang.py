@@ -5,7 +5,7 @@ of its slip: neither coupling nor installed twist winds up its loop.  That frict
 straight rope at rest carries the same torque all along, so the swivel with the least friction turns alone.  On a curved
 rope the other may have to turn as well.
 
-A rope whose ends are not plumb hangs so first, its ends close together.  They then move apart and lean by and by.
+A rope with an end that is not plumb hangs with ends close together first, that then move apart and lean by and by.
 """
 
 from __future__ import annotations
@@ -43,33 +43,23 @@ MOST_CORRECTIONS = 100_000
 
 
 def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
-    """``state`` at rest, its rope hung up between plumb ends, which are then put and leaned as ``ends`` say."""
-    scene = model.scene
-    if not not_plumb(scene):
-        return _hang_plumb(model, state)
-    left, right = (replace(swivel, attachment="plumb") for swivel in (scene.left, scene.right))
-    state = _hang_plumb(replace(model, scene=scene.with_(left=left, right=right)), state)
-    for k in range(1, PLACING_STEPS + 1):
-        placed = ends_on_the_way(scene, ends, k / PLACING_STEPS)
-        state, _ = equilibrium_in_frame(model, _leaned(model, state, placed))
+    """``state`` at rest, its rope hung up in a loop, its ends then put and leaned as ``ends`` say."""
+    state = _hang_in_loop(model, state)
+    for k in range(PLACING_STEPS if not_plumb(model.scene) else 0):
+        state, _ = equilibrium_in_frame(model, _leaned(model, state, ends, (k + 1) / PLACING_STEPS))
     return state
 
 
-def ends_on_the_way(scene: Scene, ends: tuple[EndMotion, EndMotion], part: float) -> tuple[EndMotion, EndMotion]:
-    """``ends`` on their way, as ends.partly_placed; where all are plumb there is no way to go."""
-    if not not_plumb(scene):
-        return ends
-    left, right = (
-        partly_placed(scene.layout, scene.rope, own, other, sense, part)
-        for own, other, sense in zip(ends, reversed(ends), YAW_SENSE, strict=True)
-    )
-    return left, right
+def end_on_the_way(scene: Scene, ends: tuple[EndMotion, EndMotion], side: int, part: float) -> EndMotion:
+    """Return an end on its way, as ends.partly_placed; plumb ones have none to go."""
+    part = part if not_plumb(scene) else 1.0
+    return partly_placed(scene.layout, scene.rope, ends[side], ends[1 - side], YAW_SENSE[side], part)
 
 
-def _leaned(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
-    """``state`` between these ``ends``, their clamps leaned with the sections that they hold."""
+def _leaned(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion], part: float) -> RopeState:
+    """``state`` between these ``ends`` on their way, their clamps leaned with the sections that they hold."""
     t, q, scene = state.motion.t, state.motion.q.copy(), model.scene
-    left, right = (EndPath.at_rest(t, end) for end in ends)
+    left, right = (EndPath.at_rest(t, end_on_the_way(scene, ends, side, part)) for side in (0, 1))
     for side, swivel in enumerate((scene.left, scene.right)):
         if swivel.attachment == "clamped":
             q[-side, SLOPE] = clamped_slope((left, right)[side], t, YAW_SENSE[side], q[-side, SLOPE])
@@ -79,7 +69,7 @@ def _leaned(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion
     return _turn_right_end(state, float(turned[-1]))
 
 
-def _hang_plumb(model: RopeModel, state: RopeState) -> RopeState:
+def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
     """``state`` at rest, hung up straight and untwisted, then curved, turned in and relaxed."""
     held = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
     twist, straight = held[1] - held[0], _untwisted(state, held[0])
