@@ -16,7 +16,6 @@ from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
-from rope_model.parameters import LEAST
 from rope_model.texts import printable
 
 #: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
@@ -51,7 +50,7 @@ class RopeAsked(Table):
     lay: Lay = "right-hand"
 
 
-_LOWEST = dict.fromkeys(PROPERTIES, LEAST) | {"torque_factor": 0.0}
+_LOWEST = dict.fromkeys(PROPERTIES, rope_parameters()["rope.mass_per_length"].minimum) | {"torque_factor": 0.0}
 _PROPERTIES = [Parameter(name, p.unit, "Real", minimum=_LOWEST[name], meaning=name) for name, p in PROPERTIES.items()]
 Properties = Annotated[dict[str, Given], flat("Properties", {p.name: (given(p), None) for p in _PROPERTIES})]
 
