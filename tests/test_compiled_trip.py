@@ -103,7 +103,7 @@ def test_a_trip_in_c_has_the_numbers_of_python(wound: Wound, in_c: list[int]) ->
     assert sum(in_c) == whole.recording.time.size - 1
 
 
-@pytest.mark.parametrize("kind", ["native-2", "native-3", "python"])
+@pytest.mark.parametrize("kind", ["native-2", "native-3", pytest.param("python", marks=pytest.mark.slow)])
 def test_an_fmu_is_wound_in_c(kind: str, fmu_of: Callable[[str], Path], in_c: list[int]) -> None:
     wound = Wound(fmu=fmu_of(kind), winding=replace(TRIP, travel=0.5, settle=0.2))
     whole = wound.run()

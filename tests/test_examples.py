@@ -59,6 +59,7 @@ def test_every_example_is_listed_and_fits_on_a_page() -> None:
     assert all(20 <= len(text.splitlines()) <= 100 for text in scripts.values())
 
 
+@pytest.mark.slow
 def test_air_in_the_shaft_does_what_the_theory_page_says(tmp_path: Path) -> None:
     _, *rows = lines_of(EXAMPLES / "air_in_the_shaft.py", tmp_path)
     moved = [float(row.split()[-2]) for row in rows]
@@ -118,6 +119,7 @@ def test_a_hoist_of_one_s_own_winds_with_its_rope_and_leaves_a_table(folder: Pat
     assert recording["right.fy [N]"][0] == pytest.approx(-167.5 * 10.0 * 9.81, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_a_controller_from_a_linear_model_follows_the_trip_closer_than_pi(tmp_path: Path) -> None:
     head, pi, lqg = (line.split() for line in lines_of(EXAMPLES / "lqg.py", tmp_path, "as designed"))

@@ -254,6 +254,7 @@ def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(fil
         assert isinstance(table, str | bool) or table["status"], parameter.name
 
 
+@pytest.mark.slow
 def test_the_file_beside_the_results_winds_them_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--in-process", "--level", "draft", "--signals", "left.fy", "loop.y", "drive.torque"]
     changed = ["--travel", "3", "--set", "rope.EI=200.1", "--set", "hoist.payload_left=1234.5"]

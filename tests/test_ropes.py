@@ -274,6 +274,7 @@ def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsy
         assert np.isfinite(signals[name]).all(), name
 
 
+@pytest.mark.slow
 def test_of_a_rope_that_breaks_what_was_before_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "ropes.toml"
     path.write_text(ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 2.0\nbreaks_s = 30'), encoding="utf-8")

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 from evidence.latency.measure import COUNTED, STEPS, Case, causes, percentiles, work
 
@@ -16,7 +15,7 @@ def test_a_step_is_late_that_is_long_in_every_round(
     times = np.full((3, 100), 5e-5)
     times[rounds, 40] = time
     found = dict(zip(STEPS, percentiles(CASE, times, 52), strict=True))  # type: ignore[arg-type]
-    assert_allclose([found["largest [s]"], found["own largest [s]"]], largest)
+    np.testing.assert_allclose([found["largest [s]"], found["own largest [s]"]], largest)
     assert found["late"] == late
 
 
