@@ -221,6 +221,17 @@ def test_a_transfer_reaches_no_further_than_some_elements(direction: int) -> Non
     assert_array_equal(change[[0, -1]], 0.0)
 
 
+def test_a_split_reproduces_the_element_to_the_bit() -> None:
+    rng = np.random.default_rng(3)
+    s, halves = np.array([0.0, 1.7, 3.0]), np.array([0.0, 0.85, 1.7, 2.35, 3.0])
+    x = rng.normal(size=(3, 7))
+    split = carry(x, s, halves)
+    assert_array_equal(split, interpolate(x, s, halves))
+    anywhere = np.linspace(0.0, 3.0, 61)
+    expected = interpolate(x, s, anywhere)
+    assert_allclose(interpolate(split, halves, anywhere), expected, rtol=0, atol=1e-13)  # rounding
+
+
 def test_the_interpolation_is_the_elements_own_cubic() -> None:
     s = np.array([0.0, 2.0])
     c = np.random.default_rng(4).normal(size=(4, 3))

@@ -178,6 +178,8 @@ class Calls(RuleBasedStateMachine):
     expected: tuple[float, ...]
     which = st.integers(0, 1)
     slot = st.integers(0, 2)
+    place = st.integers(0, 20000)
+    changes = st.lists(st.tuples(place, st.binary(min_size=1, max_size=8)), max_size=4)
     number = st.one_of(st.sampled_from(HOSTILE), st.floats(-100.0, 100.0), st.floats())
 
     def __init__(self) -> None:
@@ -246,6 +248,19 @@ class Calls(RuleBasedStateMachine):
     def forget(self, i: int, slot: int) -> None:
         assert self.ropes[i].forget(self.states[slot]) == OK
         assert not self.states[slot].value
+
+    @rule(i=which, slot=slot, end=st.none() | place, places=changes, sealed=st.booleans())
+    def damage(self, i: int, slot: int, end: int | None, places: list[tuple[int, bytes]], sealed: bool) -> None:
+        if not self.states[slot].value:
+            return
+        data = bytearray(self.ropes[i].write(self.states[slot]))
+        for place, new in places:
+            at = place % len(data)
+            data[at : at + len(new)] = new[: len(data) - at]
+        bad, state = bytes(data[:end]), ctypes.c_void_p()
+        if self.ropes[i].read(reseal(bad) if sealed else bad, state) == OK:
+            self.ropes[i].restore(state)
+            self.ropes[i].forget(state)
 
     def teardown(self) -> None:
         """Whatever happened: after a reset both are as new."""
