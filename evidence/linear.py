@@ -1,13 +1,15 @@
 """Linear models of hoist and balance ropes against the nonlinear co-simulation: `python -m evidence.linear`.
 
-A small torque pulse is given twice: to the co-simulation, at rest or in the midst of a trip at constant speed, and to
-the linear model there. Ratios of Laplace transforms on Re s = SIGMA are compared up to 2 Hz, which is what shows within
-some 1 / SIGMA. In motion the response is the difference of two trips with the same torque but for the pulse.
+A small torque pulse is given to the co-simulation, at rest or in the midst of a trip at constant speed, and to the
+linear model there. Ratios of Laplace transforms on Re s = SIGMA are compared up to 2 Hz, which is what shows within
+some 1 / SIGMA. The response is half the difference of two runs with opposite pulses: the loop's height and yaw move by
+the pulse's square, too.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -22,8 +24,8 @@ from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Memory, Pair, Stopwatch
-from hoist_demo.design.linearise import linearise
-from hoist_demo.design.reduction import reduced
+from hoist_demo.design.linearise import LinearModel, linearise
+from hoist_demo.design.reduction import ALPHA, reduced
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
@@ -36,6 +38,8 @@ DRIVE = ("rate", "pull_left", "pull_right", "tension_left")
 SEEN = (*DRIVE, "left.fy", "right.fy", "loop.x", "loop.y", "loop.yaw")
 SIGMA = 0.6  #: 1/s
 GRID: Complex = np.asarray(SIGMA + 2j * np.pi * np.linspace(0.05, 2.0, 60), dtype=np.complex128)
+LINE: Complex = np.asarray(ALPHA + 1j * GRID.imag, dtype=np.complex128)  #: on which schedules are compared
+STATES = (8, 12, 17, 24)
 HEIGHTS = (0.1, 0.3, 0.5, 0.7, 0.9)
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "monopol-1000")
 PULSE = 0.005  #: Of the torque limit.
@@ -104,16 +108,18 @@ def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> C
     while speed and run.k * H < rise + _SETTLES:
         run.step(run.followed(speed, rise))
     begin, saved = run.k, (run.drive.save(), run.rope.save(), run.memory)
-    torques, plain = np.full(steps, run.held), list[list[float]]()
+    torques = np.full(steps, run.held)
     for k in range(steps if speed else 0):
         torques[k] = run.followed(speed, rise)
-        plain.append(run.step(float(torques[k])))
-    run.drive.restore(saved[0])
-    run.rope.restore(saved[1])
-    run.memory, run.k = saved[2], begin
+        run.step(float(torques[k]))
     given = PULSE * case.hoist.torque_limit * np.array([wavelet((k + 0.5) * H) for k in range(steps)])
-    moved = np.array([run.step(float(torque)) for torque in torques + given])
-    moved -= np.array(plain) if speed else moved[0]
+    both = []
+    for torque in (torques + given, torques - given):
+        run.drive.restore(saved[0])
+        run.rope.restore(saved[1])
+        run.memory, run.k = saved[2], begin
+        both.append([run.step(float(x)) for x in torque])
+    moved = (np.array(both[0]) - both[1]) / 2
     decay = np.exp(-np.outer(s, np.arange(steps) * H))
     # the command is held over a step, outputs go straight from one to the next; the first is 0
     found: Complex = (decay @ moved) * H / ((decay @ given) * (1 - np.exp(-s * H)) / s)[:, None]
@@ -126,6 +132,36 @@ def errors(found: Complex, exact: Complex) -> tuple[Array, Array]:
     return np.abs(20 * np.log10(np.abs(ratio))).max(axis=0), np.abs(np.angle(ratio, deg=True)).max(axis=0)
 
 
+def dense(count: int) -> Array:
+    """Heights over the travel, dense at both ends, where head ropes are short."""
+    return np.asarray((1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2)
+
+
+def between(models: Sequence[LinearModel], states: int) -> tuple[float, float]:
+    """Largest errors, dB and degrees, of a schedule of every other model against those between."""
+    plant = reduced(models[::2], states).scheduled()
+    size, worst = plant.size1_in(1), np.zeros(2)
+    for model in models[1::2]:
+        columns = [plant(model.at, x, 0.0) for x in np.eye(size)]
+        A, C = (np.hstack([np.array(column[k]) for column in columns]) for k in (0, 1))
+        B, D = (np.array(part) for part in plant(model.at, np.zeros(size), 1.0))
+        found = np.array([C @ np.linalg.solve(z * np.eye(size) - A, B) + D for z in LINE])
+        worst = np.maximum(worst, [x.max() for x in errors(found, model.response(LINE))])
+    return float(worst[0]), float(worst[1])
+
+
+def print_between(hoists: Sequence[str]) -> None:
+    """Print the errors of schedules of 17 dense heights between these."""
+    for name in hoists:
+        models = [m.selected(TORQUE, DRIVE[:3]) for m in linearise(smooth(find_case(name)), dense(33))]
+        for states in STATES:
+            try:
+                told = "{:.2f} dB, {:.1f} degrees".format(*between(models, states))
+            except ValueError as error:
+                told = str(error)
+            print(f"{name:>14}, {states} states: {told}", flush=True)
+
+
 def main() -> None:
     """Print the table of a few hoists."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -133,7 +169,11 @@ def main() -> None:
     parser.add_argument("--at", type=float, nargs="+", default=HEIGHTS)
     parser.add_argument("--speed", type=float, default=0.0)
     parser.add_argument("--sigma", type=float, default=SIGMA)
+    parser.add_argument("--between", action="store_true", help="schedules between their heights instead")
     options = parser.parse_args()
+    if options.between:
+        print_between(options.hoists)
+        return
     grid: Complex = np.asarray(options.sigma + 1j * GRID.imag, dtype=np.complex128)
     print(
         f"{'hoist':>14}{'at':>5}{'s':>6}" + "".join(f"{name:>16}" for name in (*SEEN, "small, drive")) + "  dB/degrees"
