@@ -126,3 +126,27 @@ def test_a_controller_from_a_linear_model_follows_the_trip_closer_than_pi(tmp_pa
     k = head.index("tracking_error") - len(head)
     # docs/tutorial/own_controller.md says 15 mm and 31 mm
     assert [float(row[k]) for row in (lqg, pi)] == pytest.approx([0.015, 0.031], abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_a_virtual_sensor_sees_the_rope_s_pull_and_not_its_loop(tmp_path: Path) -> None:
+    _, row = lines_of(EXAMPLES / "virtual_sensor.py", tmp_path, "as designed")
+    errors = [float(x) for x in row.replace("/", "").split()[2::2]]
+    sizes = [float(x) for x in row.replace("/", "").split()[3::2]]
+    left, _, loop, _, _ = (error / size for error, size in zip(errors, sizes, strict=True))
+    # docs/tutorial/own_controller.md says 0.1 kN of 0.33 kN
+    assert left == pytest.approx(0.3, abs=0.03)
+    assert loop > 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_an_optimal_trip_is_shorter_than_s_curves_but_arrives_later_than_the_gentle_one(tmp_path: Path) -> None:
+    head, *rows = (line.split() for line in lines_of(EXAMPLES / "optimal_trip.py", tmp_path))
+    times, cycles = (
+        [float(row[head.index(name) - len(head)]) for row in rows] for name in ("trajectory_time", "cycle_time")
+    )
+    # docs/tutorial/own_controller.md says 22.18 s, and 22.61 s against 22.46 s
+    assert times[-1] == pytest.approx(22.18, abs=0.02)
+    assert [cycles[-1], cycles[0]] == pytest.approx([22.61, 22.46], abs=0.02)

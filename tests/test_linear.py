@@ -108,6 +108,13 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
     for at, shares in ((0.1, (1, 0)), (0.3, (0.75, 0.25)), (0.7, (0, 1))):
         for k, found in enumerate(plant(at, X, u)):
             assert_allclose(found.full().ravel(), shares[0] * ends[0][k] + shares[1] * ends[1][k], rtol=1e-9)
+    # a spline that overshoots
+    rates, four = np.array([-50.0, -0.1, -0.1, -50.0])[:, None, None], [0, 0, 0, 0]
+    steep = replace(
+        small, at=(0.0, 0.3, 0.7, 1.0), A=rates * np.eye(7), B=small.B[four], C=small.C[four], D=small.D[four]
+    )
+    with pytest.raises(ValueError, match=r"model at = 0\.[345].*, between heights, grows by .* take more heights"):
+        steep.scheduled()
     with pytest.raises(ValueError, match=r"at = 1\.5 must be within 0 and 1"):
         linearise(find_case("rope-120"), [1.5])
     with pytest.raises(ValueError, match="outputs speed must be among rate"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from evidence.linear import DRIVE, GRID, SEEN, TORQUE, errors, shaken, smooth
+from evidence.linear import DRIVE, GRID, SEEN, TORQUE, between, dense, errors, shaken, smooth
 from hoist_demo.cases.table import find_case
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import reduced
@@ -23,13 +23,20 @@ def test_linear_models_at_rest_answer_as_the_co_simulation_does(name: str, at: f
     found = shaken(case, at, s, 0.005)
     (model,) = linearise(case, [at])
     decibels, _ = errors(model.selected(TORQUE, SEEN).response(s)[:, :, 0], found)
-    # 0.1 dB and 1 dB are what is promised; the rope's own force on the lower conveyance is 1e-3 of that on the other
-    assert_allclose(decibels[: len(DRIVE)], 0.0, atol=0.1)
-    assert_allclose(decibels[[SEEN.index("left.fy"), SEEN.index("right.fy")]], 0.0, atol=0.3)
+    # 0.1 dB and 1 dB are what is promised; yaw, which the torque hardly turns, keeps 0.13 dB
+    assert_allclose(decibels[:-1], 0.0, atol=0.1)
+    assert decibels[-1] < 0.2
     small = reduced([model.selected(TORQUE, DRIVE[:3])]).response(0, s)[:, :, 0]
     decibels, degrees = errors(small, found[:, :3])
     assert_allclose(decibels, 0.0, atol=1.0)
     assert_allclose(degrees, 0.0, atol=5.0)
+
+
+def test_a_schedule_is_as_good_between_its_heights_as_promised_at_them() -> None:
+    models = [m.selected(TORQUE, DRIVE[:3]) for m in linearise(find_case("rope-120"), dense(17))]
+    decibels, degrees = between(models, 17)
+    assert decibels < 1.0
+    assert degrees < 5.0
 
 
 def test_a_rope_that_flows_moves_its_loop_as_in_a_trip() -> None:
