@@ -26,8 +26,8 @@ from rope_model.simulation.contact.bodies import no_room
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
-from rope_model.simulation.ends.following import Following, follow, follow_limits, follow_program, manner_of
-from rope_model.simulation.ends.misfit import follow_account
+from rope_model.simulation.ends.followed import follow, follow_program
+from rope_model.simulation.ends.following import Following, follow_limits, manner_of
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import Fidelity, choose_fidelity, unsupported_motion
 from rope_model.simulation.mesh.adaptation import raise_fidelity
@@ -86,7 +86,7 @@ class RopeSimulator(BalanceRope):
                 raise
             raise ValueError(messages.fitted_mesh_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
-        self._follow = follow_program()
+        self._follow = follow_program(scene.rope)
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -242,14 +242,14 @@ class RopeSimulator(BalanceRope):
         if not earliest <= at <= t + SHORTEST_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
         manner, followed = manner_of(scene), []
+        bottom = self.model.bottom(state.paths, start)
+        legs = bottom, scene.rope.length - bottom
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end)
+            found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end, legs[k])
             refused = refusal(scene.inputs, end, found.limits, side)
             if message := refused or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
-            bottom = self.model.bottom(state.paths, start)
-            leg = bottom if k == 0 else scene.rope.length - bottom
-            followed.append((found.path, follow_account(found.following, found.path, manner, scene.rope, leg)))
+            followed.append((found.path, found.following))
         paths, following = zip(*followed, strict=True)
         state = state._replace(paths=paths, following=following, events=())
         if scene.inputs.given != "all":

@@ -20,15 +20,13 @@ What a host does not give is estimated by fading-memory filters: E. Brookner, Tr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
-from rope_model.numerics.program import Program
 from rope_model.parameters import CHOICES, Scene
 from rope_model.physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.ends.paths import PATH, RESTS_BELOW, EndMotion, EndPath
+from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
 #: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits; met
 #: within 20 ms that takes 5.8 h times it at most, 0.1 % of g
@@ -318,52 +316,3 @@ def follow_limits(path: Any, now: Any) -> Limits:
     """Measures that decide whether the path can be followed; NaN where a coordinate is."""
     place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
     return Limits(path.peak_accelerations(), place, speed)
-
-
-class Followed(NamedTuple):
-    """Next path of an end, and the measures that decide whether it can be followed."""
-
-    following: Following
-    path: EndPath
-    limits: Limits
-
-
-_NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type]
-_NOTHING = (0.0,) * len(PATH)
-#: values that ``follow`` takes and returns
-_TAKEN = Following(), _NO_PATH, Manner(*(0.0,) * len(Manner._fields)), 0.0, 0.0, (0.0,) * len(vars(EndMotion()))
-_RETURNED = Followed(Following(), _NO_PATH, Limits(_NOTHING, _NOTHING, _NOTHING))  # type: ignore[arg-type]
-
-
-def numbers_of(x: Any) -> list[Any]:
-    """The numbers of nested tuples in a row."""
-    return [n for part in x for n in numbers_of(part)] if isinstance(x, tuple) else [x]
-
-
-def _with_numbers(example: Any, rest: Iterator[Any]) -> Any:
-    """Nested tuples like ``example`` with the next numbers of ``rest``."""
-    if not isinstance(example, tuple):
-        return next(rest)
-    parts = (_with_numbers(part, rest) for part in example)
-    return type(example)(*parts) if hasattr(example, "_fields") else tuple(parts)
-
-
-def follow_program() -> Program:
-    """follow_sample, follow_path and follow_limits in CasADi's virtual machine, for ``follow``."""
-    return Program(_follow, len(numbers_of(_TAKEN)))
-
-
-def follow(
-    program: Program, now: Following, path: EndPath, manner: Manner, given_at: float, stop: float, end: EndMotion
-) -> Followed:
-    """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
-    found = program(*numbers_of((now, path, manner, given_at, stop, tuple(vars(end).values()))))
-    followed: Followed = _with_numbers(_RETURNED, iter(found))
-    return followed
-
-
-def _follow(x: Sequence[Any]) -> list[Any]:
-    now, path, manner, given_at, stop, end = _with_numbers(_TAKEN, iter(x))
-    now = follow_sample(now, manner, given_at, stop - path.stop, EndMotion(*end))
-    path = follow_path(path, now, stop, manner.observer)
-    return numbers_of(Followed(now, path, follow_limits(path, now)))
