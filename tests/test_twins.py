@@ -48,8 +48,6 @@ C_ONLY = {
     "see_more_bodies": "the same, after Newton's corrections",
     "see": "RopeSystem._near",
     "still_free": "RopeSystem._near",
-    "own_contact": "room for touches",
-    "own_contact_bytes": "room for touches",
     "point_forces_push": "rope_system._push, where the places are",
     "chain_work_bytes": "room for a chain",
     "chain_frames_bytes": "room for a chain",
