@@ -107,7 +107,8 @@ class NativeRope(BalanceRope):
 
     def __init__(self, scene: Scene) -> None:
         self._lib = self._library()
-        memory = _memory()
+        libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
+        memory = _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
         self._text = ctypes.create_string_buffer(MESSAGE)  # message of the library
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
@@ -256,10 +257,7 @@ class NativeRope(BalanceRope):
         """Return the status after a call of the library."""
         if well:
             self._state = None
-        return _VALID if well else Status(False, self._message())
-
-    def _message(self) -> str:
-        return str(self._lib.rope_message(self._rope).decode())
+        return _VALID if well else Status(False, self._lib.rope_message(self._rope).decode())
 
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
@@ -273,11 +271,6 @@ def _made(kind: type[NativeRope], scene: Scene, state: bytes) -> NativeRope:
     if state and not (status := rope.restore_native(state)).valid:
         raise ValueError(status.message)
     return rope
-
-
-def _memory() -> _Allocator:
-    libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
-    return _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
 
 
 _VALID = Status(True)

@@ -346,7 +346,7 @@ def formulas() -> dict[str, Callable[..., Any]]:
 
 def formulas_code() -> str:
     """The text of formulas.h."""
-    structures = (_definition(kind) for kind in DEFINED_HERE)
+    structures = map(_definition, DEFINED_HERE)
     functions = (function_code(prototype, formula) for prototype, formula in formulas().items())
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
@@ -359,7 +359,8 @@ def _value(value: float | str | tuple[Any, ...]) -> str:
 
 
 def _definition(kind: type[Any]) -> str:
-    members = "".join(f"    double {name}{_lengths(hint)};\n" for name, hint in get_type_hints(kind).items())
+    lengths = {name: "".join(f"[{n}]" for n in shape_of(hint)) for name, hint in get_type_hints(kind).items()}
+    members = "".join(f"    double {name}{length};\n" for name, length in lengths.items())
     return f"/* {kind.__module__}.{kind.__name__} */\ntypedef struct {{\n{members}}} {kind.__name__};\n"
 
 
@@ -367,10 +368,6 @@ def shape_of(hint: Any) -> tuple[int, ...]:
     """() of a number, lengths of a tuple of numbers or of tuples alike."""
     parts = get_args(hint) if get_origin(hint) is tuple else ()
     return (len(parts), *shape_of(parts[0])) if parts else ()
-
-
-def _lengths(hint: Any) -> str:
-    return "".join(f"[{n}]" for n in shape_of(hint))
 
 
 def function_code(prototype: str, formula: Callable[..., Any]) -> str:

@@ -65,10 +65,6 @@ class Assessed(Protocol):
 B = TypeVar("B", bound=Assessed)
 
 
-def _whole(change: Array) -> Array:
-    return change
-
-
 @dataclass(frozen=True)
 class Solution(Generic[B]):
     """Result of Newton's method: q, v, a, their evaluation, and its status.
@@ -81,7 +77,7 @@ class Solution(Generic[B]):
     a: Array
     evaluation: B
     newton: NewtonReport
-    resolve: Callable[[Array], Array] = _whole
+    resolve: Callable[[Array], Array] = lambda change: change
 
 
 class System(Protocol[B]):

@@ -63,19 +63,19 @@ class BalanceRope(ABC):
         """Number of elements."""
 
     @property
-    @abstractmethod
     def time(self) -> float:
         """The present state's instant, s."""
+        return self.state.motion.t
 
     @property
-    @abstractmethod
     def fidelity(self) -> Fidelity:
         """Fidelity of the present computation: torsional is all, then spatial, planar and rigid."""
+        return self.state.fidelity
 
     @property
-    @abstractmethod
     def fidelity_reason(self) -> str:
         """Reason for this fidelity."""
+        return self.state.fidelity_reason
 
     @property
     @abstractmethod

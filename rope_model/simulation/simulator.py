@@ -29,7 +29,7 @@ from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, fro
 from rope_model.simulation.ends.following import Following, follow, follow_limits, follow_program, manner_of
 from rope_model.simulation.ends.misfit import follow_account
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
-from rope_model.simulation.fidelity import Fidelity, choose_fidelity, unsupported_motion
+from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.mesh.adaptation import raise_fidelity
 from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
 from rope_model.simulation.messages import fidelity_messages, messages
@@ -117,18 +117,6 @@ class RopeSimulator(BalanceRope):
     @property
     def elements(self) -> int:
         return self.model.kernels.elements
-
-    @property
-    def time(self) -> float:
-        return self.state.motion.t
-
-    @property
-    def fidelity(self) -> Fidelity:
-        return self.state.fidelity
-
-    @property
-    def fidelity_reason(self) -> str:
-        return self.state.fidelity_reason
 
     @property
     def loop(self) -> LoopBottom:

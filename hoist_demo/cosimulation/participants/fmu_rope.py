@@ -85,7 +85,7 @@ class FmuRope:
         try:
             self._fmu.enter_initialization(t0)
             self._set_motions(left, right)
-            self._fmu.exit_initialization()
+            self._fmu.fmpy.exitInitializationMode()
             self._started = True
             return self._status()
         except CallError as error:
@@ -206,7 +206,7 @@ class FmuRope:
         """Terminate and free the instance; the extracted files serve the next one of this process."""
         if self._started:
             with suppress(CallError):
-                self._fmu.terminate()
+                self._fmu.fmpy.terminate()
         self._started = False
         self._fmu.close()
 
