@@ -1,7 +1,5 @@
 """The native form of the rope: the C library behind the interface of BalanceRope."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import struct

@@ -5,8 +5,6 @@ all platforms.  Others are cached under the hash of all that goes into them.  Th
 the same bytes.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import logging

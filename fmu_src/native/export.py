@@ -3,8 +3,6 @@
 The rope's, and that of any model that implements model.h, in the rope's shell.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.metadata
 import importlib.util

@@ -23,8 +23,6 @@ A row of Lagrange's equation holds a leg up to the sheave's top point, through w
 the sheave is the tension less mu w^2 / 2, on both sides alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache

@@ -22,8 +22,6 @@ and not beyond h after one that was taken back: a step at the bound of stability
 What is watched ends them: the last one is then shortened by bisection until what is watched has just become positive.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

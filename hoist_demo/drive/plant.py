@@ -14,8 +14,6 @@ Both instants are located. What has slid goes over into the free lengths when th
 have the same equations before and after, and the same as in a hoist without a lining.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cached_property

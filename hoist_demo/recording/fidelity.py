@@ -3,8 +3,6 @@
 On a rope that carries no torque the zeros of what only torque makes are the complete model's own, so they stay.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ Blue is always the left end, orange the right one, grey the reference or limit. 
 recorded, or never move, is left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import product

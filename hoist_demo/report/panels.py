@@ -3,8 +3,6 @@
 A panel has signals that share a plot. Signals not recorded, and panels without any, are left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace

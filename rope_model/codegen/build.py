@@ -4,8 +4,6 @@ An installed package brings the library for each platform, and the generated sou
 them in other words.
 """
 
-from __future__ import annotations
-
 import importlib.metadata
 import json
 import tempfile

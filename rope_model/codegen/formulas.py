@@ -4,8 +4,6 @@ A formula is traced with a CasADi symbol for each number that it takes.  CasADi'
 meanwhile: the C does the same operations in the same order as Python, and gives the same bits where libm does.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

@@ -4,8 +4,6 @@ In C the real numbers of a group come first, then its integers, each in the orde
 in the list of choices.  The kernels' form is Python's own business.
 """
 
-from __future__ import annotations
-
 import ctypes
 from dataclasses import fields
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints

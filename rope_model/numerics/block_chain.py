@@ -15,8 +15,6 @@ Everything is built from CasADi functions of one element; this module knows noth
 element is the same in chains of any length, and is compiled once: ``chain_parts``.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import NamedTuple
 

@@ -16,8 +16,6 @@ Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Bruels, Multibo
 form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ functions; it is cached on disk under the hash of the generated C, the compiler 
 these compiles anew.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import logging

@@ -1,7 +1,5 @@
 """Interface of every form of the rope: hang, follow the ends, be read, and go back to a saved state."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

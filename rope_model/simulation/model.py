@@ -1,7 +1,5 @@
 """A scene with its kernels: equations of motion, trial steps and bookkeeping for any state of the rope."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

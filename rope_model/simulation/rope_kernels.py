@@ -3,8 +3,6 @@
 They depend on the number of elements, the fidelity and the effects on the rope (``Kinds``), not on its data.
 """
 
-from __future__ import annotations
-
 import logging
 import shutil
 from collections.abc import Iterable, Sequence

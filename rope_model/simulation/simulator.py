@@ -7,8 +7,6 @@ not converge or errs too much is rejected, halved and tried again; when the smal
 and keeps the state of the host's last instant.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Iterable

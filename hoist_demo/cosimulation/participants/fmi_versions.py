@@ -3,8 +3,6 @@
 FMI 3.0 has other types, and other calls to instantiate, to set up and to step; fmu_description has the variables.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress

@@ -4,8 +4,6 @@ FMI 3.0 has arrays, and a type for each width of a number. Here a variable has t
 an array's elements have their names of FMI 2.0: shape.x[1] ...
 """
 
-from __future__ import annotations
-
 import atexit
 import shutil
 from collections.abc import Iterable, Mapping

@@ -5,8 +5,6 @@ of FMI 2.0 and 3.0. The host computes
 t = start + k H; doStep(t, H) is given the end motions of t + H (parameter `inputs_at_step_end` = true).
 """
 
-from __future__ import annotations
-
 import hashlib
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence

@@ -11,8 +11,6 @@ m_0 / M; for one that is only an impedance Z the bound is H < 2 M / Z; and where
 axial wave in the leg it is larger than either. The hoist's own springs are left out: they are slow against a step.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from dataclasses import dataclass

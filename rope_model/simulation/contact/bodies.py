@@ -1,7 +1,5 @@
 """The bodies of a scene where they are now, and whether they leave room for the rope's ends."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 

@@ -18,8 +18,6 @@ Ropes at rest hang as if each was alone.  Those that then hang into each other a
 start, and grow to their diameter in GROWTH; its energy counts as created, too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

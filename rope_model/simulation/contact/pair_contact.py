@@ -5,8 +5,6 @@ looked at against the nearest place of each strand of the other rope.  Which ele
 boxes around them.
 """
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ by no more than the way, so that far places are left out: a leg then costs a few
 state has no part in it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple

@@ -23,8 +23,6 @@ same for every place of the loop, grows with the root of the rope's length for a
 Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

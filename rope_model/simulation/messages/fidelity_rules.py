@@ -1,7 +1,5 @@
 """Rules that decide which fidelity of the model serves, and why; for simulation.fidelity and its C."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import fields

@@ -1,7 +1,5 @@
 """Rules of warnings that numbers decide: tables for simulation.messages.result_warnings and its C."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

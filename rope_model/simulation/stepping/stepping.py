@@ -1,7 +1,5 @@
 """One step of the rope, as long as errors and events allow."""
 
-from __future__ import annotations
-
 import logging
 from dataclasses import replace
 from typing import Any
