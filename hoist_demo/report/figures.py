@@ -80,7 +80,10 @@ def write_figures(
     with matplotlib.rc_context(STYLE):
         for name, groups in _FIGURES.items():
             if own := [panel for panel in shown if panel.group in groups]:
-                figure, axes = _stack(recording, [panel.title for panel in own])
+                figure, axes = stacked_panels([panel.title for panel in own])
+                axes[-1].set_xlabel("time [s]")
+                start, end = float(recording.time[0]), float(recording.time[-1])
+                axes[-1].set_xlim(start, max(end, start + 1e-9))
                 for ax, panel in zip(axes, own, strict=True):
                     _draw(ax, panel, recording.time, signals)
                 if name == "swivels":
@@ -194,14 +197,6 @@ def save_figure(figure: Figure, path: Path) -> Path:
 def _shows(recording: Recording, *names: str) -> bool:
     """Return True if all these signals were recorded and computed; a fidelity's gaps are NaN."""
     return all(name in recording and bool(np.isfinite(recording[name]).any()) for name in names)
-
-
-def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
-    """Panels above one another over a common time axis."""
-    figure, axes = stacked_panels(titles)
-    axes[-1].set_xlabel("time [s]")
-    axes[-1].set_xlim(float(recording.time[0]), max(float(recording.time[-1]), float(recording.time[0]) + 1e-9))
-    return figure, axes
 
 
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:

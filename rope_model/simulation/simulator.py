@@ -20,7 +20,7 @@ from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.outline import suspension_points
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
-from rope_model.simulation.contact.bodies import no_room
+from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
@@ -32,6 +32,7 @@ from rope_model.simulation.mesh.adaptation import raise_fidelity
 from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
 from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
 from rope_model.simulation.outputs.guards import at_rest, with_guards
@@ -204,7 +205,7 @@ class RopeSimulator(BalanceRope):
             )
             state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state)
         except (StaticsError, ValueError) as error:
-            return Status(False, no_room(scene, fidelity, left, right) or str(error))
+            return Status(False, first_text(NO_ROOM, scene, fidelity, left, right) or str(error))
         if fidelity != "rigid":
             state = state._replace(hysteresis=fresh_memory(scene, cells.lengths.size))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])

@@ -9,7 +9,7 @@ from rope_model.physics.outline import suspension_points
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.shaft_parameters import FAR, Shaft
 from rope_model.simulation.messages import messages
-from rope_model.simulation.messages.rules import Rules, first_text
+from rope_model.simulation.messages.rules import Rules
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies that stand
@@ -70,8 +70,3 @@ def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
 
 #: why a rope finds no rest where bodies hold it
 NO_ROOM: Rules = {messages.end_in_lining: _in_lining, messages.end_below_floor: _below_floor}
-
-
-def no_room(scene: Any, fidelity: Any, left: Any, right: Any) -> str:
-    """Which body leaves a rope of this fidelity no rest between its ends; '' for none that is known to."""
-    return first_text(NO_ROOM, scene, fidelity, left, right)
