@@ -138,7 +138,7 @@ _OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
 def write_duty_figure(trips: Recording, path: Path) -> Path:
     """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
     panels = [
-        (title, unit, factor, {name: words for name, words in curves.items() if _shows(trips, name)})
+        (title, unit, factor, {n: words for n, words in curves.items() if n in trips and np.isfinite(trips[n]).any()})
         for title, unit, factor, curves in _OVER_TRIPS
     ]
     shown = [panel for panel in panels if panel[-1]]
@@ -192,11 +192,6 @@ def save_figure(figure: Figure, path: Path) -> Path:
     figure.set_dpi(150)
     FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return path
-
-
-def _shows(recording: Recording, *names: str) -> bool:
-    """Return True if all these signals were recorded and computed; a fidelity's gaps are NaN."""
-    return all(name in recording and bool(np.isfinite(recording[name]).any()) for name in names)
 
 
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:

@@ -18,16 +18,6 @@ import fmpy.fmi2
 import fmpy.fmi3
 import numpy as np
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    calloc,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    free,
-)
-from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
@@ -225,16 +215,16 @@ class Instance(ABC):
 
 
 class _Instance2(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi2.FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
     _standard = "FMI2"
     _tells_lengths = False
 
     def _instantiate(self) -> None:
         # FMPy prints by default; the callbacks must live as long as the instance
-        self._callbacks: Any = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._pass_on)
-        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        self._callbacks: Any = fmpy.fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(self._pass_on)
+        self._callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.fmi2.calloc)
+        self._callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.fmi2.free)
         # formats C varargs where FMPy ships its proxy for this platform; without it the raw text is logged
         with suppress(ImportError, OSError, RuntimeError):
             from fmpy.logging import addLoggerProxy
@@ -249,7 +239,7 @@ class _Instance2(Instance):
 
 
 class _Instance3(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi3.FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
     _standard = "FMI3"
     _tells_lengths = True
 
