@@ -66,6 +66,9 @@ class Profile:
         return {i: v for i, v in enumerate(table) if v.causality != "output" or group_of(v.name) in shown}
 
 
+FULL = Profile(ALL)
+
+
 def group_of(name: str) -> str:
     """The group of an output."""
     first, _, rest = name.partition(".")

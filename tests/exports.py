@@ -8,7 +8,7 @@ from pathlib import Path
 from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_model, export_native
-from fmu_src.profile import ALL, Profile
+from fmu_src.profile import ALL, FULL, Profile
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from rope_model.parameters import Level
@@ -25,8 +25,6 @@ class Flavour:
 
 
 FLAVOURS: dict[str, Flavour] = {}
-
-FULL = Profile(ALL)
 
 
 def python(profile: Profile = FULL) -> Callable[[Path], Path]:

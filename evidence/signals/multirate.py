@@ -22,7 +22,7 @@ import numpy as np
 from evidence.tables import Tables, table
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_model, export_native
-from fmu_src.profile import ALL, Profile
+from fmu_src.profile import FULL
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 
@@ -46,7 +46,7 @@ def tables() -> Tables:
 def multirate(folder: Path) -> Iterator[tuple[Any, ...]]:
     """A row for each tool that is installed, and each pair of steps."""
     here = (host_platform(),)
-    export_native(folder / "rope.fmu", platforms=here, profile=Profile(ALL))
+    export_native(folder / "rope.fmu", platforms=here, profile=FULL)
     export_model(folder / "drive.fmu", here, 2, **vars(drive_model(find_case("rope-120"))))
     for tool, package in PACKAGES.items():
         if importlib.util.find_spec(package) is None:

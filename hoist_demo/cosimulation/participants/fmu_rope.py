@@ -103,11 +103,9 @@ class FmuRope:
         buffers, values = self._outputs(names, 1)
 
         def read() -> NDArray[np.float64]:
-            try:
+            with self._translate_failures():
                 for buffer in buffers:
                     buffer.call()
-            except CallError as error:
-                raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
             found: NDArray[np.float64] = values(1)[0]
             return found
 
