@@ -7,15 +7,8 @@ from typing import Any
 from rope_model.numerics.generalized_alpha import StepResult
 from rope_model.physics.accuracy import ACCEPT_BELOW, next_step, parts_of
 from rope_model.physics.elementary import larger
+from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
-from rope_model.simulation.ends.switching import (
-    EVENT_WIDTH,
-    chatters,
-    next_release,
-    release_swivels,
-    switch_swivels,
-    switching_step,
-)
 from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
 from rope_model.simulation.mesh.mesh_pattern import distance_to_due
 from rope_model.simulation.mesh.partition import LATEST
@@ -49,7 +42,7 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
     transformed = transform_if_due(model, state)
     if isinstance(transformed, str):
         return transformed
-    state = release_swivels(model, transformed)
+    state = switching.release_swivels(model, transformed)
     system = model.system(state)
     stop = _next_stop(model, state, t_end)
     while True:
@@ -62,9 +55,9 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
         whole = result.motion.t - state.motion.t
         # the step to the event, and one from there on, come after the trials
         work = work_end - counts.newton - 2 * STEP_WORK
-        if (switching := switching_step(model, system, state, result, work)) is None:
+        if (event := switching.switching_step(model, system, state, result, work)) is None:
             break
-        h, iterations = switching
+        h, iterations = event
         result = model.trial(system, state.motion, h)
         counts = counts.plus(newton=iterations + result.newton.iterations, given_up=int(iterations >= work))
         if result.motion is not None:
@@ -76,9 +69,9 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
         log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
         state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
     after = model.commit(state, system, result)._replace(counts=counts.plus(steps=1))
-    if switching is not None:
-        after = switch_swivels(model, after)
-        if chatters(after):
+    if event is not None:
+        after = switching.switch_swivels(model, after)
+        if switching.chatters(after):
             return messages.swivel_chatters()
     elif reaches_stop:
         after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
@@ -140,7 +133,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     Also a transformation, where a step would carry the loop too far past it; else it waits for the step's end,
     because a step that is cut short errs by more than a mesh that is a little late.
     """
-    t, stop = state.motion.t, min(t_end, next_release(model, state))
+    t, stop = state.motion.t, min(t_end, switching.next_release(model, state))
     ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
 
     def due(time: float) -> float:
@@ -150,7 +143,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     at_start = due(t)
     for time in (0.5 * (t + ahead), ahead):
         if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
-            return min(locate(due, t, time, at_start, at_time, EVENT_WIDTH), stop)
+            return min(locate(due, t, time, at_start, at_time, switching.EVENT_WIDTH), stop)
     return stop
 
 
