@@ -36,6 +36,7 @@ C_ONLY = {
     "rope_is_initialized": "state raises RuntimeError in Python",
     "rope_state_bytes": "bytes have a length in Python",
     "rope_save": "BalanceRope.save",
+    **dict.fromkeys(("rope_time", "rope_fidelity", "rope_fidelity_reason"), "BalanceRope has them of the state"),
     "rope_warning": "WARNINGS by their number",
     "state_plausible": "bytes may be anything; RopeState.from_bytes has types",
     "state_copy": "states are immutable in Python",
