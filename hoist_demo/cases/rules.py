@@ -1,7 +1,5 @@
 """What a hoist's file leaves out and what follows from the rest, by stated rules; and values that no hoist has."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace

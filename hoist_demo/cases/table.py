@@ -1,7 +1,5 @@
 """Hoists by name, the files of hoist_demo/hoists, and those of the user by path."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

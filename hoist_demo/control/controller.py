@@ -11,8 +11,6 @@ further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Con
 When the reference says that the safety brake stops the hoist, the motor is off and `emergency_brake` asks for it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

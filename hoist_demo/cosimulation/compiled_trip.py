@@ -4,8 +4,6 @@ It takes what most trips have: the scheme gauss-seidel-1, the speed controller, 
 rope in a library, and a C compiler. All else goes on in `host.Host`, which gives the same bits.
 """
 
-from __future__ import annotations
-
 import math
 from ctypes import CDLL, Structure, addressof, byref, c_double, c_int, c_size_t, c_void_p, cast
 from dataclasses import astuple

@@ -6,8 +6,6 @@ takes the rope's horizontal forces and its moment about the vertical, and gives 
 ropes each has forces of its own, behind its name; the drive adds them up, and gives each the motions of its own place.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ A `Hoist` whose part is None has not the part's equations; there are no stiff or
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection
 from dataclasses import dataclass, fields

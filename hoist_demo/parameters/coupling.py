@@ -1,7 +1,5 @@
 """Data of the exchange between drive and rope."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

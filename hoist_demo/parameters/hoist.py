@@ -7,8 +7,6 @@ The shaft. Heights y point up and are those of the rope suspension under a conve
 the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above that.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -9,8 +9,6 @@ and the rope's force f and moment m act on it, about its centre, as f and m + p'
 CasADi expressions alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 The metadata have the same names as those of rope_model's parameters.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Data of one trip, and whether the hoist can do it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal, get_args

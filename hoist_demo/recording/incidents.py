@@ -1,7 +1,5 @@
 """Causes that stop a run or should have: guards, jams, slack head ropes and slip."""
 
-from __future__ import annotations
-
 from operator import attrgetter
 from typing import NamedTuple
 

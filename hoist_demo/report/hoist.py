@@ -1,7 +1,5 @@
 """A hoist before it is wound, for people: its values with their sources, and what follows from them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

@@ -3,8 +3,6 @@
 Each row stands for itself; rows whose signals were not recorded are left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace

@@ -4,8 +4,6 @@ A formula is called with symbols that stand for the facts its parameters name, a
 whole structure, with integers and choices, and only members that the formula reads become text.
 """
 
-from __future__ import annotations
-
 import ctypes
 import inspect
 import re

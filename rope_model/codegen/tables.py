@@ -1,7 +1,5 @@
 """Tables that the native rope takes from the Python one when it is built."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from enum import Enum

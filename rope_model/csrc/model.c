@@ -66,7 +66,6 @@ static double largest_bend(const Arrays *m) {
     return largest;
 }
 
-/* h: of the communication step, at the start of which the balance of energy had this residual */
 void audit_interval(const Simulator *rope, State *state, double h, double residual_before) {
     const Arrays m = state_arrays(state);
     const double *left = m.q, *right = end_row(m.q, m.nodes, RIGHT);

@@ -20,7 +20,6 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     Simulator *rope = with_memory(scene, elements, memory, message);
     if (rope == NULL) return NULL;
     rope->mesh = mesh;
-    rope->around->scene = &rope->scene;
     rope->around->bodies = may_touch(&scene->shaft);
     return rope;
 }

@@ -20,7 +20,6 @@ struct Simulator {
     const Chain *chains; /* of the fidelities TORSIONAL to PLANAR */
     int elements, initialized;
     size_t state_bytes;
-    void *block;                /* all the memory behind the pointers that follow */
     State *state, *next;        /* next is what an advance works on; they change places when it succeeds */
     State *spare;               /* what would be if a swivel stuck, and what is looked at but not kept */
     Arrays trial;               /* of the latest trial; scratch at other times */

@@ -7,8 +7,6 @@ not converge or errs too much is rejected, halved and tried again; when the smal
 and keeps the state of the host's last instant.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Iterable
@@ -22,18 +20,19 @@ from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.outline import suspension_points
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
-from rope_model.simulation.contact.bodies import no_room
+from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
 from rope_model.simulation.ends.followed import follow, follow_program
 from rope_model.simulation.ends.following import Following, follow_limits, manner_of
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
-from rope_model.simulation.fidelity import Fidelity, choose_fidelity, unsupported_motion
+from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.mesh.adaptation import raise_fidelity
 from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
 from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
 from rope_model.simulation.outputs.guards import at_rest, with_guards
@@ -117,18 +116,6 @@ class RopeSimulator(BalanceRope):
     @property
     def elements(self) -> int:
         return self.model.kernels.elements
-
-    @property
-    def time(self) -> float:
-        return self.state.motion.t
-
-    @property
-    def fidelity(self) -> Fidelity:
-        return self.state.fidelity
-
-    @property
-    def fidelity_reason(self) -> str:
-        return self.state.fidelity_reason
 
     @property
     def loop(self) -> LoopBottom:
@@ -218,7 +205,7 @@ class RopeSimulator(BalanceRope):
             )
             state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state)
         except (StaticsError, ValueError) as error:
-            return Status(False, no_room(scene, fidelity, left, right) or str(error))
+            return Status(False, first_text(NO_ROOM, scene, fidelity, left, right) or str(error))
         if fidelity != "rigid":
             state = state._replace(hysteresis=fresh_memory(scene, cells.lengths.size))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])

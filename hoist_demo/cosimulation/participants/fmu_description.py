@@ -4,8 +4,6 @@ FMI 3.0 has arrays, and a type for each width of a number. Here a variable has t
 an array's elements have their names of FMI 2.0: shape.x[1] ...
 """
 
-from __future__ import annotations
-
 import atexit
 import shutil
 from collections.abc import Iterable, Mapping
@@ -25,6 +23,7 @@ from rope_model.scene_names import choices_of
 
 FMI_VERSIONS = ("2.0", "3.0")  #: Versions of FMI that the host drives, as model descriptions state them.
 _KINDS = {"Enumeration": "Integer"}
+_NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")  #: Folders that no instance reads.
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +84,9 @@ def _value(kind: str, text: str) -> Value:
 @lru_cache(maxsize=8)
 def unpacked(path: Path, changed: int, size: int) -> Path:
     """Folder with the files of an FMU that was changed last at that time [ns], for this process and until it ends."""
-    directory = Path(fmpy.extract(str(path), include=_serves_to_run))
+    directory = Path(fmpy.extract(str(path), include=lambda file: not file.startswith(_NOT_TO_RUN)))
     atexit.register(shutil.rmtree, directory, ignore_errors=True)
     return directory
-
-
-def _serves_to_run(file: str) -> bool:
-    """Return True if an instance may read this file of the archive."""
-    return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
 
 
 def read_parameters(path: Path) -> dict[str, Parameter]:

@@ -1,7 +1,5 @@
 """The data a run was given, as table rows: each parameter by the name that sets it, with unit, meaning and status."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any

@@ -6,8 +6,6 @@ Only what differs between runs has an axis. A run has failed when its `cause` is
 columns as it has room for: what varies, what the study judges by, what tells of danger, then the rest.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path

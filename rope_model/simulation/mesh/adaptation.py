@@ -1,7 +1,5 @@
 """Changes of the rope's description that leave the rope as it is: mesh, the fidelity of the model."""
 
-from __future__ import annotations
-
 import logging
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Why a fidelity of the model serves, or does not: texts of both forms, as in messages."""
 
-from __future__ import annotations
-
 from rope_model.simulation.messages.text import Text
 
 cannot_follow = Text("the {fidelity:s} model cannot follow {why:.300}")

@@ -3,8 +3,6 @@
 codegen.messages makes the C of them.  Warnings are in warning_messages, reasons for a fidelity in fidelity_messages.
 """
 
-from __future__ import annotations
-
 from rope_model.simulation.messages.text import Text
 
 # the rope's start

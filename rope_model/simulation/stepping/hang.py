@@ -6,8 +6,6 @@ straight rope at rest carries the same torque all along, so the swivel with the 
 rope the other may have to turn as well.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
