@@ -62,6 +62,7 @@ VERDICTS = [
     ({"loop.turns": [0.1, -0.55]}, {}, "turns", "0.55", False),
     ({"loop.turns": [0.1, -0.2]}, {"guard.turns": 0.15}, "turns", "0.2", False),
     ({"loop.sideways": [0.0, 1.234567], "status.loop_error": [0, 5e-3]}, {}, "sideways", "1.23 m", None),
+    ({"drive.pull_left": [9e3, 0.0]}, {}, "smallest pull of the head ropes, left", "0 kN", False),
     ({"loop.sideways": [0.0, 1.2]}, {"guard.window": 1.5}, "sideways", "1.2 m", True),
     ({"nearest.divider.clearance": [1.0, 0.2]}, {"guard.clearance": 0.3}, "clearance from a divider", "0.2 m", False),
     ({"status.loop_error": [0, 5e-3]}, {"accuracy.loop": 0.01}, "estimated error of the loop", "5 mm", True),

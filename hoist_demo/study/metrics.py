@@ -17,7 +17,15 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY
-from hoist_demo.recording.incidents import GUARD_CODES, GUARD_SIGNALS, guard_trip, largest_ratio, slack_ropes, slip
+from hoist_demo.recording.incidents import (
+    GUARD_CODES,
+    GUARD_SIGNALS,
+    guard_trip,
+    largest_ratio,
+    slack_ropes,
+    slip,
+    stops,
+)
 from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 
@@ -27,6 +35,8 @@ ENDS = ("left", "right")
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
+    "stop_time": ("s", "from the beginning of an emergency stop until a conveyance first stands still, the later one"),
+    "stop_distance": ("m", "way of a conveyance meanwhile, the longer one"),
     "position_error": ("m", "of the left conveyance at the record's end"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
@@ -109,6 +119,8 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
         return found
     found["simulated_time"] = float(recording.time[-1] - recording.time[0])
     found |= _drive(recording, hoist)
+    if (ended := stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
+        found |= {"stop_time": max(one.time or 0.0 for one in ended), "stop_distance": max(one.way for one in ended)}
     found |= _rope(recording, hoist)
     for end in ENDS:
         found |= _swivel(recording, end)
@@ -118,6 +130,21 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
     return found
 
 
+def cycle_time(result: Result, winding: Winding, arrival: Arrival) -> float:
+    """Return the metric of this name; NaN where the conveyances have not arrived, or nothing says where."""
+    recording, moved = result.recording, [f"conveyance.{end}.vy" for end in ENDS]
+    known = recording.has("reference.position", "conveyance.left.y", *moved)
+    if not (known and result.completed) or math.isfinite(winding.tracking_end):
+        return math.nan
+    travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+    outside = np.abs(travel - recording["reference.position"][-1]) > arrival.position_band
+    for name in moved:
+        outside |= np.abs(recording[name]) > arrival.speed_band
+    last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
+    t = recording.time - recording.time[0]
+    return float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan
+
+
 def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
     """Times and torques that only a completed trip has."""
     recording = result.recording
@@ -125,16 +152,11 @@ def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float
     if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
-    place = recording["reference.position"][-1]
-    outside = np.abs(travel - place) > arrival.position_band
-    for end in ENDS:
-        outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
-    last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
     moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
     return {
         "trajectory_time": result.trajectory.duration - winding.start_delay,
-        "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
-        "position_error": float(place - travel[-1]),
+        "cycle_time": cycle_time(result, winding, arrival),
+        "position_error": float(recording["reference.position"][-1] - travel[-1]),
         "tracking_error": _largest(recording["reference.position"] - travel),
         "torque_rms": float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2))),
     }
