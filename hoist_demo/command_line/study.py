@@ -111,8 +111,7 @@ def _study(options: argparse.Namespace) -> int:
     known = of_study(study)
     write_data(known, store.directory / "data.csv")
     print("\n" + render(told(known)) + "\n")
-    judged_by = tuple(study.goal.metrics) if study.goal else ()
     page, data = store.directory / "report.html", [data_table(known)]
-    report = study_report(results.table, results.units, meta, page, data, performed, judged_by)
+    report = study_report(results.table, results.units, meta, page, data, performed, study.goal)
     print(f"open in a browser: {report}")
     return 1 if performed.causes else 0
