@@ -48,7 +48,7 @@ class Rule(NamedTuple):
 
 LENGTH = Rule("rope.length", f"hoist.shaft_travel + {TAIL_SPARE:g} m", lambda k: k.hoist.shaft_travel + TAIL_SPARE)
 RULES = (
-    Rule("hoist.tail_rope_number", "the number of the [[rope]]s", lambda k: k.tail.tail_rope_number),
+    Rule("hoist.tail_rope_number", "number of equal ropes; 1 of ropes that differ", lambda k: k.tail.tail_rope_number),
     Rule("hoist.tail_rope_mass", "rope.mass_per_length; of unequal ropes the sum", lambda k: k.tail.tail_rope_mass),
     Rule("hoist.tail_rope_length", "rope.length; of unequal ropes the mean by mass", lambda k: k.tail.tail_rope_length),
     Rule("winding.travel", "hoist.shaft_travel, from landing to landing", lambda k: k.hoist.shaft_travel),

@@ -16,7 +16,7 @@ from rope_model.scene_names import choices_of
 
 KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
 _TRIP = ("speed", "travel", "creep_distance", "creep_speed")
-_SET = """\
+SET = """\
 a parameter of the rope by its name in docs/reference/variables.md, or of the host as hoist.payload_left, in SI or with
 a unit; counts as if it stood in the hoist's file; may be repeated, and overrides other options"""
 
@@ -40,7 +40,7 @@ def add_data(wind: argparse.ArgumentParser) -> None:
     wind.add_argument("--level", choices=get_args(Level), help=about)
     about = "parameters of the rope, as balance-rope identify writes them"
     wind.add_argument("--rope", type=Path, metavar="FILE", help=about)
-    wind.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=_SET)
+    wind.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
     about = "columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)"
     wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=about)
 

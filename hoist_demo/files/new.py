@@ -98,7 +98,8 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     for k, lay in enumerate(lays):
         rope = {} if alternate else {"rope.number": Given(number)}
         if alternate:
-            rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": ours(0.3 * (k - 0.5 * (number - 1)))}
+            z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
+            rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
         rope |= {"rope.construction": Given(kind), "rope.lay": Given(lay), "rope.diameter": known["diameter"]}
         rope |= {"rope.length": rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")}
         ropes.append(rope | {"rope.swivels.mode": Given("coulomb")})

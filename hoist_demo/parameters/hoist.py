@@ -60,10 +60,12 @@ class Hoist:
     friction_coefficient: float = quantity(0.25, "-", "rope on lining")
     wrap_angle: float = quantity(math.pi, "rad")
     shaft_travel: float = quantity(90.0, "m", "between the landings")
-    tail_rope_mass: float = quantity(8.0, "kg/m", "of one balance rope: feed-forward and static tensions use it")
+    tail_rope_mass: float = quantity(
+        8.0, "kg/m", "of one balance rope, of ropes that differ the sum, for feed-forward and statics"
+    )
     tail_rope_length: float = quantity(120.0, "m", "likewise")
     tail_rope_number: int = quantity(
-        1, "-", "equal balance ropes; each pulls with the force of the one that is computed"
+        1, "-", "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum"
     )
     conveyance_mass_right: float | None = quantity(
         None, "kg", "of a counterweight or another conveyance; None: as the left one"
