@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.ssp import Datum, Version
     from hoist_demo.cases.case import NAMED, Case
     from hoist_demo.cases.rules import with_values
-    from hoist_demo.cases.table import find_case
+    from hoist_demo.cases.table import NATIVE, NATIVE_3, PYTHON, find_case, fmu_name
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.hoist import add_hoist_commands
     from hoist_demo.command_line.identify import add_identify
@@ -43,13 +44,9 @@ except KeyboardInterrupt:
     sys.exit(130)
 
 BUILD = Path("build")
-#: flavour and FMI version -> file name
-NAMES = {
-    ("Python", 2): "balance_rope.fmu",
-    ("native", 2): "balance_rope_native.fmu",
-    ("native", 3): "balance_rope_native_fmi3.fmu",
-}
-DEFAULT_FMU = BUILD / NAMES["Python", 2]
+#: flavour and FMI version -> end of the file name
+NAMES = {("Python", 2): PYTHON, ("native", 2): NATIVE, ("native", 3): NATIVE_3}
+DEFAULT_FMU = BUILD / fmu_name("rope-120")
 
 DESCRIPTION = """\
 The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
@@ -103,7 +100,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.basicConfig(level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s")
     try:
         code: int = options.run(options)
+        sys.stdout.flush()
         return code
+    except BrokenPipeError:  # who reads has seen enough, as `| head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except KeyboardInterrupt:
         print("balance-rope: interrupted", file=sys.stderr)
         return 130
@@ -192,7 +193,7 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     if options.without and not options.ssp:
         raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
-    paths = _paths(options.out, wanted)
+    paths = _paths(options.out, options.hoist, wanted)
     case, ropes, trajectory = _hoist(options)
     level = options.level or case.level
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
@@ -247,7 +248,7 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
     return with_values(case, own)
 
 
-def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
+def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
     if out is not None and len(wanted) == 1 and out.suffix and not out.is_dir():
         if out.suffix.lower() != ".fmu":
@@ -256,7 +257,7 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     elif out is not None and out.suffix == ".fmu":
         raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")
     else:
-        paths = [(out or BUILD) / NAMES[one] for one in wanted]
+        paths = [(out or BUILD) / fmu_name(hoist, NAMES[one]) for one in wanted]
     results_folder(paths[0].parent)
     return paths
 

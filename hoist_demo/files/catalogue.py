@@ -6,8 +6,8 @@ the FMU is asked to initialize with the value.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -81,6 +81,25 @@ def rope_parameters() -> dict[str, Parameter]:
     }
 
 
+SWIVELS, ENDS = "swivels", ("left", "right")
+
+
+@cache
+def swivel_parameters() -> tuple[Parameter, ...]:
+    """Return the parameters of both swivels, which count less than those of one."""
+    own = (p for p in rope_parameters().values() if p.name.startswith("left.swivel."))
+    return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in own)
+
+
+def of_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Return values by name, with those of both swivels at each end."""
+    found = dict[str, Any]()
+    for key, one in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
+        table, dot, name = key.partition(f"{SWIVELS}.")
+        found |= {key: one} if table or not dot else {f"{end}.swivel.{name}": one for end in ENDS}
+    return found
+
+
 @cache
 def host_parameters() -> dict[str, Parameter]:
     """Return the parameters of hoist, trip, controller and coupling by their names in files."""
@@ -91,7 +110,8 @@ def host_parameters() -> dict[str, Parameter]:
 @cache
 def table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
     """Return the type of a table that all parameters of a group have, which `leaf` gives theirs."""
-    found = [p for p in (*host_parameters().values(), *rope_parameters().values()) if p.name.startswith(f"{group}.")]
+    every = (*host_parameters().values(), *rope_parameters().values(), *swivel_parameters())
+    found = [p for p in every if p.name.startswith(f"{group}.")]
     return table_of(group, found, leaf)
 
 

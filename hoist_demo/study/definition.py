@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, WrapValidator, model_validator
 
-from hoist_demo.cases.table import find_case
+from hoist_demo.cases.table import NATIVE, PYTHON, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
@@ -30,6 +30,7 @@ from hoist_demo.study.tuning import Range, grid, latin_hypercube, varied
 
 #: what a study without variants compares its choices over
 LOADS = ("hoist.payload_left", "hoist.payload_right")
+BUILD = Path("build")  #: Folder of exported FMUs, in the working directory.
 Count = Annotated[int, Field(ge=1, strict=True)]
 Seed = Annotated[int, Field(ge=0, strict=True)]
 Varied = tuple[Value, ...] | Range
@@ -75,7 +76,7 @@ _BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for
 class StudyHead(Head):
     """Head of the file."""
 
-    fmu: Text = "build/balance_rope.fmu"
+    fmu: Text = Field("", description="the rope; else what export has made of the hoist, native or in Python")
     signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
@@ -234,6 +235,19 @@ class Study:
         return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.chosen))
 
 
+def _exported(path: Path, hoist: str) -> Path:
+    """Return the FMU that export has made of a hoist."""
+    made = [BUILD / fmu_name(hoist, flavour) for flavour in (NATIVE, PYTHON)]
+    for one in made:
+        if one.is_file():
+            return one
+    command = f"`balance-rope export {hoist} --native --platform host`"
+    raise FileError(
+        path,
+        [f"study.fmu is missing, and so are {made[0]} and {made[1]}: {command} makes the first, with a C compiler"],
+    )
+
+
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
@@ -241,7 +255,8 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
-    head, rope, problems = file.study, fmu or Path(file.study.fmu), list[str]()
+    head, problems = file.study, list[str]()
+    rope = fmu or (Path(head.fmu) if head.fmu else _exported(path, head.hoist))
 
     def tried(place: str, ask: Callable[[], Any]) -> Any:
         try:

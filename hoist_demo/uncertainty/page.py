@@ -44,8 +44,14 @@ def _too_few(found: Spread) -> Iterator[str]:
             f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
             "torsional), or its event did not happen"
         )
+    if not found.completed:
+        yield (
+            "no winding counts, so that nothing is known: see why above, and change the rope, what is near it, or the "
+            "trip, not the samples"
+        )
+        return
     counts, need = {name: int(found.wound(name).sum()) for name in measures}, found.needed
-    if few := [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]:
+    if few := [f"{name} {count}" for name, count in counts.items() if 0 < count < need]:
         yield (
             f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed "
             f"windings, 64 for a first look; raise samples = {found.asked.head.samples}"
