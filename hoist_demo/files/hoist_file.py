@@ -15,20 +15,12 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, cre
 
 from hoist_demo.cases.case import FOLDER, NAMED, Case, Tail
 from hoist_demo.cases.rules import completed
-from hoist_demo.files.catalogue import (
-    ENDS,
-    host_parameters,
-    leaves,
-    of_ends,
-    of_run,
-    rope_parameters,
-    swivel_parameters,
-)
+from hoist_demo.files.catalogue import ENDS, host_parameters, of_ends, of_run, rope_parameters, swivel_parameters
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, schema_of, table_of
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
 from hoist_demo.parameters.place import Place
-from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.parameters.quantity import Parameter, leaves
 from rope_model import Level
 
 PLACE, BREAK = ("x_left", "x_right", "z"), ("breaks_at", "breaks_s")

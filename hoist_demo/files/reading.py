@@ -1,6 +1,6 @@
 """Reading of TOML files against pydantic models: all errors at once, each with place, value and cure.
 
-text -> tables, with the dots of quoted keys resolved -> model of that kind of file, which is the typed object
+text -> tables -> model of that kind of file, which is the typed object
 """
 
 from __future__ import annotations
@@ -117,14 +117,12 @@ def read(
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
     try:
-        tables = nested(_tables(path))
+        tables = _tables(path)
     except RecursionError as error:
         raise FileError(path, ["is nested too deeply: write [table]s, and values without more of them"]) from error
-    except ValueError as error:
-        raise error if isinstance(error, FileError) else FileError(path, [str(error)]) from error
     for key, table in (over or {}).items():
-        below = tables.get(key, {})
-        tables[key] = {**below, **table} if isinstance(below, dict) else below
+        if isinstance(below := tables.setdefault(key, {}), dict):
+            below |= table
     try:
         return model.model_validate(tables, context=(*opened, path))
     except ValidationError as error:
@@ -178,25 +176,19 @@ def _place(error: tomllib.TOMLDecodeError) -> tuple[int, ...]:
     return (int(found[1]), int(found[2])) if found else ()
 
 
-def nested(table: Mapping[str, Any], place: str = "") -> dict[str, Any]:
-    """Return the table with keys that quote their dots as tables, as TOML has them without quotation marks."""
-    found: dict[str, Any] = {}
-    for key, content in table.items():
-        head, dot, rest = key.partition(".")
-        if dot:
-            content = {rest: content}
-        if isinstance(content, dict):
-            content = nested(content, f"{place}{head}.")
-        elif isinstance(content, list):
-            content = [nested(one, f"{place}{head} ") if isinstance(one, dict) else one for one in content]
-        found[head] = _joined(found[head], content, f"{place}{head}") if head in found else content
-    return found
-
-
-def _joined(one: Any, other: Any, place: str) -> Any:
-    if not (isinstance(one, dict) and isinstance(other, dict)):
-        raise ValueError(f"{place} is given twice, with its dots in quotation marks and without: keep one of them")
-    return one | {k: _joined(one[k], below, f"{place}.{k}") if k in one else below for k, below in other.items()}
+_ONE, _SEVERAL = "one table: write [{place}] above it", "a list: write [[{place}]] above each table, or [a, b]"
+_MUST = {
+    **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _ONE),
+    **dict.fromkeys(("list_type", "tuple_type"), _SEVERAL),
+    "string_type": "a text: put it in quotation marks",
+}
+_MUST = {kind: f"{{place}} = {{short}} must be {words}" for kind, words in _MUST.items()}
+_WORDS = _MUST | {
+    "extra_forbidden": "{place} = {short} is not a key: {cure}",
+    "missing": "{place} is missing: give it",
+    "union_tag_not_found": "{place}: {key} is missing: give it",
+    "union_tag_invalid": "{place}: {key} = {tag!r} must be one of {expected_tags}: choose one",
+}
 
 
 def _problems(names: Sequence[str], error: Any) -> list[str]:
@@ -204,30 +196,16 @@ def _problems(names: Sequence[str], error: Any) -> list[str]:
     # where a table may be of several kinds, its kind stands in the place, too, and is no key
     keys = {part for name in names for part in name.split(".")} | {*error["loc"][-1:]}
     loc = [part for part in error["loc"] if isinstance(part, int) or part in keys]
-    kind, content, place = error["type"], error["input"], _place_of(loc)
-    short = text if len(text := repr(content)) <= 60 else f"{text[:57]}..."
-    if kind == "value_error":
-        return [_said(place, line) for line in str(error["ctx"]["error"]).splitlines()]
-    match kind:
-        case "extra_forbidden":
-            key = ".".join(part for part in loc if isinstance(part, str))
-            words = f"= {short} is not a key: {cure_of(key, names)}"
-        case "missing":
-            words = "is missing: give it"
-        case "union_tag_invalid":
-            expected, key = error["ctx"]["expected_tags"], error["ctx"]["discriminator"].strip("'")
-            return [f"{place}: {key} = {error['ctx']['tag']!r} must be one of {expected}: choose one"]
-        case "union_tag_not_found":
-            return [f"{place}: {error['ctx']['discriminator'].strip(chr(39))} is missing: give it"]
-        case "model_type" | "dict_type" | "model_attributes_type":
-            words = f"= {short} must be one table: write [{place}] above it"
-        case "list_type" | "tuple_type":
-            words = f"= {short} must be a list: write [[{place}]] above each table, or [a, b]"
-        case "string_type":
-            words = f"= {short} must be a text: put it in quotation marks"
-        case _:
-            words = f"= {short} must {error['msg'].partition(' should ')[2] or error['msg']}: correct it"
-    return [f"{place} {words}"]
+    context, place, short = error.get("ctx", {}), _place_of(loc), repr(error["input"])
+    if error["type"] == "value_error":
+        return [_said(place, line) for line in str(context["error"]).splitlines()]
+    facts = {"place": place, "short": short if len(short) <= 60 else f"{short[:57]}..."}
+    cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
+    if "." in str(loc[-1]):
+        cure = "leave out the quotation marks"
+    asked, key = error["msg"].partition(" should ")[2] or error["msg"], context.get("discriminator", "").strip("'")
+    words = _WORDS.get(error["type"], "{place} = {short} must {asked}: correct it")
+    return [words.format(**context | facts, cure=cure, asked=asked, key=key)]
 
 
 def _said(place: str, text: str) -> str:

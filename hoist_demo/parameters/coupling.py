@@ -6,27 +6,25 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from hoist_demo.parameters.components import require
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import ANY, Bounds, Stated, quantity
 
 
 @dataclass(frozen=True)
-class Coupling:
+class Coupling(Stated):
     """Exchange of data between drive and rope."""
 
-    step: float = quantity(0.01, "s", "communication step H")
-    start: float = quantity(0.0, "s")
+    step: float = quantity(0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s"))
+    start: float = quantity(0.0, "s", "", ANY)
     scheme: str = "gauss-seidel-1"  # one of hoist_demo.cosimulation.schemes.catalogue
     sample: float | None = quantity(
         None, "s", "sample time of the controller, a multiple of step or a whole part of it; None: the step"
     )
 
     def __post_init__(self) -> None:
-        require(self.step, 0.0 < self.step <= 0.1, "step", "above 0 and at most 0.1 s", "take 0.005 to 0.02 s")
-        require(self.start, True, "start", "finite", "give a time in s")
+        super().__post_init__()
         require(
             self.sample_time,
-            self.sample_time > 0.0
-            and abs(self.per_sample * self.step - self.per_step * self.sample_time) <= 1e-9 * self.sample_time,
+            abs(self.per_sample * self.step - self.per_step * self.sample_time) <= 1e-9 * self.sample_time,
             "sample",
             f"a multiple of the communication step {self.step:g} s, or a whole part of it",
             "take the step itself, twice or half of it",

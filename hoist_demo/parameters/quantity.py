@@ -7,18 +7,47 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import Field, dataclass, field, fields
-from typing import Any, TypeVar
+from collections.abc import Iterable, Iterator
+from dataclasses import Field, dataclass, field, fields, is_dataclass
+from functools import cache
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
 #: beyond it a number is none that could be computed with
 _MOST = 1e300
 
 
-def quantity(default: T, unit: str, meaning: str = "") -> T:
-    """A field with its unit, "-" of a pure number, and with what it means beyond its name."""
-    return field(default=default, metadata={"unit": unit, "description": meaning})
+class Bounds(NamedTuple):
+    """Bounds of a number, none where they are None, and the advice for one beyond them."""
+
+    low: float | None = None
+    high: float | None = None
+    opens: bool = False  # low is beyond them
+    cure: str = ""
+
+    @property
+    def words(self) -> str:
+        """Return the bounds in a sentence."""
+        low, high = (None if end is None else f"{end:.6g}" for end in (self.low, self.high))
+        if high is not None and low is not None and not self.opens:
+            return f"within {low} and {high}"
+        least = f"{'above' if self.opens else 'at least'} {low}" if low is not None else ""
+        return " and ".join(filter(None, (least, high and f"at most {high}"))) or "finite"
+
+    def hold(self, value: float) -> bool:
+        """Return True if a number is finite and keeps them."""
+        above = self.low is None or (value > self.low if self.opens else value >= self.low)
+        return math.isfinite(value) and above and (self.high is None or value <= self.high)
+
+
+#: of most quantities, of those that may vanish, of those of either sign, and of a share
+POSITIVE, VANISHING, ANY = Bounds(0.0, opens=True), Bounds(0.0), Bounds()
+SHARE = Bounds(0.0, 1.0, True, "give a fraction")
+
+
+def quantity(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
+    """A field with its unit, "-" of a pure number, with what it means beyond its name, and with its bounds."""
+    return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
 
 def unit_of(of: Field[Any]) -> str:
@@ -58,8 +87,7 @@ class Parameter:
     unit: str  # as FMI spells it, "1" where there is none
     kind: str  # Real, Integer, Boolean or String
     start: Value = ""  # what it is where it is not set; of the host its data class knows
-    minimum: float | None = None
-    maximum: float | None = None
+    bounds: Bounds = ANY
     choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
     meaning: str = ""
 
@@ -82,10 +110,10 @@ class Parameter:
             raise ValueError(f"{bad} must be a finite number: give it in {self.unit_words}")
         if self.kind != "Real" and float(value) != round(value):
             raise ValueError(f"{bad} must be a whole number: round it")
-        if (self.minimum is not None and value < self.minimum) or (self.maximum is not None and value > self.maximum):
-            low, high = (-math.inf if self.minimum is None else self.minimum), self.maximum
-            bound = f"at least {low:g}" if high is None else f"within {low:g} and {high:g}"
-            raise ValueError(f"{bad} must be {bound}: give it in {self.unit_words}")
+        if not self.bounds.hold(value):
+            raise ValueError(
+                f"{bad} must be {self.bounds.words}: {self.bounds.cure or f'give it in {self.unit_words}'}"
+            )
         return float(value) if self.kind == "Real" else round(value)
 
     def _code(self, value: object) -> object:
@@ -110,3 +138,56 @@ class Parameter:
     def about(self) -> str:
         """Meaning with its unit."""
         return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"
+
+
+def single_values(data: Any, prefix: str = "") -> Iterator[Parameter]:
+    """Yield the fields of a data class that are a number, a word or a truth value."""
+    for one, hint in _fields(data):
+        name, unit, bounds = f"{prefix}{one.name}", fmi_unit(unit_of(one)), one.metadata.get("bounds", ANY)
+        start: Any = one.default
+        kind = next((_KINDS[t] for t in (hint, *get_args(hint)) if t in _KINDS), None)
+        if get_origin(hint) is Literal:
+            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning_of(one))
+        elif kind:
+            yield Parameter(name, unit, kind, start, bounds, meaning=meaning_of(one))
+
+
+def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
+    """Yield all single values of a data class by dotted names; `brake: Brake | None` stands for the brake's own."""
+    own = {p.name: p for p in single_values(data, prefix)}
+    for one, hint in _fields(data):
+        if (name := f"{prefix}{one.name}") in own:
+            yield own[name]
+        for part in (hint, *get_args(hint)):
+            if isinstance(part, type) and is_dataclass(part):
+                yield from leaves(part, f"{name}.")
+
+
+_KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
+
+
+@cache
+def _fields(data: Any) -> list[tuple[Field[Any], Any]]:
+    hints = get_type_hints(data)
+    return [(one, hints[one.name]) for one in fields(data)]
+
+
+class Stated:
+    """Data that are checked when they are made, each value alone; `of` stands before their names in messages."""
+
+    _of = ""
+
+    def __init_subclass__(cls, of: str = "") -> None:
+        cls._of = of
+
+    def __post_init__(self) -> None:
+        kind: Any = type(self)
+        for one in _checks(kind, self._of):
+            value = getattr(self, one.name.removeprefix(self._of))
+            if value is not None:
+                one.read(value)
+
+
+@cache
+def _checks(data: Any, of: str) -> tuple[Parameter, ...]:
+    return tuple(single_values(data, of))

@@ -19,7 +19,7 @@ from zipfile import BadZipFile, ZipFile
 import fmpy
 from fmpy.model_description import ValidationError
 
-from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
+from hoist_demo.parameters.quantity import Bounds, Parameter, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
@@ -104,7 +104,7 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
     """All parameters among the variables by name, each element of an array on its own."""
     return {
         name: Parameter(
-            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, v.minimum, v.maximum, choices_of(name)
+            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, Bounds(v.minimum, v.maximum), choices_of(name)
         )
         for v in variables
         if v.causality == "parameter"
