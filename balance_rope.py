@@ -19,7 +19,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.ssp import Datum, Version
     from hoist_demo.cases.case import NAMED, Case
     from hoist_demo.cases.rules import with_values
-    from hoist_demo.cases.table import NATIVE, NATIVE_3, PYTHON, find_case, fmu_name
+    from hoist_demo.cases.table import NATIVE, find_case, fmu_name
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.hoist import add_hoist_commands
     from hoist_demo.command_line.identify import add_identify
@@ -45,7 +45,7 @@ except KeyboardInterrupt:
 
 BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
-NAMES = {("Python", 2): PYTHON, ("native", 2): NATIVE, ("native", 3): NATIVE_3}
+NAMES = {("Python", 2): "", ("native", 2): NATIVE, ("native", 3): "_native_fmi3"}
 DEFAULT_FMU = BUILD / fmu_name("rope-120")
 
 DESCRIPTION = """\

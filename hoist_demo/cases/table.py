@@ -9,13 +9,12 @@ from hoist_demo.cases.case import FOLDER, NAMED, Case
 from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import read
 
-#: ends of the names of exported ropes: native in C, of FMI 2.0 and 3.0; else in Python
-PYTHON, NATIVE, NATIVE_3 = "", "_native", "_native_fmi3"
+NATIVE = "_native"  #: End of the name of a native FMU of FMI 2.0.
 
 
-def fmu_name(hoist: str, flavour: str = PYTHON) -> str:
+def fmu_name(hoist: str, end: str = "") -> str:
     """Return the name of the rope's FMU: that of the hoist's file, of the hoists that come with the project one."""
-    return f"{'balance_rope' if hoist in NAMED else Path(hoist).stem}{flavour}.fmu"
+    return f"{'balance_rope' if hoist in NAMED else Path(hoist).stem}{end}.fmu"
 
 
 def find_case(name: str) -> Case:

@@ -55,15 +55,10 @@ each has its tables along the rope, and its signals and rows, under its name."""
 _EPILOG = """\
 examples:
   balance-rope wind hoist.toml                  your hoist: balance-rope new writes the file
-  balance-rope wind --speed 4 --travel 60       the hoist around the published rope of 120 m
   balance-rope wind rope-240                    240 m rope, swivels released at 20 s
-  balance-rope wind monopol-1000                a hoist of installed size: 1000 m, 16 m/s
   balance-rope wind slack-rope                  what goes wrong, also overwind, seized-swivel, caught-rope,
                                                 jammed-conveyance
   balance-rope wind monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
-  balance-rope wind --travel -90                 lower the left conveyance instead
-  balance-rope wind --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
-  balance-rope wind --estop-at 12                emergency stop at 5 m/s^2 near full speed
   balance-rope wind --step 0.005 --out out/fine  a finer coupling, to see whether the results change
   balance-rope wind --scheme iterative-secant    each exchange iterated to convergence
   balance-rope wind --set rope.EI=450 --set hoist.payload_left=4000    other data

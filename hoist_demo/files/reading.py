@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import difflib
 import re
+import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -158,10 +159,10 @@ def _tables(path: Path) -> dict[str, Any]:
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
     """Return the words on a comma with which the text can be read further; "" where that is not the trouble."""
-    if not (place := _place(error)):
+    if (place := _place(error)) == _END:
         return ""
-    (line, column), lines = place, text.splitlines(keepends=True)
-    at = sum(map(len, lines[: line - 1])) + column - 1
+    line, column = place
+    at = sum(map(len, text.splitlines(keepends=True)[: line - 1])) + column - 1
     try:
         tomllib.loads(text[:at] + "," + text[at:])
     except tomllib.TOMLDecodeError as further:
@@ -170,10 +171,13 @@ def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
     return f"a comma is missing at line {line}, column {column}: put it before what stands there"
 
 
-def _place(error: tomllib.TOMLDecodeError) -> tuple[int, ...]:
-    """Return line and column; nothing where the text ends too soon."""
+def _place(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
+    """Return line and column."""
     found = re.search(r"line (\d+), column (\d+)", str(error))
-    return (int(found[1]), int(found[2])) if found else ()
+    return (int(found[1]), int(found[2])) if found else _END
+
+
+_END = (sys.maxsize, 0)  # the text ends too soon
 
 
 _ONE, _SEVERAL = "one table: write [{place}] above it", "a list: write [[{place}]] above each table, or [a, b]"

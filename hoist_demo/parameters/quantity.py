@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import Field, dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
@@ -48,21 +48,6 @@ SHARE = Bounds(0.0, 1.0, True, "give a fraction")
 def quantity(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
     """A field with its unit, "-" of a pure number, with what it means beyond its name, and with its bounds."""
     return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
-
-
-def unit_of(of: Field[Any]) -> str:
-    """The unit that a field states, "" for none."""
-    return str(of.metadata.get("unit", ""))
-
-
-def meaning_of(of: Field[Any]) -> str:
-    """Return what a field means beyond its name."""
-    return str(of.metadata.get("description", ""))
-
-
-def units_of(data: type[Any]) -> dict[str, str]:
-    """Unit of each field that states one."""
-    return {f.name: unit_of(f) for f in fields(data) if unit_of(f)}
 
 
 def fmi_unit(unit: str) -> str:
@@ -143,13 +128,13 @@ class Parameter:
 def single_values(data: Any, prefix: str = "") -> Iterator[Parameter]:
     """Yield the fields of a data class that are a number, a word or a truth value."""
     for one, hint in _fields(data):
-        name, unit, bounds = f"{prefix}{one.name}", fmi_unit(unit_of(one)), one.metadata.get("bounds", ANY)
-        start: Any = one.default
+        name, about, start = f"{prefix}{one.name}", str(one.metadata.get("description", "")), one.default
         kind = next((_KINDS[t] for t in (hint, *get_args(hint)) if t in _KINDS), None)
         if get_origin(hint) is Literal:
-            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning_of(one))
+            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=about)
         elif kind:
-            yield Parameter(name, unit, kind, start, bounds, meaning=meaning_of(one))
+            unit, bounds = fmi_unit(one.metadata.get("unit", "")), one.metadata.get("bounds", ANY)
+            yield Parameter(name, unit, kind, start, bounds, meaning=about)
 
 
 def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
@@ -167,7 +152,7 @@ _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
 
 @cache
-def _fields(data: Any) -> list[tuple[Field[Any], Any]]:
+def _fields(data: Any) -> list[tuple[Any, Any]]:
     hints = get_type_hints(data)
     return [(one, hints[one.name]) for one in fields(data)]
 

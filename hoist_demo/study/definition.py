@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, WrapValidator, model_validator
 
-from hoist_demo.cases.table import NATIVE, PYTHON, find_case, fmu_name
+from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
@@ -30,7 +30,6 @@ from hoist_demo.study.tuning import Range, grid, latin_hypercube, varied
 
 #: what a study without variants compares its choices over
 LOADS = ("hoist.payload_left", "hoist.payload_right")
-BUILD = Path("build")  #: Folder of exported FMUs, in the working directory.
 Count = Annotated[int, Field(ge=1, strict=True)]
 Seed = Annotated[int, Field(ge=0, strict=True)]
 Varied = tuple[Value, ...] | Range
@@ -76,7 +75,7 @@ _BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for
 class StudyHead(Head):
     """Head of the file."""
 
-    fmu: Text = Field("", description="the rope; else what export has made of the hoist, native or in Python")
+    fmu: Text = Field("", description="the rope; else what export --native makes of the hoist")
     signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
@@ -235,19 +234,6 @@ class Study:
         return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.chosen))
 
 
-def _exported(path: Path, hoist: str) -> Path:
-    """Return the FMU that export has made of a hoist."""
-    made = [BUILD / fmu_name(hoist, flavour) for flavour in (NATIVE, PYTHON)]
-    for one in made:
-        if one.is_file():
-            return one
-    command = f"`balance-rope export {hoist} --native --platform host`"
-    raise FileError(
-        path,
-        [f"study.fmu is missing, and so are {made[0]} and {made[1]}: {command} makes the first, with a C compiler"],
-    )
-
-
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
@@ -256,7 +242,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
     head, problems = file.study, list[str]()
-    rope = fmu or (Path(head.fmu) if head.fmu else _exported(path, head.hoist))
+    rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
 
     def tried(place: str, ask: Callable[[], Any]) -> Any:
         try:
