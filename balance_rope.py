@@ -30,7 +30,8 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
     from hoist_demo.files.catalogue import CONTROLLER, parameters, rope_parameters
-    from hoist_demo.files.rope_file import read_rope_file
+    from hoist_demo.files.reading import read
+    from hoist_demo.files.rope_file import RopeFile
     from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
@@ -57,10 +58,8 @@ sheave, head ropes, conveyances) is a CasADi model that exchanges end motions an
 EPILOG = """\
 first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
-  balance-rope export --outputs all    with the points along the rope that the demo draws
   balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
   balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/demo
-  balance-rope wind --quick            wind 10 m only, to see that all is in place
   balance-rope new NAME --depth 870 --payload 22t --speed 16    the file of your own hoist, NAME.toml
   balance-rope show NAME.toml          its values, and what follows from them
   balance-rope wind NAME.toml          one trip of it, with one balance rope or several that differ
@@ -239,7 +238,7 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 
-    identified = {} if path is None else read_rope_file(path)
+    identified = {} if path is None else read(path, RopeFile).values()
     own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")

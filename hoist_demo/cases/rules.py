@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import Case, Tail
 from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
+from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import DERIVED, Given, plain
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.quantity import Value
@@ -18,7 +19,6 @@ from rope_model import rope as catalogue_rope
 TAIL_SPARE = 40.0
 #: m^2/s^2 [assumed]: EA of a head rope over its mass per length, a modulus of 110 GPa of the steel
 HEAD_ROPE_STIFFNESS = 1.3e7
-_OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def _of_catalogue(tail: Tail) -> dict[str, Given]:
     diameter, lay = float(tail.parameters.get("rope.diameter", 0.0)), tail.lay
     middle = catalogue_rope(tail.construction, diameter, lay=lay).middle  # type: ignore[arg-type]  # it checks the lay
     source = f"catalogue, {tail.construction}, middle of its range"
-    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in _OF_CATALOGUE}
+    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
 def _drive_s_view(tails: tuple[Tail, ...]) -> Hoist:

@@ -16,6 +16,7 @@ from hoist_demo.command_line.results import Commands, add_command
 from hoist_demo.files.catalogue import parameters, rope_parameters
 from hoist_demo.files.hoist_file import schema
 from hoist_demo.files.new import WISHES, new_hoist
+from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import read_value
 
 _NEW = """\
@@ -90,14 +91,11 @@ def _rope(options: argparse.Namespace) -> int:
             print(f"{kind:<12} " + " ".join(f"{one.low:>9.3g} to {one.high:<8.3g}" for one in cells))
         return 0
     found = known(options.construction, float(diameter), float(length), options.lay)
-    print("[[rope]]")
-    for name, value in (("construction", options.construction), ("lay", options.lay)):
-        print(f'{name} = "{value}"')
-    for name in ("diameter", "length"):
-        print(f"{name} = {getattr(found, name)!r}  # m")
-    for name, value in vars(found.middle).items():
-        if name in ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ"):
-            print(f"# {name} = {value:.6g}  # {p[f'rope.{name}'].unit}, the middle of the catalogue's range")
+    print(f'[[rope]]\nconstruction = "{options.construction}"\nlay = "{options.lay}"')
+    print(f"diameter = {found.diameter!r}  # m\nlength = {found.length!r}  # m")
+    for name in OF_CATALOGUE:
+        unit = p[f"rope.{name}"].unit
+        print(f"# {name} = {getattr(found.middle, name):.6g}  # {unit}, the middle of the catalogue's range")
     for name, datum in found.data.items():
         print(f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}")
     return 0

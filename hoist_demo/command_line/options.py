@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.files.catalogue import find, host_parameters
+from hoist_demo.files.catalogue import host_parameters
+from hoist_demo.files.reading import cure_of
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -52,7 +53,9 @@ def settings(texts: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, 
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
-        parameter, content = find(name, known), {"true": True, "false": False}.get(value.lower(), value)
+        if name not in known:
+            raise ValueError(f"--set {text}: {name} is not a parameter: {cure_of(name, [*known])}")
+        parameter, content = known[name], {"true": True, "false": False}.get(value.lower(), value)
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
         code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()

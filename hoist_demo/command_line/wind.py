@@ -25,7 +25,8 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.files.catalogue import parameters
-from hoist_demo.files.rope_file import read_rope_file
+from hoist_demo.files.reading import read
+from hoist_demo.files.rope_file import RopeFile
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA, Winding
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -121,7 +122,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     _choose_rope(options, None if is_file else default)
     resume = Checkpoint.read(options.resume) if options.resume else None
     own = settings(options.set, parameters(_parameters(options)))
-    identified = read_rope_file(options.rope) if options.rope else {}
+    identified = read(options.rope, RopeFile).values() if options.rope else {}
     of_rope_file = {key: one.value for key, one in identified.items()}
     chosen = of_rope_file | own
     options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST

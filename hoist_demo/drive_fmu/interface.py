@@ -19,7 +19,7 @@ from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import GRAVITY, Hoist, start_heights
 from hoist_demo.parameters.place import MOVED, Place
-from hoist_demo.parameters.quantity import single_values
+from hoist_demo.parameters.quantity import leaves
 from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
 from rope_model.scene_names import Variable as Variable
@@ -159,7 +159,7 @@ def _parameters(case: Case, step: float, tails: Sequence[Tail]) -> Iterator[Vari
         yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
-    for p in single_values(Gains):
+    for p in leaves(Gains):
         value, low, high = getattr(case.gains, p.name), 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
         about = _GAINS[p.name]
         yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, about, low, high)

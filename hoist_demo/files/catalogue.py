@@ -17,7 +17,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.files.reading import cure_of, table_of
+from hoist_demo.files.reading import table_of
 from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value, leaves
 from rope_model import Scene
@@ -114,10 +114,3 @@ def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Paramet
     """Return all parameters of runs by name; `rope` are those of an FMU, in the place of a scene's."""
     own = rope_parameters() if rope is None else rope
     return {**host_parameters(), **{name: p for name, p in own.items() if name != "inputs_at_step_end"}}
-
-
-def find(name: str, known: Mapping[str, Parameter]) -> Parameter:
-    """Return the parameter; a `ValueError` for an unknown name tells the nearest ones."""
-    if name not in known:
-        raise ValueError(f"{name} is not a parameter: {cure_of(name, [*known])}")
-    return known[name]

@@ -12,11 +12,12 @@ from functools import cached_property
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
+from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.cases.case import FOLDER, NAMED, Case, Tail
 from hoist_demo.cases.rules import completed
 from hoist_demo.files.catalogue import ENDS, host_parameters, of_ends, of_run, rope_parameters, swivel_parameters
-from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, schema_of, table_of
+from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
 from hoist_demo.parameters.place import Place
@@ -140,6 +141,14 @@ def _tail(k: int, said: dict[str, Any], shared: dict[str, Given], problems: list
     return Tail(said.get("name") or f"rope{k}", values, number, at, breaks, **kind)
 
 
+class _WithoutDefaults(GenerateJsonSchema):
+    """Schema of a file: its tables state what is left out, and TOML has no null."""
+
+    def default_schema(self, schema: Any) -> dict[str, Any]:
+        return self.generate_inner(schema["schema"])
+
+
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of a hoist's file."""
-    return schema_of(HoistFile)
+    found: dict[str, Any] = HoistFile.model_json_schema(schema_generator=_WithoutDefaults)
+    return found

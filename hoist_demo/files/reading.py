@@ -25,7 +25,6 @@ from pydantic import (
     ValidationInfo,
     create_model,
 )
-from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.files.values import Facts, given
 from hoist_demo.parameters.quantity import Parameter
@@ -127,7 +126,7 @@ def read(
     try:
         return model.model_validate(tables, context=(*opened, path))
     except ValidationError as error:
-        names = list(dict.fromkeys(_names(model)))
+        names = list(dict.fromkeys(_names([model])))
         problems = [line for one in error.errors() for line in _problems(names, one)]
         raise FileError(path, problems) from error
 
@@ -245,41 +244,20 @@ def cure_of(key: str, known: Sequence[str]) -> str:
     table, dot, last = key.rpartition(".")
     within = [name.removeprefix(table + dot) for name in known if name.rpartition(".")[0] == table]
     within = within or [*Facts.model_fields]  # of a value
-    if near := [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]:
-        return f"did you mean {' or '.join(near)}?"
     lasts = {name: name.rpartition(".")[2] for name in known}
     alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
-    if near := [name for name, word in lasts.items() if {word, word.upper()} & alike][:3]:
-        return f"did you mean {' or '.join(near)}?"
-    return f"the keys are {', '.join(within)}"
+    near = [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]
+    near = near or [name for name, word in lasts.items() if {word, word.upper()} & alike][:3]
+    return f"did you mean {' or '.join(near)}?" if near else f"the keys are {', '.join(within)}"
 
 
-def _models(hints: Iterable[Any]) -> Iterator[type[BaseModel]]:
-    """Yield the models of tables within types."""
+def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
+    """Yield the names of all keys of the tables within types, and of those in them."""
     for hint in hints:
-        if isinstance(hint, Flat):
-            yield hint.model
-        elif isinstance(hint, type) and issubclass(hint, BaseModel):
-            yield hint
-        else:
-            yield from _models(get_args(hint))
-
-
-def _names(model: type[BaseModel]) -> Iterator[str]:
-    """Yield the names of all keys of a table and of those in it."""
-    for name, field in model.model_fields.items():
-        yield (key := field.alias or name)
-        tables = (one for one in _models((field.annotation, *field.metadata)) if one is not Facts)
-        yield from (f"{key}.{inner}" for one in tables for inner in _names(one))
-
-
-class _WithoutDefaults(GenerateJsonSchema):
-    """Schema of a file: its tables state what is left out, and TOML has no null."""
-
-    def default_schema(self, schema: Any) -> dict[str, Any]:
-        return self.generate_inner(schema["schema"])
-
-
-def schema_of(model: type[BaseModel]) -> dict[str, Any]:
-    """Return the JSON Schema of a kind of file."""
-    return model.model_json_schema(schema_generator=_WithoutDefaults)
+        table = hint.model if isinstance(hint, Flat) else hint
+        if not (isinstance(table, type) and issubclass(table, BaseModel)):
+            yield from _names(get_args(table), prefix)
+        elif table is not Facts:
+            for name, field in table.model_fields.items():
+                yield (key := f"{prefix}{field.alias or name}")
+                yield from _names((field.annotation, *field.metadata), f"{key}.")

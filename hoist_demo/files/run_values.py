@@ -59,16 +59,8 @@ class RunFile(File):
     fixed: Values = EMPTY
 
     @property
-    def title(self) -> str:
-        return self.head.title
-
-    @property
-    def hoist(self) -> str:
-        return self.head.hoist
-
-    @property
     def level(self) -> Level:
-        return self.head.level or find_case(self.hoist).level
+        return self.head.level or find_case(self.head.hoist).level
 
 
 class RopeQuestion(KnownFile):

@@ -22,20 +22,13 @@ class Coupling(Stated):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(
-            self.sample_time,
-            abs(self.per_sample * self.step - self.per_step * self.sample_time) <= 1e-9 * self.sample_time,
-            "sample",
-            f"a multiple of the communication step {self.step:g} s, or a whole part of it",
-            "take the step itself, twice or half of it",
-        )
-        require(
-            self.sample_time,
-            self.per_step == 1 or self.scheme != "energy-controlled",
-            "sample",
-            f"at least the communication step {self.step:g} s with the scheme energy-controlled, which divides it",
-            "take the step itself, or another scheme",
-        )
+        sample, step = self.sample_time, f"the communication step {self.step:g} s"
+        fits = abs(self.per_sample * self.step - self.per_step * sample) <= 1e-9 * sample
+        cure = "take the step itself, twice or half of it"
+        require(sample, fits, "sample", f"a multiple of {step}, or a whole part of it", cure)
+        fits = self.per_step == 1 or self.scheme != "energy-controlled"
+        bound = f"at least {step} with the scheme energy-controlled, which divides it"
+        require(sample, fits, "sample", bound, "take the step itself, or another scheme")
 
     @cached_property
     def sample_time(self) -> float:

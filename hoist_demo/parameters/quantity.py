@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cache
-from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
 #: beyond it a number is none that could be computed with
@@ -96,9 +96,8 @@ class Parameter:
         if self.kind != "Real" and float(value) != round(value):
             raise ValueError(f"{bad} must be a whole number: round it")
         if not self.bounds.hold(value):
-            raise ValueError(
-                f"{bad} must be {self.bounds.words}: {self.bounds.cure or f'give it in {self.unit_words}'}"
-            )
+            cure = self.bounds.cure or f"give it in {self.unit_words}"
+            raise ValueError(f"{bad} must be {self.bounds.words}: {cure}")
         return float(value) if self.kind == "Real" else round(value)
 
     def _code(self, value: object) -> object:
@@ -125,36 +124,22 @@ class Parameter:
         return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"
 
 
-def single_values(data: Any, prefix: str = "") -> Iterator[Parameter]:
-    """Yield the fields of a data class that are a number, a word or a truth value."""
-    for one, hint in _fields(data):
-        name, about, start = f"{prefix}{one.name}", str(one.metadata.get("description", "")), one.default
-        kind = next((_KINDS[t] for t in (hint, *get_args(hint)) if t in _KINDS), None)
-        if get_origin(hint) is Literal:
-            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=about)
-        elif kind:
-            unit, bounds = fmi_unit(one.metadata.get("unit", "")), one.metadata.get("bounds", ANY)
-            yield Parameter(name, unit, kind, start, bounds, meaning=about)
+_KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
 
 def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
     """Yield all single values of a data class by dotted names; `brake: Brake | None` stands for the brake's own."""
-    own = {p.name: p for p in single_values(data, prefix)}
-    for one, hint in _fields(data):
-        if (name := f"{prefix}{one.name}") in own:
-            yield own[name]
-        for part in (hint, *get_args(hint)):
+    hints = get_type_hints(data)
+    for one in fields(data):
+        hint, facts, name = hints[one.name], one.metadata, f"{prefix}{one.name}"
+        kinds, about, start = (hint, *get_args(hint)), str(facts.get("description", "")), cast(Any, one.default)
+        if get_origin(hint) is Literal:
+            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=about)
+        elif kind := next((_KINDS[t] for t in kinds if t in _KINDS), None):
+            yield Parameter(name, fmi_unit(facts.get("unit", "")), kind, start, facts.get("bounds", ANY), meaning=about)
+        for part in kinds:
             if isinstance(part, type) and is_dataclass(part):
                 yield from leaves(part, f"{name}.")
-
-
-_KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
-
-
-@cache
-def _fields(data: Any) -> list[tuple[Any, Any]]:
-    hints = get_type_hints(data)
-    return [(one, hints[one.name]) for one in fields(data)]
 
 
 class Stated:
@@ -167,12 +152,11 @@ class Stated:
 
     def __post_init__(self) -> None:
         kind: Any = type(self)
-        for one in _checks(kind, self._of):
-            value = getattr(self, one.name.removeprefix(self._of))
-            if value is not None:
-                one.read(value)
+        for name, parameter in _checks(kind, self._of):
+            if (value := getattr(self, name)) is not None:
+                parameter.read(value)
 
 
 @cache
-def _checks(data: Any, of: str) -> tuple[Parameter, ...]:
-    return tuple(single_values(data, of))
+def _checks(data: Any, of: str) -> list[tuple[str, Parameter]]:
+    return [(p.name, replace(p, name=f"{of}{p.name}")) for p in leaves(data) if "." not in p.name]

@@ -95,7 +95,7 @@ def write_page(found: Spread, path: Path) -> Path:
         for name, datum in asked.data.items()
         for bounds, unit in [_for_people((datum.low, datum.high), datum.unit)]
     ]
-    wound = f"{found.completed} of {asked.head.samples} windings count: hoist {asked.hoist}, level {asked.level}."
+    wound = f"{found.completed} of {asked.head.samples} windings count: hoist {asked.head.hoist}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [
@@ -108,7 +108,7 @@ def write_page(found: Spread, path: Path) -> Path:
         ),
         (title, grid(("datum", "value", "unit", "status"), rows)),
     ]
-    return write_sheet(path, asked.title, parts)
+    return write_sheet(path, asked.head.title, parts)
 
 
 def _for_people(values: Iterable[float], unit: str) -> tuple[list[str], str]:
