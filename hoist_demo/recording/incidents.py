@@ -73,7 +73,7 @@ def stops(recording: Recording, begin: float | None) -> list[Stop]:
         y, vy = (recording[f"conveyance.{side}.{name}"][k:] for name in ("y", "vy"))
         last = _stands(vy)
         time = None if last is None else float(recording.time[k + last] - recording.time[k])
-        found.append(Stop(side, abs(float(y[-1 if last is None else last] - y[0])), time))
+        found.append(Stop(side, float(np.max(np.abs(y[: None if last is None else last + 1] - y[0]))), time))
     return found
 
 

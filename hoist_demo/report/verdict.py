@@ -22,7 +22,7 @@ from hoist_demo.recording.passages import BODIES, FAR, PASSED, outcome_of, passa
 from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
-from hoist_demo.study.metrics import cycle_time
+from hoist_demo.study.metrics import trip_metrics
 from hoist_demo.study.slip import holds, slip_warnings
 
 HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turned over.
@@ -192,8 +192,11 @@ def _rows(
     for stop in stops(result.recording, result.winding.emergency_at):
         way = f"{stop.way:.2f} m in {stop.time:.2f} s" if stop.time is not None else f"{stop.way:.2f} m, and goes on"
         yield Judged(f"way of the {stop.side} conveyance in the emergency stop", way)
-    if math.isfinite(cycle := cycle_time(result, result.winding, arrival)):
-        yield Judged("cycle time, until the conveyances have arrived", f"{cycle:.2f} s")
+    if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
+        cycle = trip_metrics(result, result.winding, arrival).get("cycle_time")
+        text = f"{cycle:.2f} s" if cycle is not None and math.isfinite(cycle) else "not within the record"
+        if cycle is not None:
+            yield Judged("cycle time, until the conveyances have arrived", text)
     yield from _of_each(ropes, _swings)
     yield from _of_each(ropes, _clearances)
     for pair in pairs:

@@ -125,38 +125,28 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
     for end in ENDS:
         found |= _swivel(recording, end)
     if result.completed:
-        found |= _trip(result, winding, arrival)
+        found |= trip_metrics(result, winding, arrival)
         found |= _swing(recording, hoist, result.trajectory.duration, arrival)
     return found
 
 
-def cycle_time(result: Result, winding: Winding, arrival: Arrival) -> float:
-    """Return the metric of this name; NaN where the conveyances have not arrived, or nothing says where."""
-    recording, moved = result.recording, [f"conveyance.{end}.vy" for end in ENDS]
-    known = recording.has("reference.position", "conveyance.left.y", *moved)
-    if not (known and result.completed) or math.isfinite(winding.tracking_end):
-        return math.nan
-    travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
-    outside = np.abs(travel - recording["reference.position"][-1]) > arrival.position_band
-    for name in moved:
-        outside |= np.abs(recording[name]) > arrival.speed_band
-    last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
-    t = recording.time - recording.time[0]
-    return float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan
-
-
-def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
+def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
     """Times and torques that only a completed trip has."""
     recording = result.recording
     t = recording.time - recording.time[0]
     if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+    place = recording["reference.position"][-1]
+    outside = np.abs(travel - place) > arrival.position_band
+    for end in ENDS:
+        outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
+    last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
     moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
     return {
         "trajectory_time": result.trajectory.duration - winding.start_delay,
-        "cycle_time": cycle_time(result, winding, arrival),
-        "position_error": float(recording["reference.position"][-1] - travel[-1]),
+        "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
+        "position_error": float(place - travel[-1]),
         "tracking_error": _largest(recording["reference.position"] - travel),
         "torque_rms": float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2))),
     }
