@@ -253,7 +253,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
 
     if find_case(head.hoist).ropes:
         problems.append(f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out")
-    signals = tried("study", lambda: match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope)]))
+    signals = tried("study", lambda: match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)]))
     variants, chosen = tried("variant", lambda: file.variants), tried("study", file.chosen)
     drawn = tried("sample", file.drawn)
     if problems:

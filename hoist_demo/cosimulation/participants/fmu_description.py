@@ -112,9 +112,9 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
     }
 
 
-def read_outputs(path: Path) -> tuple[str, ...]:
+def read_outputs(path: Path, hoist: str = "") -> tuple[str, ...]:
     """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
-    outputs = [v for v in read_fmu(path).variables if v.causality == "output"]
+    outputs = [v for v in read_fmu(path, hoist).variables if v.causality == "output"]
     return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
 
 
@@ -125,12 +125,12 @@ class Fmu(NamedTuple):
     variables: tuple[Variable, ...]
 
 
-def read_fmu(path: Path) -> Fmu:
-    """Model description of an FMU that this host can drive."""
+def read_fmu(path: Path, hoist: str = "") -> Fmu:
+    """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
     if not path.is_file():
         raise ValueError(
-            f"FMU '{path}' is missing: `balance-rope export --native --platform host --out {path}` makes it, and needs "
-            "a C compiler; without --native --platform host it needs none, and its rope is slower"
+            f"FMU '{path}' is missing: `balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}` "
+            "makes it, and needs a C compiler; without --native --platform host it needs none, and its rope is slower"
         )
     return _read(*version_of(path))
 
