@@ -128,9 +128,10 @@ class Fmu(NamedTuple):
 def read_fmu(path: Path, hoist: str = "") -> Fmu:
     """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
     if not path.is_file():
+        command = f"balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}"
         raise ValueError(
-            f"FMU '{path}' is missing: `balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}` "
-            "makes it, and needs a C compiler; without --native --platform host it needs none, and its rope is slower"
+            f"FMU '{path}' is missing: `{command}` makes it, and needs a C compiler; without --native --platform host it "
+            "needs none, and its rope is slower"
         )
     return _read(*version_of(path))
 
