@@ -130,7 +130,7 @@ def read_fmu(path: Path, hoist: str = "") -> Fmu:
     if not path.is_file():
         command = f"balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}"
         raise ValueError(
-            f"FMU '{path}' is missing: `{command}` makes it, and needs a C compiler; without --native --platform host it "
+            f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; without --native --platform host it "
             "needs none, and its rope is slower"
         )
     return _read(*version_of(path))
