@@ -76,7 +76,11 @@ class WoundRun:
         for rope in self.ropes:
             given += rope_tables(rope, fidelities_of(self.own(rope)), status)
         return Report(
-            self.title, judge(self.result, run.hoist, self.ropes, said, self.pairs), self._changed(), rows, given
+            self.title,
+            judge(self.result, run.hoist, self.ropes, said, self.pairs, run.arrival),
+            self._changed(),
+            rows,
+            given,
         )
 
     def _changed(self) -> Table:

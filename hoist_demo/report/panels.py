@@ -180,7 +180,7 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
 
 
 _SPEEDS = {"derived.rim_speed": "sheave", "derived.rope_speed": "head ropes"}
-_SIDEWAYS = {"loop.x": "in plane, x", "loop.z": "out of plane, z"}
+_SIDEWAYS = {"loop.x": "in plane, from the rope's place", "loop.z": "out of plane, from the rope's place"}
 _STRESSES = {"stress.bending_max": "bending", "stress.torsion_max": "torsion"}
 _DRIVE_ENERGIES = {
     "drive.work_motor": "motor",

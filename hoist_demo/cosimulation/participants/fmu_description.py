@@ -17,7 +17,7 @@ from zipfile import BadZipFile, ZipFile
 import fmpy
 from fmpy.model_description import ValidationError
 
-from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
+from hoist_demo.parameters.quantity import Bounds, Parameter, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
@@ -98,7 +98,7 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
     """All parameters among the variables by name, each element of an array on its own."""
     return {
         name: Parameter(
-            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, v.minimum, v.maximum, choices_of(name)
+            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, Bounds(v.minimum, v.maximum), choices_of(name)
         )
         for v in variables
         if v.causality == "parameter"
@@ -106,9 +106,9 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
     }
 
 
-def read_outputs(path: Path) -> tuple[str, ...]:
+def read_outputs(path: Path, hoist: str = "") -> tuple[str, ...]:
     """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
-    outputs = [v for v in read_fmu(path).variables if v.causality == "output"]
+    outputs = [v for v in read_fmu(path, hoist).variables if v.causality == "output"]
     return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
 
 
@@ -119,12 +119,13 @@ class Fmu(NamedTuple):
     variables: tuple[Variable, ...]
 
 
-def read_fmu(path: Path) -> Fmu:
-    """Model description of an FMU that this host can drive."""
+def read_fmu(path: Path, hoist: str = "") -> Fmu:
+    """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
     if not path.is_file():
+        command = f"balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}"
         raise ValueError(
-            f"FMU '{path}' is missing: `balance-rope export --native --platform host --out {path}` makes it, and needs "
-            "a C compiler; without --native --platform host it needs none, and its rope is slower"
+            f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; without --native --platform host it "
+            "needs none, and its rope is slower"
         )
     return _read(*version_of(path))
 
