@@ -10,6 +10,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
 
@@ -128,8 +129,7 @@ def read(
     try:
         return model.model_validate(tables, context=(*opened, path))
     except ValidationError as error:
-        names = list(dict.fromkeys(_names(model)))
-        problems = [line for one in error.errors() for line in _problems(names, one)]
+        problems = [line for one in error.errors() for line in _problems(_names(model), one)]
         raise FileError(path, problems) from error
 
 
@@ -283,12 +283,15 @@ def _models(hints: Iterable[Any]) -> Iterator[type[BaseModel]]:
             yield from _models(get_args(hint))
 
 
-def _names(model: type[BaseModel]) -> Iterator[str]:
-    """Yield the names of all keys of a table and of those in it."""
+@cache
+def _names(model: type[BaseModel]) -> tuple[str, ...]:
+    """Return the names of all keys of a table and of those in it, each once."""
+    found: list[str] = []
     for name, field in model.model_fields.items():
-        yield (key := field.alias or name)
+        key = field.alias or name
         tables = (one for one in _models((field.annotation, *field.metadata)) if one is not Facts)
-        yield from (f"{key}.{inner}" for one in tables for inner in _names(one))
+        found += [key, *(f"{key}.{inner}" for one in tables for inner in _names(one))]
+    return tuple(dict.fromkeys(found))
 
 
 class _WithoutDefaults(GenerateJsonSchema):
