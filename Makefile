@@ -11,7 +11,8 @@ SAID_python := the rope runs in Python, the form to read; make demo FLAVOUR=nati
 SAID_native := the rope runs in C
 READY := $(VENV)/.ready
 DEV := $(VENV)/.dev
-# what is imported is compiled once; one process per core, each with one thread; one that has no tests left takes over half of those of another
+# one process per core, each with one thread; one that has no tests left takes over half of those of another
+# what pip leaves uncompiled is compiled where it is imported, once
 PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n logical --dist worksteal
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
@@ -92,6 +93,7 @@ release: $(READY)  ## build everything that is released, in dist
 $(READY): pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; run make PYTHON=python3.12 demo" if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
 	$(BIN)/python -m pip install --quiet --no-compile -e '.[test]'
 	touch $@
 
