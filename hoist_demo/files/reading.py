@@ -11,6 +11,7 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
 
@@ -126,8 +127,7 @@ def read(
     try:
         return model.model_validate(tables, context=(*opened, path))
     except ValidationError as error:
-        names = list(dict.fromkeys(_names([model])))
-        problems = [line for one in error.errors() for line in _problems(names, one)]
+        problems = [line for one in error.errors() for line in _problems(_keys(model), one)]
         raise FileError(path, problems) from error
 
 
@@ -261,3 +261,9 @@ def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
             for name, field in table.model_fields.items():
                 yield (key := f"{prefix}{field.alias or name}")
                 yield from _names((field.annotation, *field.metadata), f"{key}.")
+
+
+@cache
+def _keys(model: type[BaseModel]) -> list[str]:
+    """Return the names of all keys of a table and of those in it, each once."""
+    return list(dict.fromkeys(_names([model])))

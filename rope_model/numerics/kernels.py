@@ -159,9 +159,9 @@ def build_library(
 
 def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
     """The functions, compiled once for all that call them."""
-    sources = {"parts.c": generate_c(tuple(functions), "parts")}
+    sources = {f"{name}.c": generate_c(tuple(functions), "parts")}
     made, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
-    return CompiledParts(made, objects["parts.c"])
+    return CompiledParts(made, objects[f"{name}.c"])
 
 
 def compile_library(
