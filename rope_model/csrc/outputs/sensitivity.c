@@ -22,9 +22,16 @@ static void answer(Simulator *rope, int side, int dof, const double d[3], const 
     const Arrays m = state_arrays(moved);
     const System s = rope_system(rope, moved);
     const size_t size = (size_t)m.nodes * DOF, at = (side ? size - DOF : 0) + (size_t)dof;
-    m.q[at] += d[0];
-    m.v[at] += d[1];
-    m.a[at] += d[2];
+    if (dof < DOF) {
+        m.q[at] += d[0];
+        m.v[at] += d[1];
+        m.a[at] += d[2];
+    } else { /* beyond q come the leans of a clamp */
+        Path *path = &moved->paths[side];
+        *path = path_coasting(path, moved->t);
+        for (int k = 0; k < 3; k++) path->leans[dof - DOF][k] += d[k] * (k == 2 ? 0.5 : 1);
+        rope_system_prescribed_motion(rope, moved, &s, moved->t, 3, (double *[]){m.q, m.v, m.a});
+    }
     double *R = rope->trial.a, balance[BALANCE];
     chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->x, R);
     for (size_t i = 0; i < size; i++) {
@@ -79,10 +86,12 @@ void added_mass_signals(Simulator *rope, double *values) {
 int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]) {
     /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
-    if (input < 0 || input >= 22) return say_no_such_input(rope->message);
+    enum { OF_END = sizeof(EndMotion) / sizeof(double) };
+    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(rope->message);
     if (!rope->initialized) return say_no_state(rope->message);
-    const int side = input / 11, place = input % 11;
-    const int kind = place < 9 ? place / 3 : place - 9, dof = place < 9 ? place % 3 : ANGLE;
+    const int side = input / OF_END, place = input % OF_END;
+    const int kind = place < 9 ? place / 3 : place < 11 ? place - 9 : 0;
+    const int dof = place < 9 ? place % 3 : place < 11 ? ANGLE : ANGLE + place - 10;
     State *state = rope->state;
     const Manner manner = follow_manner(&rope->scene, rope->scene.inputs.given);
     const double h = state->last_interval;
@@ -90,10 +99,14 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     sample[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
     if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
         sample[2] = sample[1] / h;
-    sample_moves(&manner, h, at_step_end ? 0 : h, sample, d);
+    if (dof > ANGLE)
+        lean_moves(h, sample[0], d);
+    else
+        sample_moves(&manner, h, at_step_end ? 0 : h, sample, d);
     memset(derivative, 0, sizeof(double) * 12);
     /* friction does not know the yaw, nor does the rigid rope */
     if (dof == ANGLE && (state->swivels[side].phase == SLIP || state->fidelity == RIGID)) return 1;
+    if (dof > ANGLE && rope->scene.swivels[side].attachment != CLAMPED) return 1;
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) return 1; /* not trusted */
     unperturbed_step(rope, c);
     change_of_loads(rope, side, dof, d, c, derivative);
