@@ -122,7 +122,9 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
     spacing, paths = float(axes.apply(end - start)[0]), []
     for side, nominal in zip(SIDES, (-0.5 * spacing, 0.5 * spacing), strict=True):
         paths.append(axes.apply(vectors(side) - 0.5 * (start + end)) - [nominal, 0.0, 0.0])
-        paths.append(_leans(axes.apply(vectors(side, "d"))) if leaning else np.zeros((t.size, 2)))
+        way = axes.apply(vectors(side, "d")) if leaning else np.array([[0.0, -1.0, 0.0]] * t.size)
+        across = np.linalg.norm(way[:, ::2], axis=1, keepdims=True)
+        paths.append(way[:, ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -way[:, 1:2]))
     seen = np.hstack(paths)
     whole, frame = np.isfinite(seen).all(axis=1), float(t[1] - t[0])
     if whole.sum() < 2 * FIRST:
@@ -150,10 +152,3 @@ def _masked(markers: Array, sigma: float) -> Array:
         away = np.abs(markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror"))
         usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)  # a normal error's, from its median
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)
-
-
-def _leans(direction: Array) -> Array:
-    """Leans (n, 2), rad, of clamps that the rope leaves in these directions (n, 3)."""
-    across = direction[:, [0, 2]]
-    size = np.linalg.norm(across, axis=1, keepdims=True)
-    return np.asarray(across / np.maximum(size, 1e-300) * np.arctan2(size, -direction[:, 1:2]))

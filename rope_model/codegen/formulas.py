@@ -81,6 +81,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void path_motion(path, t, motion[3][4])": EndPath.motion,
     "void held_end(path, t, nominal_x, sense, angle, rows[3][7])": ends.held_end,
     "void path_leaning(path, t, leans[2][3])": EndPath.leaning,
+    "void leaning(lean[3], lean_z[3], axis[3][3])": ends.leaning,
     "EndMotion partly_placed(scene, EndMotion own, EndMotion other, sense, part)": ends.partly_placed,
     "void suspension_points(layout, EndMotion left, EndMotion right, points[2][3])": outline.suspension_points,
     "void node_values(xi, l, nodes[14], values[7])": hermite.node_values,

@@ -62,4 +62,9 @@ void ends_relative(const State *state, int side, double t, double theta, double 
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]) {
     held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing, YAW_SENSE[side],
              state->offsets[side] + state->swivels[side].angle, rows);
+    if (scene->swivels[side].attachment != CLAMPED) return;
+    double leans[2][3], n[3][3];
+    path_leaning(&state->paths[side], t, leans);
+    leaning(leans[0], leans[1], n);
+    for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -YAW_SENSE[side] * n[k / 3][k % 3];
 }

@@ -27,10 +27,11 @@ static void answer(Simulator *rope, int side, int dof, const double d[3], const 
         m.v[at] += d[1];
         m.a[at] += d[2];
     } else { /* beyond q come the leans of a clamp */
-        Path *path = &moved->paths[side];
-        *path = path_coasting(path, moved->t);
-        for (int k = 0; k < 3; k++) path->leans[dof - DOF][k] += d[k] * (k == 2 ? 0.5 : 1);
-        rope_system_prescribed_motion(rope, moved, &s, moved->t, 3, (double *[]){m.q, m.v, m.a});
+        double leans[2][3], n[3][3], *const of_end[3] = {m.q + at - dof, m.v + at - dof, m.a + at - dof};
+        path_leaning(&moved->paths[side], moved->t, leans);
+        for (int k = 0; k < 3; k++) leans[dof - DOF][k] += d[k];
+        leaning(leans[0], leans[1], n);
+        for (int k = 0; k < 9; k++) of_end[k / 3][SLOPE + k % 3] = (side ? -1 : 1) * n[k / 3][k % 3];
     }
     double *R = rope->trial.a, balance[BALANCE];
     chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->x, R);

@@ -67,6 +67,8 @@ class HangingEnds:
         for side, node in enumerate((0, -1)):
             angle = self.offsets[side] + self.states[side].angle
             motion[:, node] = held_end(self.paths[side], t, float(self.points[side, 0]), YAW_SENSE[side], angle)
+            if self.swivels[side].attachment == "clamped":
+                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(leaning(*self.paths[side].leaning(t)))
         return motion
 
     def load(self, nodes: int) -> Array:
@@ -105,11 +107,10 @@ class HangingEnds:
 def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: float) -> tuple[tuple[Any, ...], ...]:
     """(3, 7): position, velocity and acceleration at ``t`` of an end that is held ``angle`` off its conveyance."""
     (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
-    n, n_t, n_tt = (tuple(-sense * k for k in row) for row in leaning(*path.leaning(t)))
     return (
-        (nominal_x + x, y, z, *n, sense * yaw + angle),
-        (vx, vy, vz, *n_t, sense * yaw_rate),
-        (ax, ay, az, *n_tt, sense * yaw_acceleration),
+        (nominal_x + x, y, z, 0.0, 0.0, 0.0, sense * yaw + angle),
+        (vx, vy, vz, 0.0, 0.0, 0.0, sense * yaw_rate),
+        (ax, ay, az, 0.0, 0.0, 0.0, sense * yaw_acceleration),
     )
 
 

@@ -57,14 +57,13 @@ ALIKE = 0.01
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
+Given = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
 class Following(NamedTuple):
     """State of an end that follows: latest input, filtered motion, misfits so far, and signs in y of their cause."""
 
-    given: tuple[float, float, float, float, float, float, float, float, float, float, float, float, float] = (
-        0.0,
-    ) * 13
+    given: Given = (0.0,) * 13
     given_at: float = 0.0  # s, of the latest sample that is no repetition
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
     asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
