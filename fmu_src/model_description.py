@@ -36,6 +36,7 @@ _TYPES3 = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String"
 _ENUMERATIONS = {
     "inputs.given": "InputsGiven",
     "swivel.mode": "SwivelMode",
+    "swivel.attachment": "Attachment",
     "swivel.start": "SwivelStart",
     "mesh.kind": "MeshKind",
     "solver.kernels": "KernelForm",

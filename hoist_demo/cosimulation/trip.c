@@ -112,7 +112,8 @@ static void listen(Trip *m) {
 static int step_rope(Trip *m, double t, double h) {
     const double *shown = m->y + AT_SHOWN, *force = (const double *)m->forces.values;
     double *motions = (double *)m->motions.values;
-    for (size_t i = 0; i < sizeof ENDS_SHOWN / sizeof *ENDS_SHOWN; i++) motions[i] = shown[ENDS_SHOWN[i]];
+    for (size_t i = 0; i < sizeof ENDS_SHOWN / sizeof *ENDS_SHOWN; i++)
+        if (ENDS_SHOWN[i] >= 0) motions[i] = shown[ENDS_SHOWN[i]];
     if (m->step.standard == NATIVE) {
         if (!((int (*)(void *, double, const double *, double))m->step.function)(m->step.rope, t + h, motions, t + h))
             return STEP;

@@ -79,11 +79,16 @@ class KnownFile(File):
 
     @cached_property
     def catalogue_rope(self) -> KnownRope:
-        """The catalogue's rope with these ranges; ValueError with all that is wrong."""
-        if not {"construction", "diameter"} <= self.asked.keys():
-            raise ValueError("[rope] construction or diameter is missing: the catalogue needs both")
+        """The catalogue's rope with these ranges, or one of these alone; ValueError with all that is wrong."""
+        asked = {key: one for key, one in self.asked.items() if one != ""}
+        needed = [] if "construction" in asked else [name for name in PROPERTIES if name not in self.ranges]
+        if "diameter" not in asked or needed:
+            also = f", without a construction [known] {', '.join(needed)}" if needed else ""
+            raise ValueError(f"[rope] construction or diameter is missing: the catalogue needs both{also}")
+        if "construction" not in asked:
+            return KnownRope("", **asked, data={name: self.ranges[name] for name in PROPERTIES})
         try:
-            found = rope(**self.asked)
+            found = rope(**asked)
         except ValueError as error:
             raise ValueError(f"[rope] {error}") from error
         problems = []

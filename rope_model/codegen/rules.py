@@ -55,6 +55,7 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     fidelity_rules.carries_torque,
     fidelity_rules.out_of_plane,
     fidelity_rules.held_input,
+    fidelity_rules.not_plumb,
     fidelity_rules.unsupported_input,
     warning_rules.leaves_out,
     warning_rules.yawed_far_at_rest,

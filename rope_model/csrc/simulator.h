@@ -119,8 +119,10 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
    rope; 0 and a message when there is none */
 int flexible_start(Simulator *rope, State *state, char *message);
 
-/* hang.c: the state at rest, hung up untwisted, turned in and relaxed; 0 and a message when it cannot be */
-int hang(Simulator *rope, State *state, char *message);
+/* hang.c: the state at rest, hung up untwisted, turned in and relaxed, then between these ends; 0 and a message when it
+   cannot be */
+int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part); /* on the way to there */
 
 /* switching.c */
 void release_swivels(Simulator *rope, State *state);

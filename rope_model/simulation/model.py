@@ -251,6 +251,8 @@ def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]
         moment = ends.moment(side, motion.reaction)
         at_ends += float(force @ velocity)
+        if ends.swivels[side].attachment == "clamped":
+            at_ends += float(motion.reaction[-side, SLOPE] @ motion.v[-side, SLOPE])
         spin = float(motion.v[-side, ANGLE])
         if ends.states[side].phase is Phase.SLIP:
             rate = float(ends.relative(side, motion.t, 0.0, spin)[1])

@@ -23,7 +23,7 @@ from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, st
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
-from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
+from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, leaning, refusal, right_offset
 from rope_model.simulation.ends.followed import follow, follow_program
 from rope_model.simulation.ends.following import Following, follow_limits, manner_of
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
@@ -39,9 +39,9 @@ from rope_model.simulation.outputs.guards import at_rest, with_guards
 from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
-from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem
+from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, RopeSystem
 from rope_model.simulation.state import RopeState
-from rope_model.simulation.stepping.hang import hang
+from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
 from rope_model.simulation.stepping.stepping import as_rigid, most_work, step_towards
 from rope_model.simulation.wires import fresh_memory
@@ -174,13 +174,14 @@ class RopeSimulator(BalanceRope):
         scene, rope = self.scene, self.scene.rope
         if not abs(t) <= FARTHEST_START:
             return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
-        paths = (EndPath.at_rest(t, left), EndPath.at_rest(t, right))
-        for side, target, path in zip(SIDES, (left, right), paths, strict=True):
-            if message := refusal(scene.inputs, target, follow_limits(path, Following.at_rest(t, target)), side):
+        paths = paths_at_rest(scene, t, (left, right), 0.0)
+        for side, target in zip(SIDES, (left, right), strict=True):
+            limits = follow_limits(EndPath.at_rest(t, target), Following.at_rest(t, target))
+            if message := refusal(scene, target, limits, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > RESTS_BELOW:
                 return Status(False, messages.moves_at_start(side))
-        ends = np.array(suspension_points(scene.layout, left, right))
+        ends = np.array(suspension_points(scene.layout, *(path.at(t) for path in paths)))
         fidelity, reason = choose_fidelity(scene, (left, right), self.model.forces.s.size)
         try:
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
@@ -203,7 +204,7 @@ class RopeSimulator(BalanceRope):
                 fidelity=fidelity,
                 fidelity_reason=reason,
             )
-            state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state)
+            state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state, (left, right))
         except (StaticsError, ValueError) as error:
             return Status(False, first_text(NO_ROOM, scene, fidelity, left, right) or str(error))
         if fidelity != "rigid":
@@ -233,7 +234,7 @@ class RopeSimulator(BalanceRope):
         legs = bottom, scene.rope.length - bottom
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end, legs[k])
-            refused = refusal(scene.inputs, end, found.limits, side)
+            refused = refusal(scene, end, found.limits, side)
             if message := refused or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
             followed.append((found.path, found.following))
@@ -293,7 +294,7 @@ class RopeSimulator(BalanceRope):
     def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
         """Return q and reactions after a ``change`` of an end's coordinate in q, q_t, q_tt at the last step's end.
 
-        The rest of the rope answers by the linearised equations of that step.
+        The rest of the rope answers by the linearised equations of that step.  Beyond q come the leans of a clamp.
         """
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         if self._unmoved is None or self._unmoved[0] is not system:
@@ -302,8 +303,13 @@ class RopeSimulator(BalanceRope):
         if not change.any():
             return m.q, reaction
         q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
-        for x, dx in zip((q, v, a), change, strict=True):
-            x[-side, dof] += dx
+        if dof > ANGLE:
+            leans = np.array(self.state.paths[side].leaning(m.t))
+            leans[dof - ANGLE - 1] += change
+            q[-side, SLOPE], v[-side, SLOPE], a[-side, SLOPE] = (1 - 2 * side) * np.array(leaning(*leans))
+        else:
+            for x, dx in zip((q, v, a), change, strict=True):
+                x[-side, dof] += dx
         y = system.newton_step(q, v, a, m.reaction, c)[0] - unperturbed
         q += y
         return q, system.evaluate(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction

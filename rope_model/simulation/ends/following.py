@@ -55,12 +55,13 @@ ALIKE = 0.01
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
+Given = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
 class Following(NamedTuple):
     """State of an end that follows: latest input, filtered motion, misfits so far, and signs in y of their cause."""
 
-    given: tuple[float, float, float, float, float, float, float, float, float, float, float] = (0.0,) * 11
+    given: Given = (0.0,) * 13
     given_at: float = 0.0  # s, of the latest sample that is no repetition
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
     asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
@@ -169,10 +170,8 @@ def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> An
     stops_below = manner.hardest * (since + 1.0 / manner.estimate)
     too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
     trusted = [getattr(manner, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
-    same = (
-        either(trust < 1, a == b)
-        for trust, a, b in zip((*trusted, manner.position, manner.speed), values, now.given, strict=True)
-    )
+    trusted += manner.position, manner.speed, manner.position, manner.position
+    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, now.given, strict=True))
     return both(manner.position > 0, where(manner.speed > 0, moves, too_fast), *same)
 
 
@@ -199,6 +198,11 @@ def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any
     """Change of place, speed and acceleration ``ahead`` of a small change of the ``sample``, ``h`` after another."""
     x, v, a = _completed((0.0, 0.0, 0.0), manner, h, sample)
     return (*quintic.extrapolate(x, v, a, ahead), a)
+
+
+def lean_moves(h: Any, lean: Any) -> tuple[Any, Any, Any]:
+    """Change of place, speed and acceleration at the end of a step ``h`` of a small change of the ``lean`` there."""
+    return quintic.rates(_leant(h, (0.0, 0.0, 0.0), lean), h)
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
@@ -237,7 +241,15 @@ def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
         for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
     )
     x, y, z, yaw = axes
-    return EndPath(start, stop, (x, y, z, yaw))
+    lean, lean_z = (_leant(h, *axis) for axis in zip(path.leaning(start), now.given[-2:], strict=True))
+    return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
+
+
+def _leant(h: Any, start: Any, to: Any) -> tuple[Any, ...]:
+    """Return the quintic of a lean over the step ``h``; its rate, which is not given, lags by a sixth of the step."""
+    x, v, a = start
+    rate = 1.5 * (to - x) / h - 0.5 * v
+    return quintic.coefficients(h, x, v, a, to, rate, (rate - v) / h)
 
 
 def _followed(

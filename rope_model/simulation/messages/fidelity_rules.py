@@ -15,7 +15,7 @@ from rope_model.simulation.messages import fidelity_messages
 from rope_model.simulation.messages.rules import Rules
 
 #: inputs that turn a rope whose swivels hold, that act out of the plane, and that move the ends along it
-TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az"), ("vx", "ax")
+TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az", "lean_z"), ("vx", "ax", "lean")
 #: in the order of their numbers
 INPUTS = tuple(field.name for field in fields(EndMotion))
 
@@ -23,6 +23,11 @@ INPUTS = tuple(field.name for field in fields(EndMotion))
 def carries_torque(scene: Any) -> Any:
     """Whether the rope carries torque even in the plane while its ends do not turn."""
     return either(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
+
+
+def not_plumb(scene: Any) -> Any:
+    """Whether an end of the rope is clamped otherwise, or hinged."""
+    return either(scene.left.attachment != "plumb", scene.right.attachment != "plumb")
 
 
 def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
@@ -119,6 +124,7 @@ COMPLETE: Rules = {
     fidelity_messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
     fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
+    fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),
     fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),
 }
 #: what 'auto' does not leave to a fidelity that leaves out no input
