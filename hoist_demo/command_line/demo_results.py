@@ -92,7 +92,7 @@ class WoundRun:
         for tail in case.ropes:
             before |= {f"{tail.name}.{key}": value for key, value in tail.parameters.items()}
         rows: list[Row] = [
-            (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "rope's default")))
+            (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "the default")))
             for one in self.known
             if {one.name, one.name.partition(".")[2]} & {*self.asked}
             and values.get(one.name, one.value) != before.get(one.name)

@@ -160,7 +160,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         written = write(wound, out, signals)
     report = wound.report
     name, rows = report.changed
-    settings_table = render([SummaryRow(name, key, f"{value} {unit}, not {own}") for key, value, unit, own in rows])
+    changed = [SummaryRow(name, key, f"{f'{value} {unit}'.rstrip()}, not {own}") for key, value, unit, own in rows]
+    settings_table = render(changed)
     print("\n\n".join([report.title, render_verdict(report.verdict), *filter(None, [settings_table]), ASSUMED_DATA]))
     for text in report.verdict.remarks:
         print(f"balance-rope: {text}", file=sys.stderr)
