@@ -257,7 +257,7 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
     newton_coefficients(&method, state->last_interval, c);
     for (int k = 0; k < 2; k++) {
         s.forces = k == 0 ? NULL : forces;
-        chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, answers[k], rope->trial.v);
+        chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, k, answers[k], rope->trial.v);
     }
     Pushed at = {0};
     for (int number = 0; number < forces->number; number++) {

@@ -20,7 +20,7 @@ from rope_model.numerics.generalized_alpha import (
     step,
 )
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import add_errors, step_error, step_limits
+from rope_model.physics.accuracy import HASTY_STEP, add_errors, newton_may_leave, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
@@ -117,7 +117,9 @@ class RopeModel:
 
     def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
-        return step(self.pushed(system, old.t + h), old, h, self.method, self.scene.solver.newton_tolerance)
+        solver = self.scene.solver
+        tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, HASTY_STEP))
+        return step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""
