@@ -10,8 +10,10 @@ EXPORT_native := --native
 SAID_python := the rope runs in Python, the form to read; make demo FLAVOUR=native winds it in C, and README.md, How fast, compares
 SAID_native := the rope runs in C
 READY := $(VENV)/.ready
+DEV := $(VENV)/.dev
 # one process per core, each with one thread; one that has no tests left takes over half of those of another
-PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n logical --dist worksteal
+# what pip leaves uncompiled is compiled where it is imported, once
+PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n logical --dist worksteal
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
 .PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals bench csources wheels wheel-test release clean
@@ -31,11 +33,12 @@ test: $(READY)  ## run the tests, on all cores
 test-slow: $(READY)  ## run the tests that are marked slow
 	$(PYTEST) -m slow
 
-lint: $(READY)  ## run ruff, clang-format and mypy
+lint: $(DEV)  ## run ruff, clang-format and mypy
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	git ls-files '*.c' '*.h' '*.inc' | xargs $(BIN)/clang-format --dry-run -Werror
 	$(BIN)/mypy
+	$(BIN)/mypy --strict examples/*.py
 	git ls-files '*.md' '*.j2' '*.py' '*.c' '*.h' ':!tests' | xargs $(BIN)/codespell
 	git ls-files '*.md' ':!docs/data' | xargs $(BIN)/proselint check
 
@@ -91,6 +94,10 @@ $(READY): pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed; run make PYTHON=python3.12 demo" if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet --no-compile -e '.[test]'
+	touch $@
+
+$(DEV): $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[dev]'
 	touch $@
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.ssp import Datum, Version
     from hoist_demo.cases.case import NAMED, Case
     from hoist_demo.cases.rules import with_values
-    from hoist_demo.cases.table import find_case
+    from hoist_demo.cases.table import NATIVE, find_case, fmu_name
     from hoist_demo.command_line.duty import add_duty
     from hoist_demo.command_line.hoist import add_hoist_commands
     from hoist_demo.command_line.identify import add_identify
@@ -29,7 +30,8 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
     from hoist_demo.files.catalogue import CONTROLLER, parameters, rope_parameters
-    from hoist_demo.files.rope_file import read_rope_file
+    from hoist_demo.files.reading import read
+    from hoist_demo.files.rope_file import RopeFile
     from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
@@ -43,13 +45,9 @@ except KeyboardInterrupt:
     sys.exit(130)
 
 BUILD = Path("build")
-#: flavour and FMI version -> file name
-NAMES = {
-    ("Python", 2): "balance_rope.fmu",
-    ("native", 2): "balance_rope_native.fmu",
-    ("native", 3): "balance_rope_native_fmi3.fmu",
-}
-DEFAULT_FMU = BUILD / NAMES["Python", 2]
+#: flavour and FMI version -> end of the file name
+NAMES = {("Python", 2): "", ("native", 2): NATIVE, ("native", 3): "_native_fmi3"}
+DEFAULT_FMU = BUILD / fmu_name("rope-120")
 
 DESCRIPTION = """\
 The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
@@ -60,10 +58,8 @@ sheave, head ropes, conveyances) is a CasADi model that exchanges end motions an
 EPILOG = """\
 first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
-  balance-rope export --outputs all    with the points along the rope that the demo draws
   balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
   balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/demo
-  balance-rope wind --quick            wind 10 m only, to see that all is in place
   balance-rope new NAME --depth 870 --payload 22t --speed 16    the file of your own hoist, NAME.toml
   balance-rope show NAME.toml          its values, and what follows from them
   balance-rope wind NAME.toml          one trip of it, with one balance rope or several that differ
@@ -103,7 +99,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.basicConfig(level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s")
     try:
         code: int = options.run(options)
+        sys.stdout.flush()
         return code
+    except BrokenPipeError:  # who reads has seen enough, as `| head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except KeyboardInterrupt:
         print("balance-rope: interrupted", file=sys.stderr)
         return 130
@@ -192,7 +192,7 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     if options.without and not options.ssp:
         raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
-    paths = _paths(options.out, wanted)
+    paths = _paths(options.out, options.hoist, wanted)
     case, ropes, trajectory = _hoist(options)
     level = options.level or case.level
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
@@ -238,7 +238,7 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 
-    identified = {} if path is None else read_rope_file(path)
+    identified = {} if path is None else read(path, RopeFile).values()
     own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
@@ -247,7 +247,7 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
     return with_values(case, own)
 
 
-def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
+def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
     if out is not None and len(wanted) == 1 and out.suffix and not out.is_dir():
         if out.suffix.lower() != ".fmu":
@@ -256,7 +256,7 @@ def _paths(out: Path | None, wanted: Sequence[tuple[str, int]]) -> list[Path]:
     elif out is not None and out.suffix == ".fmu":
         raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")
     else:
-        paths = [(out or BUILD) / NAMES[one] for one in wanted]
+        paths = [(out or BUILD) / fmu_name(hoist, NAMES[one]) for one in wanted]
     results_folder(paths[0].parent)
     return paths
 

@@ -30,6 +30,7 @@ from evidence.tables import Tables, read
 from evidence.validation.page import page as validation_page
 from hoist_demo.cases.rules import LENGTH, RULES
 from hoist_demo.files.catalogue import host_parameters
+from hoist_demo.parameters.quantity import ANY
 from hoist_demo.study.metrics import METRICS
 
 #: front matter of a page outside the navigation
@@ -97,8 +98,9 @@ def host(tables: Tables) -> str:
         value = "none" if p.start is None else f"{p.start:.6g}" if isinstance(p.start, float) else str(p.start)
         start = "by rule" if p.name in RULED else f"none; {value}" if p.name.count(".") > 1 else value
         meaning = ", ".join(filter(None, (p.meaning, " or ".join(p.choices))))
-        rows.append((f"`{p.name}`", "" if p.unit == "1" else p.unit, start, meaning))
-    return markdown(rows, "key", "unit", "default", "meaning")
+        bounds = "" if p.bounds == ANY else p.bounds.words
+        rows.append((f"`{p.name}`", "" if p.unit == "1" else p.unit, start, bounds, meaning))
+    return markdown(rows, "key", "unit", "default", "bounds", "meaning")
 
 
 BLOCKS = {

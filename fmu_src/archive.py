@@ -1,7 +1,5 @@
 """FMU archives with the same bytes every time: sorted, deflated entries without time stamps."""
 
-from __future__ import annotations
-
 import shutil
 import zipfile
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Files of an FMU beside description and code: documentation, licences, icons, terminals, reference results."""
 
-from __future__ import annotations
-
 import importlib.metadata
 from collections.abc import Collection
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How to use the FMU, the model and the variables, as HTML in FMUs."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path

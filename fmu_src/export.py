@@ -7,8 +7,6 @@ became of them, and has no way to do otherwise.  Ours is the native flavour's, w
 (native/python_model.c).  The importing host needs Python with numpy and casadi.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.metadata
 import json

@@ -3,8 +3,6 @@
 Parameters are those of rope_model.scene_names, outputs the signals of rope_model.simulation.outputs.signals.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Literal

@@ -5,8 +5,6 @@ all, and PyFMI then assumes loops; so ``status.message``, which nobody connects,
 outputs follow the list in ``Build.initial``; no list of dependencies means all inputs and parameters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -38,6 +36,7 @@ _TYPES3 = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String"
 _ENUMERATIONS = {
     "inputs.given": "InputsGiven",
     "swivel.mode": "SwivelMode",
+    "swivel.attachment": "Attachment",
     "swivel.start": "SwivelStart",
     "mesh.kind": "MeshKind",
     "solver.kernels": "KernelForm",

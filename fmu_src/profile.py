@@ -4,8 +4,6 @@ The code inside is the same for all profiles, as are the value references: outpu
 asked for, and so not computed.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -3,8 +3,6 @@
 Both ends move as in the first second of a slow trip; inputs are read as FMI does, at the start of each step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from functools import cache
 

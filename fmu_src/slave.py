@@ -10,8 +10,6 @@ the same name from two FMUs would be one module in the host's process.  It must 
 builder and python_model.c both find by that.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 from collections.abc import Callable

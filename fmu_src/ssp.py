@@ -6,8 +6,6 @@ output `lively.left.x` and its `left.x`, which then listens to no other. The FMU
 their model descriptions are read, nothing else.
 """
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Units, quantities and declared types of the model descriptions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import NamedTuple

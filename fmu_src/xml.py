@@ -1,7 +1,5 @@
 """XML documents as trees of nodes."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 

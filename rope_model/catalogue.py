@@ -17,8 +17,6 @@ metal fills the circle evenly:
 damping or for the growth of D with tension: no source was found, and they keep the defaults of ``Rope``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

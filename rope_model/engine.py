@@ -1,7 +1,5 @@
 """The native form of the rope: the C library behind the interface of BalanceRope."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import struct
@@ -14,16 +12,8 @@ from typing import Any, cast, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import library
-from rope_model.codegen.state_structures import (
-    ALIKE,
-    ARRAYS,
-    MESSAGE,
-    PARTS,
-    EventStructure,
-    PatternStructure,
-    StateStructure,
-)
 from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import FidelityChoice, Scene
@@ -45,7 +35,7 @@ _FIDELITY_NAMES = get_args(FidelityChoice)
 _hints = cache(get_type_hints)
 
 
-def _event(event: EventStructure) -> Event:
+def _event(event: layout.EventStructure) -> Event:
     """Return the event with the words of RopeSimulator."""
     side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
     words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
@@ -107,8 +97,9 @@ class NativeRope(BalanceRope):
 
     def __init__(self, scene: Scene) -> None:
         self._lib = self._library()
-        memory = _memory()
-        self._text = ctypes.create_string_buffer(MESSAGE)  # message of the library
+        libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
+        memory = _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
+        self._text = ctypes.create_string_buffer(layout.MESSAGE)  # message of the library
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
             raise ValueError(self._text.value.decode())
@@ -256,10 +247,7 @@ class NativeRope(BalanceRope):
         """Return the status after a call of the library."""
         if well:
             self._state = None
-        return _VALID if well else Status(False, self._message())
-
-    def _message(self) -> str:
-        return str(self._lib.rope_message(self._rope).decode())
+        return _VALID if well else Status(False, self._lib.rope_message(self._rope).decode())
 
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
@@ -273,11 +261,6 @@ def _made(kind: type[NativeRope], scene: Scene, state: bytes) -> NativeRope:
     if state and not (status := rope.restore_native(state)).valid:
         raise ValueError(status.message)
     return rope
-
-
-def _memory() -> _Allocator:
-    libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
-    return _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
 
 
 _VALID = Status(True)
@@ -296,14 +279,14 @@ def _ends(left: EndMotion, right: EndMotion) -> bytes:
 
 
 def _unpack(data: bytes) -> RopeState:
-    s = StateStructure.from_buffer_copy(data)
+    s = layout.StateStructure.from_buffer_copy(data)
     n = s.elements
-    values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(StateStructure))
+    values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(layout.StateStructure))
     size = 7 * (n + 1)
-    x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(ARRAYS)}
+    x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(layout.ARRAYS)}
     hints = _hints(RopeState)
     return RopeState(
-        **{name: _read(hints[name], getattr(s, name)) for name in ALIKE},
+        **{name: _read(hints[name], getattr(s, name)) for name in layout.ALIKE},
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(
             values[6 * size : 6 * size + n].copy(),
@@ -323,19 +306,19 @@ def _unpack(data: bytes) -> RopeState:
 
 def _pack(state: RopeState) -> bytes:
     m, p = state.motion, state.partition
-    s = StateStructure(
-        **{name: _written(getattr(state, name)) for name in ALIKE},
+    s = layout.StateStructure(
+        **{name: _written(getattr(state, name)) for name in layout.ALIKE},
         t=m.t,
         h=m.h,
         power_ends=state.powers.ends,
         power_swivel=state.powers.swivel,
-        pattern=PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels, p.windows),
+        pattern=layout.PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels, p.windows),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),
-        fidelity_reason=state.fidelity_reason.encode()[: MESSAGE - 1],
+        fidelity_reason=state.fidelity_reason.encode()[: layout.MESSAGE - 1],
         rubs=state.hysteresis.size > 0,
     )
-    arrays = [getattr(m, name).tobytes() for name in ARRAYS]
+    arrays = [getattr(m, name).tobytes() for name in layout.ARRAYS]
     return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()])
 
 
@@ -343,15 +326,15 @@ def _read(hint: Any, x: Any) -> Any:
     """Return the Python value, of the type ``hint``, of the ctypes value ``x``."""
     if get_origin(hint) is tuple:
         return tuple(map(_read, cycle(of for of in get_args(hint) if of is not ...), x))
-    if hint in PARTS:
+    if hint in layout.PARTS:
         return hint(*(_read(of, getattr(x, name)) for name, of in _hints(hint).items()))
     return Phase(x) if hint is Phase else x
 
 
 def _written(x: Any) -> Any:
     """Return ``x`` as a ctypes value; the inverse of ``_read``."""
-    if type(x) in PARTS:
-        return PARTS[type(x)](**{name: _written(getattr(x, name)) for name in x._fields})
+    if type(x) in layout.PARTS:
+        return layout.PARTS[type(x)](**{name: _written(getattr(x, name)) for name in x._fields})
     if isinstance(x, tuple):
         return tuple(map(_written, x))
     return x.value if isinstance(x, Phase) else x

@@ -4,8 +4,6 @@
 the C structures and checks (codegen.tables), the FMU's interface, its documents, studies and reports.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

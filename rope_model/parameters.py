@@ -25,6 +25,7 @@ from rope_model.shaft_parameters import PARTS, Shaft
 
 SwivelMode = Literal["locked", "free", "coulomb"]
 SwivelStart = Literal["locked", "relaxed"]
+Attachment = Literal["plumb", "clamped", "hinged"]
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
 FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
@@ -190,6 +191,13 @@ class Swivel(Checked):
         ("the end does not turn", "it turns without friction", "it turns against dry friction"),
         "how the {side} end is held: 0 locked, 1 free, 2 Coulomb friction",
         "choose how the end is held",
+    )
+    attachment: Attachment = choice(
+        "plumb",
+        Attachment,
+        ("the rope leaves it plumb", "it leaves a clamp as that leans, an input", "it leaves it as it likes"),
+        "how the rope leaves the {side} end: 0 plumb, 1 clamped as {side}.lean says, 2 hinged",
+        "choose how the rope leaves it",
     )
     mean_diameter: float = parameter(
         0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", at_least(LEAST, "take the bearing's d_m")

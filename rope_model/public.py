@@ -1,7 +1,5 @@
 """Public names of the rope, to be imported from ``rope_model``; docs/reference/python.md describes them."""
 
-from __future__ import annotations
-
 import logging
 import subprocess
 from typing import Literal

@@ -1,7 +1,5 @@
 """Parameters of a scene by the names of the FMI interface, such as ``rope.EI``; choices by their code."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple

@@ -4,8 +4,6 @@ Sizes in m, heights as those of the conveyances, from the same origin.  All is a
 width, a diameter or a size a body is not there.  `physics.shaft` makes the bodies of it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import get_type_hints
 

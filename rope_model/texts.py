@@ -3,8 +3,6 @@
 Each language has one function here, and whatever is not a constant of ours passes it on its way into a file.
 """
 
-from __future__ import annotations
-
 import html
 import json
 import re

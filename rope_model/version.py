@@ -1,7 +1,5 @@
 """The package's version, as pyproject.toml has it."""
 
-from __future__ import annotations
-
 from importlib.metadata import PackageNotFoundError, version
 
 try:

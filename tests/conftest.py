@@ -8,6 +8,7 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,12 @@ if os.name == "posix" and "OPTIMISING_CC" not in os.environ and len(compiler := 
 # examples are bounded by their number: a busy machine is no failure
 settings.register_profile("seeded", deadline=None, derandomize=True)  # the same examples every time
 settings.load_profile("seeded")
+
+
+def pytest_collection_modifyitems(config: pytest.Config) -> None:
+    """FMUs are compiled quickly in the tests of ``make test``; ``make test-slow`` compiles them as they are shipped."""
+    if os.name == "posix" and find_spec("ziglang") and config.option.markexpr == "not slow":
+        os.environ["PYTHONPATH"] = os.pathsep.join((str(Path(__file__).with_name("quick")), os.environ["PYTHONPATH"]))
 
 
 @pytest.hookimpl(wrapper=True)

@@ -8,8 +8,8 @@ from functools import cache
 from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
 from rope_model.parameters import Inputs, Rope, Scene, Trusted
-from rope_model.simulation.ends.following import Followed, Following, Limits, Manner, follow, follow_program, manner_of
-from rope_model.simulation.ends.misfit import follow_account
+from rope_model.simulation.ends.followed import Followed, follow, follow_program
+from rope_model.simulation.ends.following import Following, Limits, Manner, manner_of
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 
 NO_LIMITS = Limits((0.0,) * 4, (0.0,) * 4, (0.0,) * 4)
@@ -27,7 +27,7 @@ def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
 
 @cache
 def program() -> Program:
-    return follow_program()
+    return follow_program(Rope())
 
 
 def usual_manner(trusted: Trusted = "all", bandwidth: float = 1.0, estimate: float = 17.0) -> Manner:
@@ -48,7 +48,6 @@ class Follower:
     def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> Followed:
         """On to ``stop`` by the motion ``given`` of the instant ``given_at``, or else of ``stop``."""
         at = stop if given_at is None else given_at
-        found = follow(program(), self.following, self.path, self.manner, at, stop, given)
-        self.path = found.path
-        self.following = follow_account(found.following, found.path, self.manner, Rope(), 60.0)
+        found = follow(program(), self.following, self.path, self.manner, at, stop, given, 60.0)
+        self.path, self.following = found.path, found.following
         return found

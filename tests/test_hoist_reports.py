@@ -18,6 +18,7 @@ from hoist_demo.command_line.results import hear_hang_ups, interruption
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
+from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.verdict import judge
 from rope_model import neglected_text
@@ -62,6 +63,7 @@ VERDICTS = [
     ({"loop.turns": [0.1, -0.55]}, {}, "turns", "0.55", False),
     ({"loop.turns": [0.1, -0.2]}, {"guard.turns": 0.15}, "turns", "0.2", False),
     ({"loop.sideways": [0.0, 1.234567], "status.loop_error": [0, 5e-3]}, {}, "sideways", "1.23 m", None),
+    ({"drive.pull_left": [9e3, 0.0]}, {}, "smallest pull of the head ropes, left", "0 kN", False),
     ({"loop.sideways": [0.0, 1.2]}, {"guard.window": 1.5}, "sideways", "1.2 m", True),
     ({"nearest.divider.clearance": [1.0, 0.2]}, {"guard.clearance": 0.3}, "clearance from a divider", "0.2 m", False),
     ({"status.loop_error": [0, 5e-3]}, {"accuracy.loop": 0.01}, "estimated error of the loop", "5 mm", True),
@@ -79,6 +81,14 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
     (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
     assert (found.value, found.holds) == (value, kept)
     assert (found.quantity in verdict.words) == (kept is False)
+
+
+def test_an_emergency_stop_is_told_by_each_conveyance_s_own_way() -> None:
+    left = np.array([[0.0, 8.0, 12.0, 13.0], [8.0, 6.0, 2.0, -0.1]])
+    record = {f"conveyance.{side}.{name}": x for side in SIDES for name, x in zip(("y", "vy"), left, strict=True)}
+    assert stops(Recording({"time": np.arange(10.0, 14.0), **record}, {}), 1.0) == [Stop(s, 5.0, 2.0) for s in SIDES]
+    record["conveyance.right.vy"] = -np.ones(4)
+    assert stops(Recording({"time": np.arange(4.0), **record}, {}), 1.0)[1].time is None
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")

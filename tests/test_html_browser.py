@@ -19,6 +19,7 @@ from hoist_demo.report.html.run import run_report
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.rows import Report
 from hoist_demo.report.verdict import judge
+from hoist_demo.study.goal import Bound, Goal
 from hoist_demo.study.perform import Best, Performed
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
@@ -95,6 +96,7 @@ heading("swing").click(); seen.down = column(5);
 document.querySelector('#runs tr[data-run="2"]').click();
 seen.marked = [...document.querySelectorAll(".run-line.marked")].map((line) => line.dataset.run);
 seen.dots = document.querySelectorAll(".dot").length;
+seen.bounds = document.querySelectorAll("#parallel .bound").length;
 seen.fits = byId("runs").scrollWidth <= byId("runs").parentElement.clientWidth + 1;
 const labels = [...document.querySelectorAll("#columns label")];
 const shown = (name) => labels.find((label) => label.textContent.trim() === name).firstChild;
@@ -131,8 +133,9 @@ def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
     table["slip_safety"], table["clearance"] = [2.0, 1.5, 1.9, 1.8], [0.5, 2.0, 0.7, 0.4]
     meta = {"parameters": ["jerk", "controller"], "title": "Jerks"}
     page = tmp_path_factory.mktemp("study") / "study.html"
+    goal = Goal({"swing": 1.0}, 1.0, (Bound("clearance", 0.45, -1.0),))
     performed = Performed(page, 4, {}, {}, {}, (), range(4), Best((3,), "run 4", True))
-    return look(study_report(table, {"swing": "mm"}, meta, page, (), performed, ("swing",)), _STUDY, request.param)
+    return look(study_report(table, {"swing": "mm"}, meta, page, (), performed, goal), _STUDY, request.param)
 
 
 def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: SimpleNamespace) -> None:
@@ -192,7 +195,7 @@ def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Simple
     assert said["width"] <= said["room"]
     # as many columns as have room: all five of a wide page
     assert (said["lines"], said["best"], said["axes"], said["dots"]) == (4, "3", 5 if said["room"] > 400 else 3, 3)
-    assert said["chosen"] == ["jerk", "swing"]
+    assert (said["chosen"], said["bounds"]) == (["jerk", "swing"], said["room"] > 400)
     # more is better in both; the fourth is beaten by the first, the second has failed
     assert (sorted(said["front"]), said["fits"]) == (["1", "3"], True)
     # what the packing rounds to zero reads as zero

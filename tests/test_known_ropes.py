@@ -27,7 +27,7 @@ from hoist_demo.calibration.measurements import (
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.files.reading import FileError, read
-from hoist_demo.files.rope_file import FOLLOWING, RopeFile, read_rope_file
+from hoist_demo.files.rope_file import FOLLOWING, RopeFile
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import plain, statuses
 from hoist_demo.uncertainty.definition import Uncertain
@@ -141,7 +141,7 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert "loop width" in report
     assert "<script" not in report
 
-    found = read_rope_file(made)
+    found = read(made, RopeFile).values()
     values = plain(found)
     assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
     given = TypeAdapter(Values).validate_python({"from": str(made), "rope": {"EI": 99.0}})

@@ -67,7 +67,8 @@ hoist_demo.duty: .cases .files .parameters .design .recording .cosimulation .cos
 hoist_demo.ropes: .cases .files .parameters .recording .cosimulation .cosimulation.participants
     .cosimulation.schemes .study rope_model
 hoist_demo.calibration: .files .parameters .control .cases .cosimulation.participants .report .study rope_model
-    rope_model.catalogue rope_model.physics rope_model.scene_names rope_model.simulation rope_model.texts
+    rope_model.catalogue rope_model.parameters rope_model.physics rope_model.scene_names rope_model.simulation
+    rope_model.texts
 hoist_demo.uncertainty: .files .parameters .calibration .cases .recording .cosimulation
     .cosimulation.participants .report .study rope_model rope_model.texts
 hoist_demo.command_line: .files .parameters .cases .recording .cosimulation .cosimulation.participants
@@ -86,7 +87,8 @@ casadi: rope_model.physics.element rope_model.physics.air_element rope_model.phy
     hoist_demo.drive_fmu.kernels
 scipy: rope_model.simulation.outputs.modal rope_model.simulation.outputs.linear
     hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
-    hoist_demo.calibration.fit hoist_demo.uncertainty.spread hoist_demo.recording.exposure
+    hoist_demo.calibration.fit hoist_demo.calibration.tracks hoist_demo.uncertainty.spread
+    hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export
 fmpy: hoist_demo.cosimulation.participants.fmi_versions hoist_demo.cosimulation.participants.fmu_description
 matplotlib: hoist_demo.report.figures hoist_demo.report.linear_figures

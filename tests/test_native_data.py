@@ -81,9 +81,9 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
 
 
 def assert_same_refusal(native: Any, target: EndMotion, limits: Limits = NO_LIMITS, side: int = 0) -> str:
-    inputs, sizes = scene_structure(Scene()).inputs, (ct.c_double * 12)(*(x for row in limits for x in row))
-    said = refusal(Inputs(), target, limits, SIDES[side])
-    assert text_of(native.ends_refusal, ct.byref(inputs), ct.byref(c_end(target)), sizes, side) == said
+    scene, sizes = Scene(), (ct.c_double * 12)(*(x for row in limits for x in row))
+    said = refusal(scene, target, limits, SIDES[side])
+    assert text_of(native.ends_refusal, ct.byref(scene_structure(scene)), ct.byref(c_end(target)), sizes, side) == said
     return said
 
 

@@ -26,7 +26,7 @@ from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
 from fmu_src.profile import FULL
-from rope_model import EndMotion, Inputs, rope_120
+from rope_model import EndMotion, Scene, Swivel, rope_120
 from rope_model.codegen.platforms import prebuilt_file
 from rope_model.engine import NativeRope
 from rope_model.simulation.ends.ends import refusal
@@ -176,14 +176,15 @@ def test_same_sources_give_the_same_bytes(fmi: int, fmus: dict[int, Path], tmp_p
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
     inputs = [v for v in variables(rope_120()) if v.causality == "input"]
-    assert len(inputs) == 22
+    assert len(inputs) == 26
+    clamped = Scene(left=Swivel(attachment="clamped"), right=Swivel(attachment="clamped"))
     for v in inputs:
         side, name = v.name.split(".")
         for bound in (v.minimum, v.maximum):
             assert bound is not None
-            assert refusal(Inputs(), EndMotion(**{name: bound}), NO_LIMITS, side) == ""
+            assert refusal(clamped, EndMotion(**{name: bound}), NO_LIMITS, side) == ""
             beyond = EndMotion(**{name: math.nextafter(bound, math.inf * bound)})
-            assert "beyond" in refusal(Inputs(), beyond, NO_LIMITS, side)
+            assert "beyond" in refusal(clamped, beyond, NO_LIMITS, side)
 
 
 def test_sources_rebuild_with_fmpy_compile(fmi: int, fmus: dict[int, Path], tmp_path: Path) -> None:

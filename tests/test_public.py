@@ -65,18 +65,6 @@ def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_
     assert [file.name for file in cache.iterdir() if file.suffix != ".json"] == [library().name]
 
 
-def test_strict_mypy_has_nothing_to_say_on_scripts_that_use_the_interface(tmp_path: Path) -> None:
-    wrong = tmp_path / "wrong.py"
-    wrong.write_text("from rope_model import EndMotion, no_such_name\n\nEndMotion(y='high')\n", encoding="utf-8")
-    command = [sys.executable, "-m", "mypy", "--strict"]
-    command += [*map(str, sorted(EXAMPLES.glob("*.py"))), str(readme_code(PYTHON, tmp_path)), str(wrong)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
-    errors = [line for line in done.stdout.splitlines() if "error:" in line]
-    # what it does say on a script that is wrong shows that it sees the types
-    assert ['"no_such_name"' in errors[0], 'incompatible type "str"' in errors[1]] == [True, True], done.stdout
-    assert len(errors) == 2, done.stdout
-
-
 @pytest.mark.parametrize(("module", "unloaded"), [("rope_model", "numpy"), ("rope_model.parameters", "casadi")])
 def test_importing_loads_no_more_than_it_needs(module: str, unloaded: str) -> None:
     code = f"import sys, {module}; sys.exit({unloaded!r} in sys.modules)"

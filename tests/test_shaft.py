@@ -20,10 +20,11 @@ from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, Scene,
 from rope_model.physics import shaft as physics
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
-from rope_model.simulation.contact.bodies import no_room
+from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.shaft import RESOLUTION, clearances, with_passages
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_turns, shape
 from rope_model.simulation.rope_system import arc_lengths
 
@@ -266,9 +267,9 @@ APART = EndMotion(y=0.0), EndMotion(y=90.0)
 )
 def test_a_body_that_leaves_the_ends_no_room_is_named(shaft: Shaft, told: str) -> None:
     scene = rope_120().scene.with_(shaft=shaft)
-    assert no_room(scene, "torsional", *APART).removeprefix("no equilibrium: ").startswith(told)
-    assert bool(no_room(scene, "torsional", *APART)) == bool(told)
-    assert no_room(scene, "rigid", *APART) == ""
+    assert first_text(NO_ROOM, scene, "torsional", *APART).removeprefix("no equilibrium: ").startswith(told)
+    assert bool(first_text(NO_ROOM, scene, "torsional", *APART)) == bool(told)
+    assert first_text(NO_ROOM, scene, "rigid", *APART) == ""
 
 
 def scene_of(length: float, EI: float, coupling: float, spacing: float, shaft: Shaft) -> Scene:

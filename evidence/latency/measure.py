@@ -2,7 +2,8 @@
 
 In process a step is ``advance_to``; through the FMU it is fmi2SetReal of all end motions, fmi2DoStep and fmi2GetReal of
 the end forces, by FMPy's low-level functions with arrays made before.  One thread makes all calls of a run, without
-Python's garbage collector.  The scenes are whole trips with the conveyances' motion prescribed.
+Python's garbage collector.  The scenes are whole trips with the conveyances' motion prescribed: windings, emergency
+stops, and these with a blow of both legs against the shaft's lining after the stop.
 
 Every run is made ROUNDS times, the cases taking turns.  Its steps do the same work each time, to the bit, so
 
@@ -21,7 +22,8 @@ import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
+from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter_ns
@@ -34,7 +36,7 @@ from tqdm import tqdm
 
 from benchmarks.kinematic import ends_at
 from evidence.machine import machine
-from evidence.ropes import at_rest
+from evidence.ropes import at_rest, moving
 from evidence.tables import Array, Measures, Tables, table
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
@@ -42,15 +44,19 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
+from hoist_demo.parameters.quantity import Value
 from rope_model import EndMotion, Level
 
 #: rest after a winding, s
 SETTLE = 5.0
 #: part of the trip's duration at which an emergency stop begins: on rope-240 after its swivels' release
 STOP = 0.6
-SCENES, TRIPS = ("rope-120", "rope-240", "monopol-1000"), ("winding", "emergency stop")
+SCENES, TRIPS = ("rope-120", "rope-240", "monopol-1000"), ("winding", "emergency stop", "strike")
 LEVELS: tuple[Level, ...] = ("draft", "standard")
-H = 0.01  # s, communication step
+#: communication step in s -> bound of its work
+BOUNDS = {0.01: 0, 0.001: 12}
+#: m: room beside the legs of a strike, and way of both ends; s: its begin after that of the stop, and its duration
+ROOM, WAY, AFTER, MOVES = 0.35, 0.25, 0.5, 0.6
 ROUNDS = 3
 PERCENTILES = (50.0, 99.0, 99.9, 100.0)
 #: slowest part of the steps, whose work is counted apart
@@ -73,22 +79,42 @@ class Case:
     trip: str
     level: Level
     place: str
+    h: float  # s, communication step
 
-    @cached_property
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """Parameters of the rope by FMI name."""
+        found = {**find_case(self.scene).rope, "solver.work_max": BOUNDS[self.h]}
+        width = rope_data(found, self.level).layout.spacing + 2.0 * ROOM
+        return found | ({"lining.width": width, "lining.depth": width} if self.trip == "strike" else {})
+
+    @property
     def motions(self) -> list[tuple[EndMotion, EndMotion]]:
-        """Motions of both ends at 0, H, 2 H ..."""
-        plain: Winding = replace(find_case(self.scene).winding, start_delay=0.0)
-        stopped = replace(plain, emergency_at=STOP * s_curve(plain).duration)
-        reference = s_curve(plain if self.trip == "winding" else stopped)
-        return [ends_at(reference, plain.travel, k * H) for k in range(round((reference.duration + SETTLE) / H) + 1)]
+        """Motions of both ends at 0, h, 2 h ..."""
+        return motions_of(self.scene, self.trip, self.h)
+
+
+@lru_cache(maxsize=1)
+def motions_of(scene: str, trip: str, h: float) -> list[tuple[EndMotion, EndMotion]]:
+    """Return the motions of both ends at 0, h, 2 h ..."""
+    plain: Winding = replace(find_case(scene).winding, start_delay=0.0)
+    begin = STOP * s_curve(plain).duration
+    reference = s_curve(plain if trip == "winding" else replace(plain, emergency_at=begin))
+    times = [k * h for k in range(round((reference.duration + SETTLE) / h) + 1)]
+    found = [ends_at(reference, plain.travel, t) for t in times]
+    if trip != "strike":
+        return found
+    aside = (vars(moving(WAY, max(t - begin - AFTER, 0.0), MOVES, x=1.0)) for t in times)
+    across = ({name: motion[name] for name in ("x", "vx", "ax")} for motion in aside)
+    return [(replace(left, **x), replace(right, **x)) for (left, right), x in zip(found, across, strict=True)]
 
 
 @contextmanager
 def in_process(case: Case) -> Iterator[Step]:
     """Open the rope in this process, initialised."""
     motions = case.motions
-    rope = at_rest(rope_data(find_case(case.scene).rope, case.level), *motions[0])
-    yield lambda k: rope.advance_to(k * H, *motions[k]).valid
+    rope = at_rest(rope_data(case.parameters, case.level), *motions[0])
+    yield lambda k: rope.advance_to(k * case.h, *motions[k]).valid
 
 
 @contextmanager
@@ -108,7 +134,7 @@ def through_fmu(case: Case, path: Path) -> Iterator[Step]:
     fmu.instantiate()
     try:
         fmu.setBoolean([variables["inputs_at_step_end"].valueReference], [True])
-        for name, value in find_case(case.scene).rope.items():
+        for name, value in case.parameters.items():
             variable = variables[name]
             (fmu.setReal if variable.type == "Real" else fmu.setInteger)([variable.valueReference], [value])
         fmu.setupExperiment(startTime=0.0)
@@ -118,7 +144,7 @@ def through_fmu(case: Case, path: Path) -> Iterator[Step]:
 
         def step(k: int) -> bool:
             fmu.fmi2SetReal(fmu.component, inputs, len(inputs), values[k])
-            fmu.fmi2DoStep(fmu.component, (k - 1) * H, H, 1)
+            fmu.fmi2DoStep(fmu.component, (k - 1) * case.h, case.h, 1)
             fmu.fmi2GetReal(fmu.component, outputs, len(outputs), forces)
             return True  # a failed call raises
 
@@ -146,10 +172,10 @@ def timed(step: Step, steps: int) -> Array:
 
 def work(case: Case) -> tuple[NDArray[np.int64], int]:
     """Run a case in process; what each step did (columns as COUNTED), and the number of elements."""
-    rope = at_rest(rope_data(find_case(case.scene).rope, case.level), *case.motions[0])
+    rope = at_rest(rope_data(case.parameters, case.level), *case.motions[0])
     counts = [tuple(rope.signals(COUNTED).values())]
     for k, ends in enumerate(case.motions[1:], 1):
-        assert rope.advance_to(k * H, *ends).valid
+        assert rope.advance_to(k * case.h, *ends).valid
         counts.append(tuple(rope.signals(COUNTED).values()))
     made = np.array(counts, dtype=np.int64)
     return made[1:] - made[:-1], rope.elements
@@ -158,8 +184,8 @@ def work(case: Case) -> tuple[NDArray[np.int64], int]:
 def percentiles(case: Case, times: Array, elements: int) -> tuple[object, ...]:
     """Return a row of STEPS from the times (rounds, steps)."""
     as_run = np.median(np.percentile(times, PERCENTILES, axis=1), axis=1)
-    late = float(np.median(np.mean(times > H, axis=1)))
-    head = case.scene, case.trip, case.level, case.place, H, elements, times.shape[1]
+    late = float(np.median(np.mean(times > case.h, axis=1)))
+    head = case.scene, case.trip, case.level, case.place, case.h, elements, times.shape[1]
     return *head, *as_run, late, times.min(axis=0).max()
 
 
@@ -169,13 +195,14 @@ def causes(case: Case, times: Array, counts: NDArray[np.int64]) -> tuple[object,
     slow, every = order[-max(1, round(SLOWEST * order.size)) :], order
     shares = [float(np.mean(counts[chosen, k] > 0)) for chosen in (slow, every) for k in range(len(CAUSES))]
     means = [float(np.mean(counts[chosen, -1])) for chosen in (slow, every)]
-    return case.scene, case.trip, case.level, case.place, H, *shares, *means
+    return case.scene, case.trip, case.level, case.place, case.h, *shares, *means
 
 
 def tables() -> Tables:
     """Measure all cases, which take turns."""
-    cases = [Case(s, t, l, p) for p in ("in process", "FMU") for s in SCENES for t in TRIPS for l in LEVELS]
-    done = {(c.scene, c.trip, c.level): work(c) for c in tqdm(cases, desc="warm-up", leave=False) if c.place != "FMU"}
+    choices = product(("in process", "FMU"), SCENES, TRIPS, BOUNDS, LEVELS)
+    cases = [Case(scene, trip, level, place, h) for place, scene, trip, h, level in choices]
+    done = {replace(c, place="FMU"): work(c) for c in tqdm(cases, desc="warm-up", leave=False) if c.place != "FMU"}
     times: dict[Case, list[Array]] = {case: [] for case in cases}
     with TemporaryDirectory() as folder:
         paths = {level: Path(folder) / f"{level}.fmu" for level in LEVELS}
@@ -185,9 +212,9 @@ def tables() -> Tables:
             opened = through_fmu(case, paths[case.level]) if case.place == "FMU" else in_process(case)
             with opened as step:
                 times[case].append(timed(step, len(case.motions) - 1))
-    rows = [percentiles(c, np.array(times[c]), done[c.scene, c.trip, c.level][1]) for c in cases]
+    rows = [percentiles(c, np.array(times[c]), done[replace(c, place="FMU")][1]) for c in cases]
     slowest = [
-        causes(c, np.array(times[c]), done[c.scene, c.trip, c.level][0])
+        causes(c, np.array(times[c]), done[replace(c, place="FMU")][0])
         for c in cases
         if (c.place, c.level) == ("in process", "standard")
     ]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from evidence.latency.measure import ROUNDS, SETTLE, STOP, H
+from evidence.latency.measure import BOUNDS, ROUNDS, SETTLE, STOP
 from evidence.rendering import number, quantity
 from evidence.tables import Tables, records, rows
 
@@ -18,6 +18,7 @@ def latencies(tables: Tables) -> dict[str, Any]:
     lines = [
         (
             f"{r['scene']}, {r['trip']}",
+            quantity(r["H [s]"], "ms", "g"),
             r["level"],
             number(r["elements"], ".0f"),
             *(number(1e6 * r[name]) for name in shown),
@@ -25,6 +26,7 @@ def latencies(tables: Tables) -> dict[str, Any]:
         )
         for r in records(rows(t, place="FMU"))
     ]
-    share = float(np.max(t["own largest [s]"] / t["H [s]"]))
-    of = {"step": H, "settle": SETTLE, "stop": STOP, "rounds": ROUNDS, "late": float(t["late"].max())}
-    return {**of, "rows": lines, "share": share}
+    largest = {h: float(np.max(t["own largest [s]"][t["H [s]"] == h])) for h in sorted({*t["H [s]"]}, reverse=True)}
+    bounds = {h: (BOUNDS[h], largest[h]) for h in largest}
+    of = {"settle": SETTLE, "stop": STOP, "rounds": ROUNDS, "late": float(t["late"].max())}
+    return {**of, "rows": lines, "bounds": bounds, "steps": int(t["steps"].sum())}

@@ -5,8 +5,6 @@ all platforms.  Others are cached under the hash of all that goes into them.  Th
 the same bytes.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import logging
@@ -19,14 +17,7 @@ from fmu_src.native.mach_o import universal
 from rope_model.codegen.platforms import PLATFORMS as PLATFORMS
 from rope_model.codegen.platforms import host_platform as host_platform
 from rope_model.codegen.platforms import prebuilt_file, prebuilt_platforms
-from rope_model.numerics.kernels import (
-    cache_folder,
-    compile_objects,
-    find_compiler,
-    link_library,
-    make_once,
-    object_files,
-)
+from rope_model.numerics import kernels
 
 progress = logging.getLogger("balance_rope.progress")
 
@@ -46,7 +37,7 @@ def available_platforms() -> tuple[str, ...]:
 def _compilable() -> set[str]:
     if importlib.util.find_spec("ziglang") is not None:
         return set(PLATFORMS)
-    return {host_platform()} if find_compiler() else set()
+    return {host_platform()} if kernels.find_compiler() else set()
 
 
 def choose_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
@@ -61,7 +52,7 @@ def missing_platforms() -> str:
     """Return the platforms that cannot be built for here, with the reason; '' when all can."""
     if not (missing := [name for name in PLATFORMS if name not in available_platforms()]):
         return ""
-    compiler = find_compiler()
+    compiler = kernels.find_compiler()
     why = f"{Path(compiler[0]).name} builds for this machine only" if compiler else "there is no C compiler here"
     return f"{', '.join(missing)}: {why}; {CURE}"
 
@@ -98,21 +89,21 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
         could = ", ".join(available_platforms()) or "none, without a C compiler"
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
     compiler, flags = _compiler(), (*_flags(name), *more)
-    objects = object_files(sources, compiler, flags, cache_folder())
+    objects = kernels.object_files(sources, compiler, flags, kernels.cache_folder())
     parts = "\0".join([identifier, *(file.name for file in objects.values())])
     key = hashlib.sha256(parts.encode()).hexdigest()[:20]
-    made = cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
+    made = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
 
     def make() -> None:
         progress.warning("compiling %s for %s%s, some 10 s", identifier, name, version)
         loader = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
-        compile_objects(sources, [*compiler, *flags], objects)
+        kernels.compile_objects(sources, [*compiler, *flags], objects)
         own_name = [f"-Wl,-install_name,@rpath/{identifier}{made.suffix}"] if made.suffix == ".dylib" else []
         command = [*compiler, *flags, *own_name]
-        link_library(command, objects.values(), made, f"{identifier}{made.suffix}", loader)
+        kernels.link_library(command, objects.values(), made, f"{identifier}{made.suffix}", loader)
 
     try:
-        return make_once(made, make)
+        return kernels.make_once(made, make)
     except subprocess.CalledProcessError as error:
         raise RuntimeError(f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}") from error
 
@@ -120,7 +111,7 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
 def _compiler() -> tuple[str, ...]:
     if importlib.util.find_spec("ziglang") is not None:
         return (sys.executable, "-m", "ziglang", "cc")
-    return find_compiler() or ()
+    return kernels.find_compiler() or ()
 
 
 def _flags(name: str) -> tuple[str, ...]:

@@ -3,8 +3,6 @@
 The rope's, and that of any model that implements model.h, in the rope's shell.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.metadata
 import importlib.util
@@ -49,7 +47,7 @@ def export_native(
     if fmi not in (2, 3):
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
     chosen = choose_platforms(platforms)
-    data = case_with(case, level, start)
+    data, epoch = case_with(case, level, start), os.environ.get("SOURCE_DATE_EPOCH")
     table = native_table(data)
     described = profile.select(table)
     files = native_files(
@@ -60,7 +58,8 @@ def export_native(
         fmi,
         chosen,
         arrays if fmi == 3 and profile.arrays else scalars,
-        date=_date(),
+        # without SOURCE_DATE_EPOCH none, for two exports shall be the same bytes
+        date=time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch))) if epoch else "",
         stop=profile.stop,
         tolerance=data.scene.accuracy.end_force,
     )
@@ -89,12 +88,6 @@ def rope_sources() -> dict[str, str]:
     from rope_model.codegen.build import sources
 
     return sources()
-
-
-def _date() -> str:
-    """UTC, of SOURCE_DATE_EPOCH; empty without it, for two exports shall be the same bytes."""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch))) if epoch else ""
 
 
 def export_model(

@@ -6,8 +6,6 @@ page of the file.  macOS ends a process that loads a page of another hash.
     hash[i] = SHA-256(page i of the file, up to the code limit) ,  i = 0 ... slots - 1
 """
 
-from __future__ import annotations
-
 import hashlib
 import struct
 from collections.abc import Sequence

@@ -6,8 +6,6 @@ every export.  Its bytes are those of one compiled from the export's own sources
 stamp of Windows' libraries, macOS's UUID).
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

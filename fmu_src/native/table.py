@@ -1,7 +1,5 @@
 """The interface table as C: ``MODEL_VARIABLES`` of model.h, and where each scalar lives in the rope."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 

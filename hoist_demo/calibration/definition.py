@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, Field, model_validator
 
 from hoist_demo.calibration.measurements import AnyMeasurement, Bench, InShaft, Signal
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.files.catalogue import rope_parameters, table
 from hoist_demo.files.reading import EMPTY, Table, flat
@@ -77,6 +78,12 @@ class Measured(RopeQuestion):
             if isinstance(one, InShaft)
             for left, right, gap in one.apart
             if abs(gap) >= length
+        ]
+        problems += [
+            f"measured {k}: places.{name} = {s:g} m must be from 0 to {length:g} m: measure it from the left"
+            for k, one in enumerate(self.measurements, 1)
+            for name, s in (one.places.items() if isinstance(one, Markers) else ())
+            if not 0.0 <= s <= length
         ]
         if problems:
             raise ValueError("\n".join(problems))

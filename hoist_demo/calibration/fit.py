@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.stats import chi2, norm
+from scipy.special import chdtrc, ndtri  # of scipy.stats, which is slow to load
 
 Array = NDArray[np.float64]
 #: of shares (n,): prediction less measurement in standard errors (m,)
@@ -38,7 +38,7 @@ RANGE_VARIANCE = 1 / 12
 #: of the intervals that are stated
 CONFIDENCE = 0.9
 #: standard errors to either side of it
-REACH = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))
+REACH = float(ndtri(0.5 + 0.5 * CONFIDENCE))
 #: shares by which the sensitivities are taken
 DIFFERENCE = 5e-3
 #: part of an interval's half width to which its ends are found, and the most trials for each
@@ -98,7 +98,7 @@ class Fit:
     def likelihood(self) -> float:
         """Probability of residuals at least this large by chance; 1 without more values than what was found."""
         spare = self.residuals.size - (self.shares.size - len(self.untold()))
-        return float(chi2.sf(self.residuals @ self.residuals, spare)) if spare > 0 else 1.0
+        return float(chdtrc(spare, self.residuals @ self.residuals)) if spare > 0 else 1.0
 
     @property
     def contradicted(self) -> bool:

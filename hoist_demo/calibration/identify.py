@@ -11,6 +11,7 @@ import numpy as np
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import (
+    Asked,
     AtRest,
     Bench,
     LoopWidth,
@@ -131,13 +132,13 @@ def identify(measured: Measured) -> Identified:
     )
 
 
-def stacked(measurements: Sequence[Measurement]) -> tuple[Array, Array]:
+def stacked(measurements: Sequence[Asked]) -> tuple[Array, Array]:
     """All values and their standard errors."""
     values = [value for m in measurements for value in m.values]
     return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
 
 
-def residuals_of(bench: Bench, measurements: Sequence[Measurement], values: Array, sigmas: Array) -> Residuals:
+def residuals_of(bench: Bench, measurements: Sequence[Asked], values: Array, sigmas: Array) -> Residuals:
     """Predictions of the measurements less these values, in standard errors."""
     return lambda shares: np.asarray((bench.predict(shares, measurements) - values) / sigmas)
 

@@ -5,6 +5,7 @@ On a sample        under the load T, the ends held, turned into the lay by w per
                    torque c1 d T + (D + c2 d^2 T) w; one end free: it unlays by c1 d T l / (D + c2 d^2 T)
 In the shaft       any output of the rope at rest, at given heights of its ends; frequencies of its swing; any output
                    over a trip and after it, when the loop swings: by a native run
+Anywhere           places of markers while the ends move, as cameras have seen them: calibration.tracks
 
 Torque and rotation of a sample are positive in the sense of the lay, whichever hand it has.
 """
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.files.reading import Table
 from hoist_demo.files.rope_file import FOLLOWING
@@ -344,8 +346,9 @@ class Swept(Track):
         return self
 
 
+Asked = Measurement | Markers
 AnyMeasurement = Annotated[
-    LoopWidth | Mass | SampleTorque | SampleRotation | SampleExtension | AtRest | Track | Swept | Swing,
+    LoopWidth | Mass | SampleTorque | SampleRotation | SampleExtension | AtRest | Track | Swept | Swing | Markers,
     Field(discriminator="what"),
 ]
 
@@ -388,7 +391,7 @@ class Bench:
         """Return the rope that has these shares, ready to be measured."""
         return Trial(self.scene_at(shares))
 
-    def predict(self, shares: Array, measurements: Sequence[Measurement]) -> Array:
+    def predict(self, shares: Array, measurements: Sequence[Asked]) -> Array:
         """All values of the measurements, one after the other."""
         trial = self.trial(shares)
         return np.array([value for m in measurements for value in m.predict(trial)])

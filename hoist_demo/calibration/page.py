@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hoist_demo.calibration.fit import CONFIDENCE, UNLIKELY
 from hoist_demo.calibration.identify import Identified
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.report.html.page import Bar, bars, engineering, grid, number, paragraphs, unit_text, write_sheet
 from hoist_demo.report.rows import SummaryRow, told
@@ -136,6 +137,10 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
     """Name, measured, predicted, sigma and unit of each value."""
     predicted, rows = iter(found.predicted), []
     for m in found.measured.measurements:
+        if isinstance(m, Markers):
+            rms = (sum(float(next(predicted)) ** 2 for _ in m.values) / len(m.values)) ** 0.5
+            rows.append((f"{m.name or m.file}, RMS", 0.0, rms, m.sigma, "m"))
+            continue
         for k, value in enumerate(m.values, 1):
             name = f"{m.title} {k}" if len(m.values) > 1 else m.title
             rows.append((name, value, float(next(predicted)), m.sigma, m.unit))

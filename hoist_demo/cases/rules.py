@@ -1,7 +1,5 @@
 """What a hoist's file leaves out and what follows from the rest, by stated rules; and values that no hoist has."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -9,6 +7,7 @@ from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import Case, Tail
 from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
+from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import DERIVED, Given, plain
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.quantity import Value
@@ -18,7 +17,6 @@ from rope_model import rope as catalogue_rope
 TAIL_SPARE = 40.0
 #: m^2/s^2 [assumed]: EA of a head rope over its mass per length, a modulus of 110 GPa of the steel
 HEAD_ROPE_STIFFNESS = 1.3e7
-_OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Rule(NamedTuple):
 
 LENGTH = Rule("rope.length", f"hoist.shaft_travel + {TAIL_SPARE:g} m", lambda k: k.hoist.shaft_travel + TAIL_SPARE)
 RULES = (
-    Rule("hoist.tail_rope_number", "the number of the [[rope]]s", lambda k: k.tail.tail_rope_number),
+    Rule("hoist.tail_rope_number", "number of equal ropes; 1 of ropes that differ", lambda k: k.tail.tail_rope_number),
     Rule("hoist.tail_rope_mass", "rope.mass_per_length; of unequal ropes the sum", lambda k: k.tail.tail_rope_mass),
     Rule("hoist.tail_rope_length", "rope.length; of unequal ropes the mean by mass", lambda k: k.tail.tail_rope_length),
     Rule("winding.travel", "hoist.shaft_travel, from landing to landing", lambda k: k.hoist.shaft_travel),
@@ -114,7 +112,7 @@ def _of_catalogue(tail: Tail) -> dict[str, Given]:
     diameter, lay = float(tail.parameters.get("rope.diameter", 0.0)), tail.lay
     middle = catalogue_rope(tail.construction, diameter, lay=lay).middle  # type: ignore[arg-type]  # it checks the lay
     source = f"catalogue, {tail.construction}, middle of its range"
-    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in _OF_CATALOGUE}
+    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
 def _drive_s_view(tails: tuple[Tail, ...]) -> Hoist:

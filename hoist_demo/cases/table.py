@@ -1,13 +1,18 @@
 """Hoists by name, the files of hoist_demo/hoists, and those of the user by path."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 
 from hoist_demo.cases.case import FOLDER, NAMED, Case
 from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import read
+
+NATIVE = "_native"  #: End of the name of a native FMU of FMI 2.0.
+
+
+def fmu_name(hoist: str, end: str = "") -> str:
+    """Return the name of the rope's FMU: that of the hoist's file, of the hoists that come with the project one."""
+    return f"{'balance_rope' if hoist in NAMED else Path(hoist).stem}{end}.fmu"
 
 
 def find_case(name: str) -> Case:

@@ -76,7 +76,11 @@ class WoundRun:
         for rope in self.ropes:
             given += rope_tables(rope, fidelities_of(self.own(rope)), status)
         return Report(
-            self.title, judge(self.result, run.hoist, self.ropes, said, self.pairs), self._changed(), rows, given
+            self.title,
+            judge(self.result, run.hoist, self.ropes, said, self.pairs, run.arrival),
+            self._changed(),
+            rows,
+            given,
         )
 
     def _changed(self) -> Table:
@@ -88,7 +92,7 @@ class WoundRun:
         for tail in case.ropes:
             before |= {f"{tail.name}.{key}": value for key, value in tail.parameters.items()}
         rows: list[Row] = [
-            (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "rope's default")))
+            (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "the default")))
             for one in self.known
             if {one.name, one.name.partition(".")[2]} & {*self.asked}
             and values.get(one.name, one.value) != before.get(one.name)

@@ -38,7 +38,6 @@ trip to trip. After every trip the state is kept: start the same command again t
 _EPILOG = """\
 examples:
   balance-rope duty docs/duties/day.toml
-  balance-rope duty SCHEDULE.toml --check       read and check the file, wind nothing
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 
 Results in --out: trips.csv, one row per trip, data.csv, where each number comes from, and duty.png; with --exposure
@@ -86,7 +85,7 @@ def _duty(options: argparse.Namespace) -> int:
     run = schedule.pattern[0]
     known = [*of_host(run, schedule.given), *of_rope(find_case(run.case), rope.data(), schedule.given)]
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
-    print(f"{schedule.title}: hoist {schedule.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
+    print(f"{schedule.head.title}: hoist {schedule.head.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
     contradiction = contradictions(run.hoist, rope.data().parameters)
     missing = remark(_as_it_is(rope) if last is None else last.result.recording)

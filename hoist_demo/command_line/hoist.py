@@ -8,12 +8,15 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from hoist_demo.cases.case import NAMED, Case
+from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.options import SET, settings
 from hoist_demo.command_line.results import Commands, add_command
-from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.catalogue import parameters, rope_parameters
 from hoist_demo.files.hoist_file import schema
 from hoist_demo.files.new import WISHES, new_hoist
+from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import read_value
 
 _NEW = """\
@@ -46,6 +49,7 @@ def add_hoist_commands(commands: Commands) -> None:
     for name, about in (("show", "print a hoist and what follows from it"), ("check", "only what is wrong with it")):
         show = add_command(commands, name, partial(_show, everything=name == "show"), about, _SHOW, "")
         show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(NAMED)}")
+        show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
     about = "the catalogue's ropes, or one as [[rope]] of a file"
     rope = add_command(
         commands, "rope", _rope, about, f"Print {about}.", "example: balance-rope rope 34x7 --diameter 52mm"
@@ -87,14 +91,11 @@ def _rope(options: argparse.Namespace) -> int:
             print(f"{kind:<12} " + " ".join(f"{one.low:>9.3g} to {one.high:<8.3g}" for one in cells))
         return 0
     found = known(options.construction, float(diameter), float(length), options.lay)
-    print("[[rope]]")
-    for name, value in (("construction", options.construction), ("lay", options.lay)):
-        print(f'{name} = "{value}"')
-    for name in ("diameter", "length"):
-        print(f"{name} = {getattr(found, name)!r}  # m")
-    for name, value in vars(found.middle).items():
-        if name in ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ"):
-            print(f"# {name} = {value:.6g}  # {p[f'rope.{name}'].unit}, the middle of the catalogue's range")
+    print(f'[[rope]]\nconstruction = "{options.construction}"\nlay = "{options.lay}"')
+    print(f"diameter = {found.diameter!r}  # m\nlength = {found.length!r}  # m")
+    for name in OF_CATALOGUE:
+        unit = p[f"rope.{name}"].unit
+        print(f"# {name} = {getattr(found.middle, name):.6g}  # {unit}, the middle of the catalogue's range")
     for name, datum in found.data.items():
         print(f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}")
     return 0
@@ -103,10 +104,11 @@ def _rope(options: argparse.Namespace) -> int:
 def _show(options: argparse.Namespace, everything: bool) -> int:
     from hoist_demo.report.hoist import as_file, follows, problems
 
-    case: Case = find_case(options.hoist)
+    asked = settings(options.set, parameters())
+    case = with_values(find_case(options.hoist), asked)
     if everything:
-        print(as_file(case, options.hoist))
-    text, found = follows(case, options.hoist)
+        print(as_file(case, options.hoist, asked))
+    text, found = follows(case, options.hoist, asked)
     if everything:
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
     told = [*case.remarks, *problems(case), *found]

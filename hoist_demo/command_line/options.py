@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.files.catalogue import find, host_parameters
+from hoist_demo.files.catalogue import host_parameters
+from hoist_demo.files.reading import cure_of
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -16,7 +17,7 @@ from rope_model.scene_names import choices_of
 
 KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
 _TRIP = ("speed", "travel", "creep_distance", "creep_speed")
-_SET = """\
+SET = """\
 a parameter of the rope by its name in docs/reference/variables.md, or of the host as hoist.payload_left, in SI or with
 a unit; counts as if it stood in the hoist's file; may be repeated, and overrides other options"""
 
@@ -40,7 +41,7 @@ def add_data(wind: argparse.ArgumentParser) -> None:
     wind.add_argument("--level", choices=get_args(Level), help=about)
     about = "parameters of the rope, as balance-rope identify writes them"
     wind.add_argument("--rope", type=Path, metavar="FILE", help=about)
-    wind.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=_SET)
+    wind.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
     about = "columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)"
     wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=about)
 
@@ -52,7 +53,9 @@ def settings(texts: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, 
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
-        parameter, content = find(name, known), {"true": True, "false": False}.get(value.lower(), value)
+        if name not in known:
+            raise ValueError(f"--set {text}: {name} is not a parameter: {cure_of(name, [*known])}")
+        parameter, content = known[name], {"true": True, "false": False}.get(value.lower(), value)
         if name in found:
             raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
         code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()

@@ -20,7 +20,6 @@ Every finished run is kept at once: start the same command again to go on after 
 _EPILOG = """\
 examples:
   balance-rope study docs/studies/controllers.toml
-  balance-rope study STUDY.toml --check                        read and check the file and every start, run nothing
   balance-rope study STUDY.toml --scheduler tcp://host:8786    on the workers of a dask scheduler
 
 Results in --out: results.parquet (pandas.read_parquet opens it) and results.csv, one row per run, data.csv, where each
@@ -111,8 +110,7 @@ def _study(options: argparse.Namespace) -> int:
     known = of_study(study)
     write_data(known, store.directory / "data.csv")
     print("\n" + render(told(known)) + "\n")
-    judged_by = tuple(study.goal.metrics) if study.goal else ()
     page, data = store.directory / "report.html", [data_table(known)]
-    report = study_report(results.table, results.units, meta, page, data, performed, judged_by)
+    report = study_report(results.table, results.units, meta, page, data, performed, study.goal)
     print(f"open in a browser: {report}")
     return 1 if performed.causes else 0

@@ -25,7 +25,8 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
 from hoist_demo.files.catalogue import parameters
-from hoist_demo.files.rope_file import read_rope_file
+from hoist_demo.files.reading import read
+from hoist_demo.files.rope_file import RopeFile
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA, Winding
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -55,15 +56,10 @@ each has its tables along the rope, and its signals and rows, under its name."""
 _EPILOG = """\
 examples:
   balance-rope wind hoist.toml                  your hoist: balance-rope new writes the file
-  balance-rope wind --speed 4 --travel 60       the hoist around the published rope of 120 m
   balance-rope wind rope-240                    240 m rope, swivels released at 20 s
-  balance-rope wind monopol-1000                a hoist of installed size: 1000 m, 16 m/s
   balance-rope wind slack-rope                  what goes wrong, also overwind, seized-swivel, caught-rope,
                                                 jammed-conveyance
   balance-rope wind monopol-1000 --estop-at 40 --estop-law two-stage    stopped by its brake
-  balance-rope wind --travel -90                 lower the left conveyance instead
-  balance-rope wind --creep-distance 3           the last 3 m at creep speed, 0.5 m/s
-  balance-rope wind --estop-at 12                emergency stop at 5 m/s^2 near full speed
   balance-rope wind --step 0.005 --out out/fine  a finer coupling, to see whether the results change
   balance-rope wind --scheme iterative-secant    each exchange iterated to convergence
   balance-rope wind --set rope.EI=450 --set hoist.payload_left=4000    other data
@@ -126,7 +122,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     _choose_rope(options, None if is_file else default)
     resume = Checkpoint.read(options.resume) if options.resume else None
     own = settings(options.set, parameters(_parameters(options)))
-    identified = read_rope_file(options.rope) if options.rope else {}
+    identified = read(options.rope, RopeFile).values() if options.rope else {}
     of_rope_file = {key: one.value for key, one in identified.items()}
     chosen = of_rope_file | own
     options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST
@@ -164,7 +160,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         written = write(wound, out, signals)
     report = wound.report
     name, rows = report.changed
-    settings_table = render([SummaryRow(name, key, f"{value} {unit}, not {own}") for key, value, unit, own in rows])
+    changed = [SummaryRow(name, key, f"{f'{value} {unit}'.rstrip()}, not {own}") for key, value, unit, own in rows]
+    settings_table = render(changed)
     print("\n\n".join([report.title, render_verdict(report.verdict), *filter(None, [settings_table]), ASSUMED_DATA]))
     for text in report.verdict.remarks:
         print(f"balance-rope: {text}", file=sys.stderr)

@@ -11,8 +11,6 @@ further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Con
 When the reference says that the safety brake stops the hoist, the motor is off and `emergency_brake` asks for it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,8 +18,7 @@ from typing import Any, NamedTuple, Protocol
 
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
-from hoist_demo.parameters.components import require, require_magnitudes
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import Bounds, Stated, quantity
 from rope_model.physics.elementary import both, larger, smaller, tanh, where
 
 
@@ -34,19 +31,13 @@ class BrakeState:
 
 
 @dataclass(frozen=True)
-class Gains:
+class Gains(Stated, of="gain "):
     """Tuning; the defaults are ours [assumed] for the default hoist."""
 
     speed: float = quantity(1.5e5, "N s/m", "k_v")
     integral_time: float = quantity(1.0, "s", "T_i")
     position: float = quantity(1.0, "1/s", "k_s")
-    feed_forward: float = quantity(1.0, "1", "share of the feed-forward that is used")
-
-    def __post_init__(self) -> None:
-        names = ("speed", "integral_time", "position")
-        require_magnitudes(self, prefix="gain ", names=names, cure="start from the default")
-        share = self.feed_forward
-        require(share, 0.0 <= share <= 1.0, "gain feed_forward", "within 0 and 1", "it is a share")
+    feed_forward: float = quantity(1.0, "1", "share of the feed-forward that is used", Bounds(0.0, 1.0))
 
 
 def emergency_brake(

@@ -1,7 +1,5 @@
 """The control law as a CasADi function, for whoever makes C of it."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from functools import cache
 from types import SimpleNamespace

@@ -25,8 +25,6 @@ from numpy.typing import NDArray
 
 from hoist_demo.parameters import EmergencyLaw, Winding
 
-ReferenceArray = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Braking:
@@ -82,7 +80,7 @@ class Trajectory:
             return point
         return point._replace(braking=replace(self.trip, elapsed=t + self.trip.elapsed))
 
-    def sample(self, times: ReferenceArray) -> ReferenceArray:
+    def sample(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Position, speed, acceleration and jerk as columns, one row per time."""
         k = np.searchsorted(self.starts, times, side="right") - 1
         begun = np.array([point[:4] for point in self.points])[np.maximum(k, 0)]

@@ -4,8 +4,6 @@ It takes what most trips have: the scheme gauss-seidel-1, the speed controller, 
 rope in a library, and a C compiler. All else goes on in `host.Host`, which gives the same bits.
 """
 
-from __future__ import annotations
-
 import math
 from ctypes import CDLL, Structure, addressof, byref, c_double, c_int, c_size_t, c_void_p, cast
 from dataclasses import astuple
@@ -34,7 +32,8 @@ from rope_model.numerics.kernels import cache_folder, compile_library, find_comp
 _STOPS = ("WELL", "LOOK", "DRIVE", *CALLS)  #: How samples end: well, before one to be looked at, or what has failed.
 _SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
 _SPELT = {"y": "y", "vy": "v", "ay": "a"}  #: Names in OUTPUTS, where they are others.
-_ENDS = [SHOWN[f"{_SPELT.get(name, name)}_{side}"] for side in ENDS for name in EndMotion.__dataclass_fields__]
+#: -1: a hoist has nothing that leans
+_ENDS = [SHOWN.get(f"{_SPELT.get(name, name)}_{side}", -1) for side in ENDS for name in EndMotion.__dataclass_fields__]
 _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 #: What trip.c takes from here for all hoists, by name.
 _NUMBERS: dict[str, float] = {

@@ -3,8 +3,6 @@
 A row keeps the numbers as they come; what follows from them is computed once, for all rows, when the run has ended.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from hoist_demo.control.controller import Command

@@ -9,8 +9,6 @@ and the result names the cause. A guard of the rope that trips, and head ropes t
 checkpoint, from which `run` goes on.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Callable

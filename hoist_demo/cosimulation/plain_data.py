@@ -5,8 +5,6 @@ of all these. Of a class only its name is written: it must be known by name wher
 nothing but NumPy's own code.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass

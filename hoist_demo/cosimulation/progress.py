@@ -1,7 +1,5 @@
 """Messages of a running winding: a bar on stderr on request, and its warnings for a collector."""
 
-from __future__ import annotations
-
 import logging
 import sys
 from collections.abc import Callable, Iterator

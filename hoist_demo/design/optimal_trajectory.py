@@ -22,7 +22,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, chain, rest, s_curve
 from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, Vector, low_fidelity
 from hoist_demo.parameters import Hoist, Winding, start_heights
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import Bounds, Stated, quantity
 
 _INSIDE = 0.9  # 1, share of the limits that the first guess uses
 _SUBSTEP = 0.05  # s, at most a sixth of the period of the swings that matter
@@ -37,21 +37,13 @@ _SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's
 
 
 @dataclass(frozen=True)
-class TrajectoryOptions:
+class TrajectoryOptions(Stated):
     """Options of the optimisation, with defaults of ours [assumed]."""
 
     swing_speed: float = quantity(0.01, "m/s", "of the conveyances after arrival, that is worth swing_price")
     swing_price: float = quantity(1.0, "s")
     hold: float = quantity(1.5, "s", "after arrival, over which the swing counts")
-    intervals: int = quantity(120, "1", "of the trip")
-
-    def __post_init__(self) -> None:
-        for name in ("swing_speed", "swing_price", "hold"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value!r} must be finite and above 0: start from the default")
-        if not 20 <= self.intervals <= 2000:
-            raise ValueError(f"intervals = {self.intervals!r} must be within 20 and 2000: take about 8 per second")
+    intervals: int = quantity(120, "1", "of the trip", Bounds(20, 2000, cure="take about 8 per second"))
 
 
 def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Trajectory:

@@ -15,28 +15,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
-from hoist_demo.parameters.quantity import quantity
-
-KINDS = ("ZV", "ZVD")
+from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
 
 
 @dataclass(frozen=True)
-class Shaper:
+class Shaper(Stated):
     """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study) or modelled."""
 
-    kind: str = quantity("ZVD", "1", "ZV or ZVD")
-    frequency: float = quantity(0.0, "Hz", "damped frequency of the mode; 0: it and damping from the linear model")
-    damping: float = quantity(0.0, "1", "damping ratio of the mode")
-
-    def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise ValueError(f"kind = {self.kind!r} must be one of {', '.join(KINDS)}: choose one")
-        if not (math.isfinite(self.frequency) and self.frequency >= 0.0):
-            raise ValueError(f"frequency = {self.frequency!r} must be finite and not below 0 Hz: measure the swing")
-        if not 0.0 <= self.damping < 1.0:
-            raise ValueError(f"damping = {self.damping!r} must be at least 0 and below 1: give a damping ratio")
+    kind: Literal["ZV", "ZVD"] = quantity("ZVD", "", "ZV or ZVD")
+    frequency: float = quantity(0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", VANISHING)
+    damping: float = quantity(0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it"))
 
     @property
     def impulses(self) -> tuple[tuple[float, float], ...]:

@@ -23,8 +23,6 @@ A row of Lagrange's equation holds a leg up to the sheave's top point, through w
 the sheave is the tension less mu w^2 / 2, on both sides alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
@@ -199,7 +197,7 @@ def equations(parts: Hoist) -> Equations:
     powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), rope_power, *ends, losses)
 
     shown = ca.vertcat(
-        *_upright(at, a), phi, rate, motor, *tensions(a), K, V,
+        q[1:3], v[1:3], a[1:3], phi, rate, motor, *tensions(a), K, V,
         rate + twist_rate, brake.force, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
         *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
     )  # fmt: skip
@@ -228,12 +226,6 @@ def _tension(hoist: Hoist, at: Coordinates, sign: float, leg: Leg, a: Any, rope_
     change = ca.jtimes(row, at.q, at.v) + ca.jtimes(row, at.v, a) - ca.gradient(leg.kinetic, phi)
     moment = change + ca.gradient(leg.potential, phi) + ca.gradient(leg.rope_damping, rate)
     return sign * moment / hoist.sheave_radius + hoist.rope_mass * rope_speed**2 / 2
-
-
-def _upright(at: Coordinates, a: Any) -> list[Any]:
-    """Heights of both sides, their rates, their second derivatives."""
-    places = [at.names.index(f"y_{side}") for side in SIDES]
-    return [ca.vertcat(*(values[k] for k in places)) for values in (at.q, at.v, a)]
 
 
 def _lateral_motion(at: Coordinates, a: Any) -> list[Any]:

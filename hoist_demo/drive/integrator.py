@@ -22,8 +22,6 @@ and not beyond h after one that was taken back: a step at the bound of stability
 What is watched ends them: the last one is then shortened by bisection until what is watched has just become positive.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -35,18 +33,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.drive.equations import (
-    ACCELERATIONS,
-    FORCES,
-    INPUT_NAMES,
-    LOSS_NAMES,
-    WORK_NAMES,
-    Equations,
-    equations,
-    numbers_of,
-    parts_of,
-    state_names,
-)
+from hoist_demo.drive import equations as drive
 from hoist_demo.drive.outputs import OUTPUTS
 from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import Kernel, KernelForm, build_library, cache_folder, prepare
@@ -62,8 +49,8 @@ LOCATED = 1e-9  #: How long before the end of the steps what is watched may have
 CHUNK = 3  #: Steps in one call.
 TOLERANCE = 1e-9  #: Of a step's error, relative and in SI units.
 
-WORKS = len(WORK_NAMES) + len(LOSS_NAMES)
-PATH = 3 * len(INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
+WORKS = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
+PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 
 ORDER = 5
 
@@ -120,10 +107,10 @@ class DriveKernels:
 @cache
 def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
     """Return the kernels for all hoists with these parts (`equations.parts_of`)."""
-    of, names, numbers = equations(parts), state_names(parts), len(numbers_of(parts))
+    of, names, numbers = drive.equations(parts), drive.state_names(parts), len(drive.numbers_of(parts))
     held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": numbers}
     given = _slices({"x": len(names), "works": WORKS, "s": 1, "h": 1, **held})
-    shown = {"error": 1, "acting": len(INPUT_NAMES), "shown": len(OUTPUTS)}
+    shown = {"error": 1, "acting": len(drive.INPUT_NAMES), "shown": len(OUTPUTS)}
     result = _slices({"x": len(names), "works": WORKS, **shown})
     functions = [_advance(of, given), of.mobility]
     made: list[Path] = []
@@ -136,7 +123,7 @@ def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
     return DriveKernels(names, given, result, advance, mobility, of.hold, made[0] if found == "compiled" else None)
 
 
-def _advance(of: Equations, given: dict[str, slice]) -> Any:
+def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
     """(one vector) -> one vector."""
     n, held_from = given["x"].stop, given["H"].start
     numbers = given["p"].stop - held_from
@@ -165,7 +152,7 @@ def _step(slope: Any, size: int, numbers: int) -> Any:
     return ca.Function("step", [s, y, k, h, held], [new, last, missed])
 
 
-def _slope(of: Equations, states: int, numbers: int) -> Any:
+def _slope(of: drive.Equations, states: int, numbers: int) -> Any:
     """(y, s, held) -> dy/ds."""
     y, s = ca.SX.sym("y", states + WORKS), ca.SX.sym("s")
     x = y[:states]
@@ -174,28 +161,28 @@ def _slope(of: Equations, states: int, numbers: int) -> Any:
     return ca.Function("slope", [y, s, held], [ca.cse(value)])
 
 
-def _loads_and_outputs(of: Equations, states: int, numbers: int) -> Any:
+def _loads_and_outputs(of: drive.Equations, states: int, numbers: int) -> Any:
     """(x, s, held) -> input that acts, outputs."""
     x, s = ca.SX.sym("x", states), ca.SX.sym("s")
     held, _, u, l0, p = _symbols(of, numbers, x, s)
     return ca.Function("loads_and_outputs", [x, s, held], ca.cse([u, of.outputs(x, u, l0, p)]))
 
 
-def _symbols(of: Equations, numbers: int, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
+def _symbols(of: drive.Equations, numbers: int, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Symbols of what is held over a communication step, and of it H, the input that acts at s, l0 and p."""
     held = ca.SX.sym("held", numbers)
     H, path, added_mass, l0, p = ca.vertsplit(held, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers])
-    start, rise, bend = ca.vertsplit(path, len(INPUT_NAMES))
+    start, rise, bend = ca.vertsplit(path, len(drive.INPUT_NAMES))
     return held, H, _acting(of, x, start + s * (rise + s * bend), added_mass, l0, p), l0, p
 
 
-def _acting(of: Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
+def _acting(of: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
     """The input with its forces less the added masses times the accelerations that come out."""
-    a = of.rates(x, u, l0, p)[list(ACCELERATIONS)]
+    a = of.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
     B = of.mobility(x, u, l0, p)
-    given_up = ca.solve(ca.SX.eye(len(FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
+    given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
     acting = ca.SX(u)
-    for k, place in enumerate(FORCES):
+    for k, place in enumerate(drive.FORCES):
         acting[place] -= given_up[k]
     return acting
 
@@ -212,7 +199,7 @@ class Integrator:
     """Integrator for all hoists with the same parts; not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
-        self.kernels = kernels = drive_kernels(parts_of(hoist), form)
+        self.kernels = kernels = drive_kernels(drive.parts_of(hoist), form)
         self.names, self.result = kernels.names, kernels.result
         self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
@@ -220,7 +207,7 @@ class Integrator:
         self.given = {name: self.z[place] for name, place in kernels.given.items()}
         self._hold, self._mobility = kernels.hold, Kernel(kernels.mobility, [(2, 2)])
         self.evaluations = 0  # of `advance` with a step, so far
-        self.give(p=numbers_of(hoist))
+        self.give(p=drive.numbers_of(hoist))
 
     def give(self, **values: Any) -> None:
         """Give what `advance` takes, by name: x, works, s, h, H, path, added_mass, l0; p are the hoist's numbers."""

@@ -28,8 +28,6 @@ and 0 beyond, and there z + tau z' stands for z in F: what is stuck swings with 
 Transactions on Automatic Control 40, 1995), what slides has none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Outputs of a drive at one instant: names, and places in a vector."""
 
-from __future__ import annotations
-
 import math
 
 _AXES = ("x", "z", "yaw")

@@ -14,8 +14,6 @@ Both instants are located. What has slid goes over into the free lengths when th
 have the same equations before and after, and the same as in a hoist without a lining.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cached_property
@@ -141,7 +139,8 @@ class HoistPlant:
             # the rest of a step behind a switch may be as short as it likes, and says nothing of what fits
             size = fits if state is old else max(size, fits)
             state = self._reached(state, y[result["x"]], y[result["works"]], size * h)
-            if (free := min(free_lengths_at(self.hoist, state))) <= LEAST_ROPE:
+            (left, right), wound = state.free_lengths, self.hoist.sheave_radius * state.x.item(1) + state.slide.slip
+            if (free := min(left - wound, right + wound)) <= LEAST_ROPE:
                 return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
             if begin >= end:
                 return PlantStep(True, "", state, y[result["acting"]], y[result["shown"]])
@@ -200,12 +199,6 @@ class HoistPlant:
         if not (math.isfinite(force) and b > 1.0):
             raise ValueError(f"rope force {force!r} N at {name} must leave the head ropes taut: check its sign")
         return 2.0 * s / (b + math.sqrt(b * b + 4.0 * c * s))
-
-
-def free_lengths_at(hoist: Hoist, state: PlantState) -> tuple[float, float]:
-    """Free head rope lengths between sheave and conveyances, left and right [m]."""
-    wound = hoist.sheave_radius * state.x.item(1) + state.slide.slip
-    return state.free_lengths[0] - wound, state.free_lengths[1] + wound
 
 
 def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:

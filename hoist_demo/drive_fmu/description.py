@@ -1,7 +1,5 @@
 """The drive put together for a builder of FMUs: table, words and C sources."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

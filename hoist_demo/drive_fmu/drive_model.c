@@ -29,28 +29,16 @@ struct ModelInstance {
 };
 
 typedef struct {
-    double s, v, a, j;
+    double s, v, a;
 } Motion;
-
-static Motion later(Motion m, double dt) {
-    Motion out;
-    out.s = m.s + dt * (m.v + dt * (m.a / 2.0 + dt * m.j / 6.0));
-    out.v = m.v + dt * (m.a + dt * m.j / 2.0);
-    out.a = m.a + dt * m.j;
-    out.j = m.j;
-    return out;
-}
 
 /* the trip at t, s after its start; it rests before */
 static Motion reference(double t) {
-    static const Motion rest = {0.0, 0.0, 0.0, 0.0};
     int k = DRIVE_SEGMENTS - 1;
     while (k >= 0 && t < DRIVE_TRIP[k][0]) k--;
-    if (k < 0) return rest;
-    {
-        Motion at = {DRIVE_TRIP[k][1], DRIVE_TRIP[k][2], DRIVE_TRIP[k][3], DRIVE_TRIP[k][4]};
-        return later(at, t - DRIVE_TRIP[k][0]);
-    }
+    if (k < 0) return (Motion){0.0, 0.0, 0.0};
+    const double *at = DRIVE_TRIP[k], dt = t - at[0], s = at[1], v = at[2], a = at[3], j = at[4];
+    return (Motion){s + dt * (v + dt * (a / 2.0 + dt * j / 6.0)), v + dt * (a + dt * j / 2.0), a + dt * j};
 }
 
 static void plant_outputs(ModelInstance *m, State *s) {
@@ -64,10 +52,7 @@ static void plant_outputs(ModelInstance *m, State *s) {
 static void control_outputs(State *s, const double *parameters) {
     Motion r = reference(s->t - s->start - parameters[DRIVE_TRIP_START]);
     double *shown = s->outputs + DRIVE_PLANT_OUTPUTS;
-    shown[0] = r.s;
-    shown[1] = r.v;
-    shown[2] = r.a;
-    shown[3] = s->u[0];
+    memcpy(shown, (const double[]){r.s, r.v, r.a, s->u[0]}, 4 * sizeof *shown);
 }
 
 static int read_parameters(double *parameters, const double *values, char *message) {
@@ -157,15 +142,10 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
 
 static void control(ModelInstance *m, State *s, double h) {
     Motion r = reference(s->t - s->start - m->parameters[DRIVE_TRIP_START]);
-    double sample[8], torque, integral;
-    sample[0] = r.s;
-    sample[1] = r.v;
-    sample[2] = r.a;
-    sample[3] = s->outputs[DRIVE_LEFT_Y] - s->left_start;
-    sample[4] = DRIVE_RADIUS * s->outputs[DRIVE_RATE];
-    sample[5] = s->hold;
-    sample[6] = s->integral;
-    sample[7] = h;
+    const double sample[] = {
+        r.s,     r.v,         r.a, s->outputs[DRIVE_LEFT_Y] - s->left_start, DRIVE_RADIUS * s->outputs[DRIVE_RATE],
+        s->hold, s->integral, h};
+    double torque, integral;
     m->arg[0] = sample;
     m->arg[1] = m->parameters + DRIVE_GAINS;
     m->res[0] = &torque;

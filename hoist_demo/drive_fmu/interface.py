@@ -6,8 +6,6 @@ takes the rope's horizontal forces and its moment about the vertical, and gives 
 ropes each has forces of its own, behind its name; the drive adds them up, and gives each the motions of its own place.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -19,7 +17,7 @@ from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import GRAVITY, Hoist, start_heights
 from hoist_demo.parameters.place import MOVED, Place
-from hoist_demo.parameters.quantity import fmi_unit, units_of
+from hoist_demo.parameters.quantity import leaves
 from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
 from rope_model.scene_names import Variable as Variable
@@ -159,10 +157,10 @@ def _parameters(case: Case, step: float, tails: Sequence[Tail]) -> Iterator[Vari
         yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
-    for gain, stated in units_of(Gains).items():
-        unit, value = fmi_unit(stated), getattr(case.gains, gain)
-        least, most = (0.0, 1.0) if gain == "feed_forward" else (1e-6, _MOST)
-        yield Variable(f"controller.{gain}", "parameter", "tunable", "Real", unit, value, _GAINS[gain], least, most)
+    for p in leaves(Gains):
+        value, low, high = getattr(case.gains, p.name), 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
+        about = _GAINS[p.name]
+        yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, about, low, high)
 
 
 def _inputs(case: Case, tails: Sequence[Tail]) -> Iterator[Variable]:

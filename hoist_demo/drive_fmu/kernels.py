@@ -8,8 +8,6 @@ points, to rounding: the forces are small against the stiffness EA of the head r
 (force / EA)^(DEGREE + 1).
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -1,7 +1,5 @@
 """What a system of FMUs leaves out of a hoist and its trip, by the name that asks for it."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, NamedTuple

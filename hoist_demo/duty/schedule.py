@@ -50,7 +50,7 @@ class Schedule(RunFile):
                 if key not in _PAYLOADS and not key.startswith("winding.")
             ]
             try:
-                found.append(build(self.hoist, self.fixed, varied=trip))
+                found.append(build(self.head.hoist, self.fixed, varied=trip))
             except ValueError as error:
                 problems.append(f"trip {k}: {error}")
         if problems:
@@ -74,7 +74,7 @@ class Schedule(RunFile):
     @property
     def data(self) -> str:
         """Data that a duty and its continuation must share: all but the number of repetitions."""
-        return repr((self.hoist, self.level, self.pattern))
+        return repr((self.head.hoist, self.level, self.pattern))
 
     @model_validator(mode="after")
     def _follow_one_another(self) -> Schedule:

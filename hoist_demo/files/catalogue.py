@@ -6,10 +6,10 @@ the FMU is asked to initialize with the value.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
-from functools import cache
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from functools import cache, reduce
+from typing import Any
 
 from pydantic import Field, ValidationError, create_model
 
@@ -17,9 +17,9 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.design.controllers import CONTROLLERS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
-from hoist_demo.files.reading import cure_of, nested, table_of
+from hoist_demo.files.reading import table_of
 from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
-from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit, meaning_of, unit_of
+from hoist_demo.parameters.quantity import Bounds, Parameter, Value, leaves
 from rope_model import Scene
 from rope_model.scene_names import choices_of, named_parameters
 
@@ -33,24 +33,6 @@ SECTIONS: dict[str, type[Any]] = {
     "arrival": Arrival,
 }
 CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
-_KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
-
-
-def leaves(data: type[Any], prefix: str = "") -> Iterator[Parameter]:
-    """All single values of a data class, by dotted names; `brake: Brake | None` stands for the brake's own."""
-    hints = get_type_hints(data)
-    for field in fields(data):
-        hint, name, unit = hints[field.name], f"{prefix}{field.name}", unit_of(field)
-        start: Any = field.default
-        kinds = [_KINDS[t] for t in (hint, *get_args(hint)) if t in _KINDS]
-        if (inner := _inner(hint)) is not None:
-            yield from leaves(inner, f"{name}.")
-        elif get_origin(hint) is Literal:
-            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning_of(field))
-        elif kinds and kinds[0] in ("Real", "Integer") and not unit:
-            raise ValueError(f"{data.__name__}.{field.name} must state its unit, by `quantity(default, unit)`")
-        elif kinds:
-            yield Parameter(name, fmi_unit(unit), kinds[0], start, meaning=meaning_of(field))
 
 
 _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.items()})  # type: ignore[call-overload]
@@ -58,16 +40,15 @@ _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.
 
 def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
     """Return the data of all sections with values by their names in files; a part of which none is given is None."""
+    nested = dict[str, Any]()
+    for name in filter(host_parameters().__contains__, values):
+        *tables, key = name.split(".")
+        reduce(lambda inner, one: inner.setdefault(one, {}), tables, nested)[key] = values[name]
     try:
-        return dict(_Data.model_validate(nested({key: v for key, v in values.items() if key in host_parameters()})))
+        return dict(_Data.model_validate(nested))
     except ValidationError as error:
         lines = [f"{one['loc'][0]}: {one.get('ctx', {}).get('error', one['msg'])}" for one in error.errors()]
         raise ValueError("\n".join(lines)) from error
-
-
-def _inner(hint: Any) -> type[Any] | None:
-    """The data class that a hint names, alone or beside None."""
-    return next((t for t in (hint, *get_args(hint)) if isinstance(t, type) and is_dataclass(t)), None)
 
 
 @cache
@@ -75,10 +56,35 @@ def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
     return {
         p.name: Parameter(
-            p.name, p.facts.unit or "1", p.kind, p.value, p.minimum, p.maximum, choices_of(p.name), p.facts.description
+            p.name,
+            p.facts.unit or "1",
+            p.kind,
+            p.value,
+            Bounds(p.minimum, p.maximum),
+            choices_of(p.name),
+            p.facts.description,
         )
         for p in named_parameters(Scene())
     }
+
+
+SWIVELS, ENDS = "swivels", ("left", "right")
+
+
+@cache
+def swivel_parameters() -> tuple[Parameter, ...]:
+    """Return the parameters of both swivels, which count less than those of one."""
+    own = (p for p in rope_parameters().values() if p.name.startswith("left.swivel."))
+    return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in own)
+
+
+def of_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Return values by name, with those of both swivels at each end."""
+    found = dict[str, Any]()
+    for key, one in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
+        table, dot, name = key.partition(f"{SWIVELS}.")
+        found |= {key: one} if table or not dot else {f"{end}.swivel.{name}": one for end in ENDS}
+    return found
 
 
 @cache
@@ -91,7 +97,8 @@ def host_parameters() -> dict[str, Parameter]:
 @cache
 def table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
     """Return the type of a table that all parameters of a group have, which `leaf` gives theirs."""
-    found = [p for p in (*host_parameters().values(), *rope_parameters().values()) if p.name.startswith(f"{group}.")]
+    every = (*host_parameters().values(), *rope_parameters().values(), *swivel_parameters())
+    found = [p for p in every if p.name.startswith(f"{group}.")]
     return table_of(group, found, leaf)
 
 
@@ -107,10 +114,3 @@ def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Paramet
     """Return all parameters of runs by name; `rope` are those of an FMU, in the place of a scene's."""
     own = rope_parameters() if rope is None else rope
     return {**host_parameters(), **{name: p for name, p in own.items() if name != "inputs_at_step_end"}}
-
-
-def find(name: str, known: Mapping[str, Parameter]) -> Parameter:
-    """Return the parameter; a `ValueError` for an unknown name tells the nearest ones."""
-    if name not in known:
-        raise ValueError(f"{name} is not a parameter: {cure_of(name, [*known])}")
-    return known[name]

@@ -12,18 +12,19 @@ from functools import cached_property
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
+from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.cases.case import FOLDER, NAMED, Case, Tail
 from hoist_demo.cases.rules import completed
-from hoist_demo.files.catalogue import host_parameters, leaves, of_run, rope_parameters
-from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, schema_of, table_of
+from hoist_demo.files.catalogue import ENDS, host_parameters, of_ends, of_run, rope_parameters, swivel_parameters
+from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
 from hoist_demo.parameters.place import Place
-from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.parameters.quantity import Parameter, leaves
 from rope_model import Level
 
-PLACE, BREAK, ENDS = ("x_left", "x_right", "z"), ("breaks_at", "breaks_s"), ("left", "right")
+PLACE, BREAK = ("x_left", "x_right", "z"), ("breaks_at", "breaks_s")
 _BREAKS = (
     Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
     Parameter("rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"),
@@ -32,14 +33,13 @@ _BREAKS = (
 PLACE_PARAMETERS = {p.name: p for p in (*leaves(Place, "rope."), *_BREAKS)}
 #: what decides another rope, and what of it the catalogue has not
 _DECIDES, _ASKED = ("construction", "from"), ("rope.length", "rope.diameter")
-_SWIVELS = "rope.swivels."
 
 
 def _rope_parameters() -> list[Parameter]:
     """Return what a rope has of its own; it presses another one with the same stiffness."""
     own = [p for p in rope_parameters().values() if not p.name.startswith("contact.")]
     named = [p if p.name.startswith("rope.") else replace(p, name=f"rope.{p.name}") for p in own]
-    both = [replace(p, name=p.name.replace("left.swivel", "swivels")) for p in named if ".left.swivel." in p.name]
+    both = [replace(p, name=f"rope.{p.name}") for p in swivel_parameters()]
     return [*named, *both, *PLACE_PARAMETERS.values()]
 
 
@@ -54,15 +54,9 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
 
 
 def _said(table: RopeTable) -> dict[str, Any]:
-    """Return all that a [[rope]] sets; values by FMI name, those of both swivels first."""
-    found = dict[str, Any]()
-    for key, one in sorted(contents(table, "rope."), key=lambda item: not item[0].startswith(_SWIVELS)):
-        name = key.removeprefix("rope.")
-        if key.startswith(_SWIVELS):
-            found |= {f"{side}.swivel.{key.removeprefix(_SWIVELS)}": one for side in ENDS}
-        else:
-            found[key if isinstance(one, Given) and "." not in name else name] = one
-    return found
+    """Return all that a [[rope]] sets; values by FMI name."""
+    found = of_ends(contents(table)).items()
+    return {f"rope.{key}" if isinstance(one, Given) and "." not in key else key: one for key, one in found}
 
 
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
@@ -147,6 +141,14 @@ def _tail(k: int, said: dict[str, Any], shared: dict[str, Given], problems: list
     return Tail(said.get("name") or f"rope{k}", values, number, at, breaks, **kind)
 
 
+class _WithoutDefaults(GenerateJsonSchema):
+    """Schema of a file: its tables state what is left out, and TOML has no null."""
+
+    def default_schema(self, schema: Any) -> dict[str, Any]:
+        return self.generate_inner(schema["schema"])
+
+
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of a hoist's file."""
-    return schema_of(HoistFile)
+    found: dict[str, Any] = HoistFile.model_json_schema(schema_generator=_WithoutDefaults)
+    return found

@@ -12,7 +12,7 @@ from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE
 from hoist_demo.files.values import DERIVED, GIVEN, Given
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import GRAVITY
-from hoist_demo.parameters.quantity import Parameter, Value
+from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
 
 #: Hz [assumed]: of the motor against the sheave
@@ -24,18 +24,18 @@ follows by a rule or is a default: balance-rope show FILE prints it all."""
 LAYS = ("right-hand", "left-hand", "alternate")
 #: what may be known of a new hoist; without a start it must be, but for the conveyance's mass
 WISHES = (
-    Parameter("depth", "m", "Real", "", 1.0, 4000.0, meaning="way between the landings"),
-    Parameter("payload", "kg", "Real", "", 1.0, meaning="in the left conveyance"),
-    Parameter("speed", "m/s", "Real", "", 0.1, 30.0, meaning="limit of the trip"),
-    Parameter("conveyance", "kg", "Real", 0.0, 1.0, meaning="each, with its attachments; 0.9 of the payload"),
-    Parameter("head-ropes", "1", "Integer", 4, 1, 20, meaning="head ropes"),
-    Parameter("ropes", "1", "Integer", 1, 1, 20, meaning="balance ropes"),
+    Parameter("depth", "m", "Real", "", Bounds(1.0, 4000.0), meaning="way between the landings"),
+    Parameter("payload", "kg", "Real", "", Bounds(1.0), meaning="in the left conveyance"),
+    Parameter("speed", "m/s", "Real", "", Bounds(0.1, 30.0), meaning="limit of the trip"),
+    Parameter("conveyance", "kg", "Real", 0.0, Bounds(1.0), meaning="each, with its attachments; 0.9 of the payload"),
+    Parameter("head-ropes", "1", "Integer", 4, Bounds(1, 20), meaning="head ropes"),
+    Parameter("ropes", "1", "Integer", 1, Bounds(1, 20), meaning="balance ropes"),
     Parameter("rope", "1", "String", "34x7", meaning="the catalogue's construction"),
-    Parameter("diameter", "m", "Real", 0.044, 1e-3, 1.0, meaning="of a balance rope"),
+    Parameter("diameter", "m", "Real", 0.044, Bounds(1e-3, 1.0), meaning="of a balance rope"),
     Parameter("lay", "1", "String", "right-hand", choices=LAYS, meaning="of the balance ropes"),
-    Parameter("acceleration", "m/s2", "Real", 0.8, 0.01, meaning="limit of the trip"),
-    Parameter("jerk", "m/s3", "Real", 0.5, 0.01, meaning="limit of the trip"),
-    Parameter("spacing", "m", "Real", 2.4, 0.01, meaning="between the rope's two ends"),
+    Parameter("acceleration", "m/s2", "Real", 0.8, Bounds(0.01), meaning="limit of the trip"),
+    Parameter("jerk", "m/s3", "Real", 0.5, Bounds(0.01), meaning="limit of the trip"),
+    Parameter("spacing", "m", "Real", 2.4, Bounds(0.01), meaning="between the rope's two ends"),
 )
 
 
@@ -98,7 +98,8 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     for k, lay in enumerate(lays):
         rope = {} if alternate else {"rope.number": Given(number)}
         if alternate:
-            rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": ours(0.3 * (k - 0.5 * (number - 1)))}
+            z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
+            rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
         rope |= {"rope.construction": Given(kind), "rope.lay": Given(lay), "rope.diameter": known["diameter"]}
         rope |= {"rope.length": rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")}
         ropes.append(rope | {"rope.swivels.mode": Given("coulomb")})

@@ -1,15 +1,17 @@
 """Reading of TOML files against pydantic models: all errors at once, each with place, value and cure.
 
-text -> tables, with the dots of quoted keys resolved -> model of that kind of file, which is the typed object
+text -> tables -> model of that kind of file, which is the typed object
 """
 
 from __future__ import annotations
 
 import difflib
 import re
+import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
 
@@ -24,7 +26,6 @@ from pydantic import (
     ValidationInfo,
     create_model,
 )
-from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.files.values import Facts, given
 from hoist_demo.parameters.quantity import Parameter
@@ -117,19 +118,16 @@ def read(
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
     try:
-        tables = nested(_tables(path))
+        tables = _tables(path)
     except RecursionError as error:
         raise FileError(path, ["is nested too deeply: write [table]s, and values without more of them"]) from error
-    except ValueError as error:
-        raise error if isinstance(error, FileError) else FileError(path, [str(error)]) from error
     for key, table in (over or {}).items():
-        below = tables.get(key, {})
-        tables[key] = {**below, **table} if isinstance(below, dict) else below
+        if isinstance(below := tables.setdefault(key, {}), dict):
+            below |= table
     try:
         return model.model_validate(tables, context=(*opened, path))
     except ValidationError as error:
-        names = list(dict.fromkeys(_names(model)))
-        problems = [line for one in error.errors() for line in _problems(names, one)]
+        problems = [line for one in error.errors() for line in _problems(_keys(model), one)]
         raise FileError(path, problems) from error
 
 
@@ -160,10 +158,10 @@ def _tables(path: Path) -> dict[str, Any]:
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
     """Return the words on a comma with which the text can be read further; "" where that is not the trouble."""
-    if not (place := _place(error)):
+    if (place := _place(error)) == _END:
         return ""
-    (line, column), lines = place, text.splitlines(keepends=True)
-    at = sum(map(len, lines[: line - 1])) + column - 1
+    line, column = place
+    at = sum(map(len, text.splitlines(keepends=True)[: line - 1])) + column - 1
     try:
         tomllib.loads(text[:at] + "," + text[at:])
     except tomllib.TOMLDecodeError as further:
@@ -172,31 +170,28 @@ def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
     return f"a comma is missing at line {line}, column {column}: put it before what stands there"
 
 
-def _place(error: tomllib.TOMLDecodeError) -> tuple[int, ...]:
-    """Return line and column; nothing where the text ends too soon."""
+def _place(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
+    """Return line and column."""
     found = re.search(r"line (\d+), column (\d+)", str(error))
-    return (int(found[1]), int(found[2])) if found else ()
+    return (int(found[1]), int(found[2])) if found else _END
 
 
-def nested(table: Mapping[str, Any], place: str = "") -> dict[str, Any]:
-    """Return the table with keys that quote their dots as tables, as TOML has them without quotation marks."""
-    found: dict[str, Any] = {}
-    for key, content in table.items():
-        head, dot, rest = key.partition(".")
-        if dot:
-            content = {rest: content}
-        if isinstance(content, dict):
-            content = nested(content, f"{place}{head}.")
-        elif isinstance(content, list):
-            content = [nested(one, f"{place}{head} ") if isinstance(one, dict) else one for one in content]
-        found[head] = _joined(found[head], content, f"{place}{head}") if head in found else content
-    return found
+_END = (sys.maxsize, 0)  # the text ends too soon
 
 
-def _joined(one: Any, other: Any, place: str) -> Any:
-    if not (isinstance(one, dict) and isinstance(other, dict)):
-        raise ValueError(f"{place} is given twice, with its dots in quotation marks and without: keep one of them")
-    return one | {k: _joined(one[k], below, f"{place}.{k}") if k in one else below for k, below in other.items()}
+_ONE, _SEVERAL = "one table: write [{place}] above it", "a list: write [[{place}]] above each table, or [a, b]"
+_MUST = {
+    **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _ONE),
+    **dict.fromkeys(("list_type", "tuple_type"), _SEVERAL),
+    "string_type": "a text: put it in quotation marks",
+}
+_MUST = {kind: f"{{place}} = {{short}} must be {words}" for kind, words in _MUST.items()}
+_WORDS = _MUST | {
+    "extra_forbidden": "{place} = {short} is not a key: {cure}",
+    "missing": "{place} is missing: give it",
+    "union_tag_not_found": "{place}: {key} is missing: give it",
+    "union_tag_invalid": "{place}: {key} = {tag!r} must be one of {expected_tags}: choose one",
+}
 
 
 def _problems(names: Sequence[str], error: Any) -> list[str]:
@@ -204,30 +199,16 @@ def _problems(names: Sequence[str], error: Any) -> list[str]:
     # where a table may be of several kinds, its kind stands in the place, too, and is no key
     keys = {part for name in names for part in name.split(".")} | {*error["loc"][-1:]}
     loc = [part for part in error["loc"] if isinstance(part, int) or part in keys]
-    kind, content, place = error["type"], error["input"], _place_of(loc)
-    short = text if len(text := repr(content)) <= 60 else f"{text[:57]}..."
-    if kind == "value_error":
-        return [_said(place, line) for line in str(error["ctx"]["error"]).splitlines()]
-    match kind:
-        case "extra_forbidden":
-            key = ".".join(part for part in loc if isinstance(part, str))
-            words = f"= {short} is not a key: {cure_of(key, names)}"
-        case "missing":
-            words = "is missing: give it"
-        case "union_tag_invalid":
-            expected, key = error["ctx"]["expected_tags"], error["ctx"]["discriminator"].strip("'")
-            return [f"{place}: {key} = {error['ctx']['tag']!r} must be one of {expected}: choose one"]
-        case "union_tag_not_found":
-            return [f"{place}: {error['ctx']['discriminator'].strip(chr(39))} is missing: give it"]
-        case "model_type" | "dict_type" | "model_attributes_type":
-            words = f"= {short} must be one table: write [{place}] above it"
-        case "list_type" | "tuple_type":
-            words = f"= {short} must be a list: write [[{place}]] above each table, or [a, b]"
-        case "string_type":
-            words = f"= {short} must be a text: put it in quotation marks"
-        case _:
-            words = f"= {short} must {error['msg'].partition(' should ')[2] or error['msg']}: correct it"
-    return [f"{place} {words}"]
+    context, place, short = error.get("ctx", {}), _place_of(loc), repr(error["input"])
+    if error["type"] == "value_error":
+        return [_said(place, line) for line in str(context["error"]).splitlines()]
+    facts = {"place": place, "short": short if len(short) <= 60 else f"{short[:57]}..."}
+    cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
+    if "." in str(loc[-1]):
+        cure = "leave out the quotation marks"
+    asked, key = error["msg"].partition(" should ")[2] or error["msg"], context.get("discriminator", "").strip("'")
+    words = _WORDS.get(error["type"], "{place} = {short} must {asked}: correct it")
+    return [words.format(**context | facts, cure=cure, asked=asked, key=key)]
 
 
 def _said(place: str, text: str) -> str:
@@ -263,41 +244,26 @@ def cure_of(key: str, known: Sequence[str]) -> str:
     table, dot, last = key.rpartition(".")
     within = [name.removeprefix(table + dot) for name in known if name.rpartition(".")[0] == table]
     within = within or [*Facts.model_fields]  # of a value
-    if near := [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]:
-        return f"did you mean {' or '.join(near)}?"
     lasts = {name: name.rpartition(".")[2] for name in known}
     alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
-    if near := [name for name, word in lasts.items() if {word, word.upper()} & alike][:3]:
-        return f"did you mean {' or '.join(near)}?"
-    return f"the keys are {', '.join(within)}"
+    near = [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]
+    near = near or [name for name, word in lasts.items() if {word, word.upper()} & alike][:3]
+    return f"did you mean {' or '.join(near)}?" if near else f"the keys are {', '.join(within)}"
 
 
-def _models(hints: Iterable[Any]) -> Iterator[type[BaseModel]]:
-    """Yield the models of tables within types."""
+def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
+    """Yield the names of all keys of the tables within types, and of those in them."""
     for hint in hints:
-        if isinstance(hint, Flat):
-            yield hint.model
-        elif isinstance(hint, type) and issubclass(hint, BaseModel):
-            yield hint
-        else:
-            yield from _models(get_args(hint))
+        table = hint.model if isinstance(hint, Flat) else hint
+        if not (isinstance(table, type) and issubclass(table, BaseModel)):
+            yield from _names(get_args(table), prefix)
+        elif table is not Facts:
+            for name, field in table.model_fields.items():
+                yield (key := f"{prefix}{field.alias or name}")
+                yield from _names((field.annotation, *field.metadata), f"{key}.")
 
 
-def _names(model: type[BaseModel]) -> Iterator[str]:
-    """Yield the names of all keys of a table and of those in it."""
-    for name, field in model.model_fields.items():
-        yield (key := field.alias or name)
-        tables = (one for one in _models((field.annotation, *field.metadata)) if one is not Facts)
-        yield from (f"{key}.{inner}" for one in tables for inner in _names(one))
-
-
-class _WithoutDefaults(GenerateJsonSchema):
-    """Schema of a file: its tables state what is left out, and TOML has no null."""
-
-    def default_schema(self, schema: Any) -> dict[str, Any]:
-        return self.generate_inner(schema["schema"])
-
-
-def schema_of(model: type[BaseModel]) -> dict[str, Any]:
-    """Return the JSON Schema of a kind of file."""
-    return model.model_json_schema(schema_generator=_WithoutDefaults)
+@cache
+def _keys(model: type[BaseModel]) -> list[str]:
+    """Return the names of all keys of a table and of those in it, each once."""
+    return list(dict.fromkeys(_names([model])))

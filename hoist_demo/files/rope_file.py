@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
@@ -13,7 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from hoist_demo.files.catalogue import rope_parameters, table
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
-from hoist_demo.parameters.quantity import Parameter
+from hoist_demo.parameters.quantity import VANISHING, Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
@@ -21,7 +20,8 @@ from rope_model.texts import printable
 #: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
 FAR_OFF = 10.0
 #: parameters of a rope that follow from the properties, and those of rope and hoist by the property that decides them
-FOLLOWING = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter")
+OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
+FOLLOWING = (*OF_CATALOGUE, "length", "diameter")
 _FOLLOWING = {
     "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
     "axial_stiffness": ("rope.Qa",),
@@ -50,7 +50,7 @@ class RopeAsked(Table):
     lay: Lay = "right-hand"
 
 
-_PROPERTIES = [Parameter(name, p.unit, "Real", minimum=0.0, meaning=name) for name, p in PROPERTIES.items()]
+_PROPERTIES = [Parameter(name, p.unit, "Real", bounds=VANISHING, meaning=name) for name, p in PROPERTIES.items()]
 Properties = Annotated[dict[str, Given], flat("Properties", {p.name: (given(p), None) for p in _PROPERTIES})]
 
 
@@ -79,11 +79,16 @@ class KnownFile(File):
 
     @cached_property
     def catalogue_rope(self) -> KnownRope:
-        """The catalogue's rope with these ranges; ValueError with all that is wrong."""
-        if not {"construction", "diameter"} <= self.asked.keys():
-            raise ValueError("[rope] construction or diameter is missing: the catalogue needs both")
+        """The catalogue's rope with these ranges, or one of these alone; ValueError with all that is wrong."""
+        asked = {key: one for key, one in self.asked.items() if one != ""}
+        needed = [] if "construction" in asked else [name for name in PROPERTIES if name not in self.ranges]
+        if "diameter" not in asked or needed:
+            also = f", without a construction [known] {', '.join(needed)}" if needed else ""
+            raise ValueError(f"[rope] construction or diameter is missing: the catalogue needs both{also}")
+        if "construction" not in asked:
+            return KnownRope("", **asked, data={name: self.ranges[name] for name in PROPERTIES})
         try:
-            found = rope(**self.asked)
+            found = rope(**asked)
         except ValueError as error:
             raise ValueError(f"[rope] {error}") from error
         problems = []
@@ -118,13 +123,8 @@ class RopeFile(_OtherFile):
         }
 
 
-def read_rope_file(path: Path, opened: tuple[Path, ...] = ()) -> dict[str, Given]:
-    """Return the values of a rope and of its air; raise FileError with all problems."""
-    return read(path, RopeFile, opened).values()
-
-
 def _values_there(content: Any, info: ValidationInfo) -> dict[str, Given]:
-    return read_rope_file(beside(info, read_text(content)), opened_by(info))
+    return read(beside(info, read_text(content)), RopeFile, opened_by(info)).values()
 
 
 #: the type of `from = "FILE"`: values of a rope's parameter file

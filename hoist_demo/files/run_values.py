@@ -8,7 +8,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from hoist_demo.cases.case import NAMED
 from hoist_demo.cases.table import find_case
-from hoist_demo.files.catalogue import of_run
+from hoist_demo.files.catalogue import SWIVELS, of_ends, of_run, table
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
 from hoist_demo.files.values import Given, Text, given, stated
@@ -35,13 +35,14 @@ class Head(Table):
         return found
 
 
-def _values(table: Any) -> dict[str, Given]:
-    return (table.file or {}) | stated(contents(table))
+def _values(found: Any) -> dict[str, Given]:
+    return (found.file or {}) | of_ends(stated(contents(found)).items())
 
 
+_BOTH = {SWIVELS: (table(SWIVELS, given), Field(default=None))}
 #: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
 Values = Annotated[
-    dict[str, Given], flat("Values", {"file": (RopeValues, Field({}, alias="from")), **of_run(given)}, _values)
+    dict[str, Given], flat("Values", {"file": (RopeValues, Field({}, alias="from")), **of_run(given), **_BOTH}, _values)
 ]
 
 
@@ -58,16 +59,8 @@ class RunFile(File):
     fixed: Values = EMPTY
 
     @property
-    def title(self) -> str:
-        return self.head.title
-
-    @property
-    def hoist(self) -> str:
-        return self.head.hoist
-
-    @property
     def level(self) -> Level:
-        return self.head.level or find_case(self.hoist).level
+        return self.head.level or find_case(self.head.hoist).level
 
 
 class RopeQuestion(KnownFile):

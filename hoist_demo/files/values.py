@@ -166,7 +166,8 @@ _facts_schema = cache(Facts.model_json_schema)
 
 
 def _alone(parameter: Parameter) -> Iterable[dict[str, Any]]:
-    bounds = {"minimum": parameter.minimum, "maximum": parameter.maximum}
+    low, high, opens, _ = parameter.bounds
+    bounds = {"exclusiveMinimum" if opens else "minimum": low, "maximum": high}
     if parameter.choices:
         yield {"enum": [*parameter.choices, *(() if parameter.kind == "String" else range(len(parameter.choices)))]}
     elif not parameter.numeric:

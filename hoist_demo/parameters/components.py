@@ -4,14 +4,10 @@ A `Hoist` whose part is None has not the part's equations; there are no stiff or
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Collection
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import SHARE, VANISHING, Stated, quantity
 
 
 def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
@@ -20,119 +16,81 @@ def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None
         raise ValueError(f"{name} = {value!r} must be {bound}: {cure}")
 
 
-def require_magnitudes(
-    data: Any,
-    may_vanish: Collection[str] = (),
-    prefix: str = "",
-    names: Collection[str] = (),
-    cure: str = "give its magnitude in SI units",
-) -> None:
-    """Every number of a dataclass above 0, or at least 0 where it may vanish; None and parts are passed over.
-
-    With `names`, those numbers alone.
-    """
-    for name in names or [field.name for field in fields(data)]:
-        value = getattr(data, name)
-        if names or isinstance(value, (int, float)):
-            vanishes = name in may_vanish
-            bound = "finite and at least 0" if vanishes else "finite and above 0"
-            require(value, value >= 0.0 if vanishes else value > 0.0, prefix + name, bound, cure)
-
-
 @dataclass(frozen=True)
-class DriveShaft:
+class DriveShaft(Stated, of="drive_shaft."):
     """Elastic shaft between motor and sheave; all values [assumed]."""
 
     motor_mass: float = quantity(
         3.0e3, "kg", "of the motor's rotor referred to the rope, a part of the hoist's sheave_mass"
     )
     stiffness: float = quantity(2.0e8, "N m/rad")
-    damping: float = quantity(0.02, "-", "damping ratio of motor against sheave")
-
-    def __post_init__(self) -> None:
-        require_magnitudes(self, {"damping"}, "drive_shaft.")
+    damping: float = quantity(0.02, "-", "damping ratio of motor against sheave", VANISHING)
 
 
 @dataclass(frozen=True)
-class Brake:
+class Brake(Stated, of="brake."):
     """Disc brake on the sheave; all values [assumed].
 
     The torque asked for is a fraction of the full one. It comes after a dead time and with the lag of its hydraulics.
     """
 
     torque: float = quantity(5.5e5, "N m", "full braking torque, of both directions of rotation")
-    delay: float = quantity(0.15, "s", "from the trip to the first torque")
+    delay: float = quantity(0.15, "s", "from the trip to the first torque", VANISHING)
     lag: float = quantity(0.10, "s", "time constant of the pressure")
     travel: float = quantity(2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque")
-    first_stage: float = quantity(0.5, "-", "fraction of the torque in the first stage of a two-stage stop")
+    first_stage: float = quantity(0.5, "-", "fraction of the torque in the first stage of a two-stage stop", SHARE)
     first_stage_time: float = quantity(1.5, "s", "from the trip to the second stage")
 
-    def __post_init__(self) -> None:
-        require_magnitudes(self, {"delay"}, "brake.")
-        part, bound = self.first_stage, "at most 1, the full torque"
-        require(part, part <= 1.0, "brake.first_stage", bound, "give a fraction")
-
 
 @dataclass(frozen=True)
-class Lining:
+class Lining(Stated, of="lining."):
     """The sheave's lining as that on which the head ropes may slide; all values [assumed]."""
 
-    sliding: float = quantity(0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold")
-
-    def __post_init__(self) -> None:
-        bound, cure = "above 0 and at most 1", "give a fraction, sliding friction is the lower one"
-        require(self.sliding, 0.0 < self.sliding <= 1.0, "lining.sliding", bound, cure)
+    sliding: float = quantity(0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold", SHARE)
 
 
 @dataclass(frozen=True)
-class Guides:
+class Guides(Stated, of="guides."):
     """Friction of one conveyance along its guides; all values [assumed]."""
 
-    coulomb: float = quantity(1.0e3, "N")
-    viscous: float = quantity(50.0, "N s/m")
-
-    def __post_init__(self) -> None:
-        require_magnitudes(self, {"coulomb", "viscous"}, "guides.")
+    coulomb: float = quantity(1.0e3, "N", "", VANISHING)
+    viscous: float = quantity(50.0, "N s/m", "", VANISHING)
 
 
 @dataclass(frozen=True)
-class Play:
+class Play(Stated, of="play."):
     """Freedom of a conveyance between its guides: x, z and yaw; all values [assumed].
 
     Within the play the head ropes alone pull it back, a pendulum with several ropes; beyond it the shoes are springs.
     """
 
-    clearance: float = quantity(5.0e-3, "m", "to either side, in x and in z")
+    clearance: float = quantity(5.0e-3, "m", "to either side, in x and in z", VANISHING)
     stiffness: float = quantity(2.0e6, "N/m", "of the guides of a conveyance, in x and in z")
-    contact_damping: float = quantity(0.5, "s/m", "damping force over elastic force and speed (Hunt and Crossley)")
-    damping: float = quantity(500.0, "N s/m", "of air and rollers, at any place")
+    contact_damping: float = quantity(0.5, "s/m", "damping over elastic force and speed (Hunt and Crossley)", VANISHING)
+    damping: float = quantity(500.0, "N s/m", "of air and rollers, at any place", VANISHING)
     arm: float = quantity(
         1.5, "m", "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2"
     )
     gyration: float = quantity(1.2, "m", "radius of gyration of the loaded conveyance about the vertical")
     rope_spread: float = quantity(0.4, "m", "radius of gyration of the head ropes' attachments about the vertical")
-    friction: float = quantity(0.1, "-", "shoe on guide: the contact forces brake the conveyance along the guides")
-
-    def __post_init__(self) -> None:
-        require_magnitudes(self, {"contact_damping", "damping", "friction", "clearance"}, "play.")
+    friction: float = quantity(0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", VANISHING)
 
 
 @dataclass(frozen=True)
-class Jam:
+class Jam(Stated, of="jam."):
     """A place where its guides are too narrow for a conveyance: it catches there, and sticks; all values [assumed].
 
     The holding force rises from 0 at `distance` from the place to its full value at the place, and falls again: a
     conveyance that is pulled or carried through is free behind it.
     """
 
-    height: float = quantity(45.0, "m", "of the place, by the conveyance's suspension")
+    height: float = quantity(45.0, "m", "of the place, by the conveyance's suspension", VANISHING)
     distance: float = quantity(2.0, "m", "from the place to where the guides begin to hold, up and down")
     force: float = quantity(8.0e5, "N", "that holds the conveyance at the place")
     travel: float = quantity(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
-    damping: float = quantity(5.0e-3, "s", "of the stuck conveyance: damping over stiffness")
+    damping: float = quantity(5.0e-3, "s", "of the stuck conveyance: damping over stiffness", VANISHING)
 
     def require_within(self, shaft_travel: float, name: str) -> None:
-        """Raise the ValueError of impossible numbers; ``name`` is the conveyance of the jam."""
-        require_magnitudes(self, {"height", "damping"}, f"{name}.")
+        """Raise the ValueError of a place that is not there; ``name`` is the conveyance of the jam."""
         bound, cure = f"within 0 and shaft_travel = {shaft_travel:g} m", "give a place that the conveyance passes"
         require(self.height, self.height <= shaft_travel, f"{name}.height", bound, cure)

@@ -1,43 +1,32 @@
 """Data of the exchange between drive and rope."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
 from hoist_demo.parameters.components import require
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import ANY, Bounds, Stated, quantity
 
 
 @dataclass(frozen=True)
-class Coupling:
+class Coupling(Stated):
     """Exchange of data between drive and rope."""
 
-    step: float = quantity(0.01, "s", "communication step H")
-    start: float = quantity(0.0, "s")
+    step: float = quantity(0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s"))
+    start: float = quantity(0.0, "s", "", ANY)
     scheme: str = "gauss-seidel-1"  # one of hoist_demo.cosimulation.schemes.catalogue
     sample: float | None = quantity(
         None, "s", "sample time of the controller, a multiple of step or a whole part of it; None: the step"
     )
 
     def __post_init__(self) -> None:
-        require(self.step, 0.0 < self.step <= 0.1, "step", "above 0 and at most 0.1 s", "take 0.005 to 0.02 s")
-        require(self.start, True, "start", "finite", "give a time in s")
-        require(
-            self.sample_time,
-            self.sample_time > 0.0
-            and abs(self.per_sample * self.step - self.per_step * self.sample_time) <= 1e-9 * self.sample_time,
-            "sample",
-            f"a multiple of the communication step {self.step:g} s, or a whole part of it",
-            "take the step itself, twice or half of it",
-        )
-        require(
-            self.sample_time,
-            self.per_step == 1 or self.scheme != "energy-controlled",
-            "sample",
-            f"at least the communication step {self.step:g} s with the scheme energy-controlled, which divides it",
-            "take the step itself, or another scheme",
-        )
+        super().__post_init__()
+        sample, step = self.sample_time, f"the communication step {self.step:g} s"
+        fits = abs(self.per_sample * self.step - self.per_step * sample) <= 1e-9 * sample
+        cure = "take the step itself, twice or half of it"
+        require(sample, fits, "sample", f"a multiple of {step}, or a whole part of it", cure)
+        fits = self.per_step == 1 or self.scheme != "energy-controlled"
+        bound = f"at least {step} with the scheme energy-controlled, which divides it"
+        require(sample, fits, "sample", bound, "take the step itself, or another scheme")
 
     @cached_property
     def sample_time(self) -> float:

@@ -7,15 +7,13 @@ The shaft. Heights y point up and are those of the rope suspension under a conve
 the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above that.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require, require_magnitudes
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
+from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
 from rope_model.physics.elementary import larger
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
@@ -27,49 +25,51 @@ ASSUMED_DATA = (
 )
 
 
-#: Bounds far beyond any hoist: what is out of them has another unit. Field, lowest, highest, unit and cure.
-UNIT_BOUNDS = (
-    ("wrap_angle", 0.1, 4.0 * math.pi, "rad", "give it in rad: 180 degrees are 3.1416"),
-    ("friction_coefficient", 0.01, 2.0, "", "give it as a pure number: 25 % are 0.25"),
-    ("head_rope_stiffness", 1e5, 1e10, "N", "give EA of one rope in N: 26 MN are 2.6e7"),
-)
+#: bounds far beyond any hoist: what is out of them has another unit
+_MODES = Bounds(0, 20, cure="2 suit most studies, 0 leaves them out")
+_COUNT = Bounds(1, 20, cure="count the ropes")
+_STIFFNESS = Bounds(1e5, 1e10, cure="give EA of one rope in N: 26 MN are 2.6e7")
+_FRICTION = Bounds(0.01, 2.0, cure="give it as a pure number: 25 % are 0.25")
+_ANGLE = Bounds(0.1, 4.0 * math.pi, cure="give it in rad: 180 degrees are 3.1416")
 
 
 @dataclass(frozen=True)
-class Hoist:
+class Hoist(Stated):
     """Friction (Koepe) hoist with its motor on the sheave; all values [assumed].
 
     What is None or 0 among the last lines is left out of the equations.
     """
 
     conveyance_mass: float = quantity(10.0e3, "kg", "each conveyance with its attachments")
-    payload_left: float = quantity(5.0e3, "kg")
-    payload_right: float = quantity(0.0, "kg")
+    payload_left: float = quantity(5.0e3, "kg", "", VANISHING)
+    payload_right: float = quantity(0.0, "kg", "", VANISHING)
     sheave_mass: float = quantity(8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2")
     sheave_radius: float = quantity(1.25, "m")
     torque_lag: float = quantity(0.05, "s", "time constant of the motor torque")
     torque_limit: float = quantity(2.2e5, "N m", "motor with service brake")
-    head_rope_number: int = quantity(4, "-")
-    head_rope_stiffness: float = quantity(2.6e7, "N", "EA of one rope")
+    head_rope_number: int = quantity(4, "-", "", _COUNT)
+    head_rope_stiffness: float = quantity(2.6e7, "N", "EA of one rope", _STIFFNESS)
     head_rope_mass: float = quantity(2.0, "kg/m", "of one rope")
-    head_rope_damping: float = quantity(0.03, "-", "damping ratio of a conveyance on its ropes")
+    head_rope_damping: float = quantity(0.03, "-", "damping ratio of a conveyance on its ropes", VANISHING)
     head_rope_length_up: float = quantity(15.0, "m", "sheave axis above a conveyance at the upper landing")
-    loss_coulomb: float = quantity(4.0e3, "N", "at the sheave's rim")
-    loss_viscous: float = quantity(200.0, "N s/m", "at the sheave's rim")
+    loss_coulomb: float = quantity(4.0e3, "N", "at the sheave's rim", VANISHING)
+    loss_viscous: float = quantity(200.0, "N s/m", "at the sheave's rim", VANISHING)
     loss_speed: float = quantity(0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)")
-    friction_coefficient: float = quantity(0.25, "-", "rope on lining")
-    wrap_angle: float = quantity(math.pi, "rad")
+    friction_coefficient: float = quantity(0.25, "-", "rope on lining", _FRICTION)
+    wrap_angle: float = quantity(math.pi, "rad", "", _ANGLE)
     shaft_travel: float = quantity(90.0, "m", "between the landings")
-    tail_rope_mass: float = quantity(8.0, "kg/m", "of one balance rope: feed-forward and static tensions use it")
-    tail_rope_length: float = quantity(120.0, "m", "likewise")
+    tail_rope_mass: float = quantity(
+        8.0, "kg/m", "of one balance rope, of ropes that differ the sum, for feed-forward and statics", VANISHING
+    )
+    tail_rope_length: float = quantity(120.0, "m", "likewise", VANISHING)
     tail_rope_number: int = quantity(
-        1, "-", "equal balance ropes; each pulls with the force of the one that is computed"
+        1, "-", "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum", _COUNT
     )
     conveyance_mass_right: float | None = quantity(
         None, "kg", "of a counterweight or another conveyance; None: as the left one"
     )
     power_limit: float | None = quantity(None, "W", "of the motor and its converter, in both directions")
-    head_rope_modes: int = quantity(0, "-", "longitudinal modes of the head ropes of a side, beyond their mean strain")
+    head_rope_modes: int = quantity(0, "-", "longitudinal, of a side's head ropes, beyond their mean strain", _MODES)
     drive_shaft: DriveShaft | None = quantity(None, "", "none: rigid")
     brake: Brake | None = quantity(None, "", "none: no brake but the motor")
     lining: Lining | None = quantity(None, "", "none: the head ropes hold on the sheave whatever they pull")
@@ -82,19 +82,7 @@ class Hoist:
     )
 
     def __post_init__(self) -> None:
-        may_vanish = {"payload_left", "payload_right", "head_rope_damping", "loss_coulomb", "loss_viscous"}
-        require_magnitudes(self, may_vanish | {"tail_rope_mass", "tail_rope_length", "head_rope_modes"})
-        for name, cure in (
-            ("head_rope_number", "count the ropes"),
-            ("tail_rope_number", "count the ropes"),
-            ("head_rope_modes", "2 suit most studies, 0 leaves them out"),
-        ):
-            value = getattr(self, name)
-            require(value, value == int(value) and value <= 20, name, "a whole number up to 20", cure)
-        for name, low, high, unit, hint in UNIT_BOUNDS:
-            value = getattr(self, name)
-            bound = f"within {low:g} and {high:g} {unit}".rstrip()
-            require(value, low <= value <= high, name, bound, hint)
+        super().__post_init__()
         if self.drive_shaft is not None:
             mass, bound = self.drive_shaft.motor_mass, f"below sheave_mass = {self.sheave_mass:g} kg, which contains it"
             require(mass, mass < self.sheave_mass, "drive_shaft.motor_mass", bound, "give the motor's share")

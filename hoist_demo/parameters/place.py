@@ -9,13 +9,11 @@ and the rope's force f and moment m act on it, about its centre, as f and m + p'
 CasADi expressions alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import ANY, quantity
 from rope_model.physics.elementary import cos, sin
 
 MOVED = ("x", "z", "vx", "vz", "ax", "az")  #: What a point of a conveyance has of its own.
@@ -25,9 +23,9 @@ MOVED = ("x", "z", "vx", "vz", "ax", "az")  #: What a point of a conveyance has 
 class Place:
     """Place of a rope, from the centres of the conveyances."""
 
-    x_left: float = quantity(0.0, "m", "from the left conveyance's centre to where the rope hangs, to the right")
-    x_right: float = quantity(0.0, "m", "the same at the right conveyance")
-    z: float = quantity(0.0, "m", "from the conveyances' centres to where the rope hangs, out of their plane")
+    x_left: float = quantity(0.0, "m", "from the left conveyance's centre to where the rope hangs, to the right", ANY)
+    x_right: float = quantity(0.0, "m", "the same at the right conveyance", ANY)
+    z: float = quantity(0.0, "m", "from the conveyances' centres to where the rope hangs, out of their plane", ANY)
 
     @property
     def origin(self) -> tuple[float, float, float]:

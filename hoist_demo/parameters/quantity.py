@@ -3,37 +3,49 @@
 The metadata have the same names as those of rope_model's parameters.
 """
 
-from __future__ import annotations
-
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import Field, dataclass, field, fields
-from typing import Any, TypeVar
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cache
+from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
 #: beyond it a number is none that could be computed with
 _MOST = 1e300
 
 
-def quantity(default: T, unit: str, meaning: str = "") -> T:
-    """A field with its unit, "-" of a pure number, and with what it means beyond its name."""
-    return field(default=default, metadata={"unit": unit, "description": meaning})
+class Bounds(NamedTuple):
+    """Bounds of a number, none where they are None, and the advice for one beyond them."""
+
+    low: float | None = None
+    high: float | None = None
+    opens: bool = False  # low is beyond them
+    cure: str = ""
+
+    @property
+    def words(self) -> str:
+        """Return the bounds in a sentence."""
+        low, high = (None if end is None else f"{end:.6g}" for end in (self.low, self.high))
+        if high is not None and low is not None and not self.opens:
+            return f"within {low} and {high}"
+        least = f"{'above' if self.opens else 'at least'} {low}" if low is not None else ""
+        return " and ".join(filter(None, (least, high and f"at most {high}"))) or "finite"
+
+    def hold(self, value: float) -> bool:
+        """Return True if a number is finite and keeps them."""
+        above = self.low is None or (value > self.low if self.opens else value >= self.low)
+        return math.isfinite(value) and above and (self.high is None or value <= self.high)
 
 
-def unit_of(of: Field[Any]) -> str:
-    """The unit that a field states, "" for none."""
-    return str(of.metadata.get("unit", ""))
+#: of most quantities, of those that may vanish, of those of either sign, and of a share
+POSITIVE, VANISHING, ANY = Bounds(0.0, opens=True), Bounds(0.0), Bounds()
+SHARE = Bounds(0.0, 1.0, True, "give a fraction")
 
 
-def meaning_of(of: Field[Any]) -> str:
-    """Return what a field means beyond its name."""
-    return str(of.metadata.get("description", ""))
-
-
-def units_of(data: type[Any]) -> dict[str, str]:
-    """Unit of each field that states one."""
-    return {f.name: unit_of(f) for f in fields(data) if unit_of(f)}
+def quantity(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
+    """A field with its unit, "-" of a pure number, with what it means beyond its name, and with its bounds."""
+    return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
 
 def fmi_unit(unit: str) -> str:
@@ -58,8 +70,7 @@ class Parameter:
     unit: str  # as FMI spells it, "1" where there is none
     kind: str  # Real, Integer, Boolean or String
     start: Value = ""  # what it is where it is not set; of the host its data class knows
-    minimum: float | None = None
-    maximum: float | None = None
+    bounds: Bounds = ANY
     choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
     meaning: str = ""
 
@@ -82,10 +93,9 @@ class Parameter:
             raise ValueError(f"{bad} must be a finite number: give it in {self.unit_words}")
         if self.kind != "Real" and float(value) != round(value):
             raise ValueError(f"{bad} must be a whole number: round it")
-        if (self.minimum is not None and value < self.minimum) or (self.maximum is not None and value > self.maximum):
-            low, high = (-math.inf if self.minimum is None else self.minimum), self.maximum
-            bound = f"at least {low:g}" if high is None else f"within {low:g} and {high:g}"
-            raise ValueError(f"{bad} must be {bound}: give it in {self.unit_words}")
+        if not self.bounds.hold(value):
+            cure = self.bounds.cure or f"give it in {self.unit_words}"
+            raise ValueError(f"{bad} must be {self.bounds.words}: {cure}")
         return float(value) if self.kind == "Real" else round(value)
 
     def _code(self, value: object) -> object:
@@ -110,3 +120,41 @@ class Parameter:
     def about(self) -> str:
         """Meaning with its unit."""
         return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"
+
+
+_KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
+
+
+def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
+    """Yield all single values of a data class by dotted names; `brake: Brake | None` stands for the brake's own."""
+    hints = get_type_hints(data)
+    for one in fields(data):
+        hint, facts, name = hints[one.name], one.metadata, f"{prefix}{one.name}"
+        kinds, about, start = (hint, *get_args(hint)), str(facts.get("description", "")), cast(Any, one.default)
+        if get_origin(hint) is Literal:
+            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=about)
+        elif kind := next((_KINDS[t] for t in kinds if t in _KINDS), None):
+            yield Parameter(name, fmi_unit(facts.get("unit", "")), kind, start, facts.get("bounds", ANY), meaning=about)
+        for part in kinds:
+            if isinstance(part, type) and is_dataclass(part):
+                yield from leaves(part, f"{name}.")
+
+
+class Stated:
+    """Data that are checked when they are made, each value alone; `of` stands before their names in messages."""
+
+    _of = ""
+
+    def __init_subclass__(cls, of: str = "") -> None:
+        cls._of = of
+
+    def __post_init__(self) -> None:
+        kind: Any = type(self)
+        for name, parameter in _checks(kind, self._of):
+            if (value := getattr(self, name)) is not None:
+                parameter.read(value)
+
+
+@cache
+def _checks(data: Any, of: str) -> list[tuple[str, Parameter]]:
+    return [(p.name, replace(p, name=f"{of}{p.name}")) for p in leaves(data) if "." not in p.name]

@@ -1,14 +1,12 @@
 """Data of one trip, and whether the hoist can do it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
-from hoist_demo.parameters.components import require, require_magnitudes
+from hoist_demo.parameters.components import require
 from hoist_demo.parameters.hoist import Hoist
-from hoist_demo.parameters.quantity import quantity
+from hoist_demo.parameters.quantity import ANY, VANISHING, Stated, quantity
 
 #: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or a
 #: part of it first and the whole later.
@@ -16,40 +14,31 @@ EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
 
 
 @dataclass(frozen=True)
-class Winding:
+class Winding(Stated):
     """One trip of the left conveyance, up when travel is positive, with waiting times before and after."""
 
-    travel: float = quantity(90.0, "m", "negative lowers")
+    travel: float = quantity(90.0, "m", "negative lowers", ANY)
     speed: float = quantity(8.0, "m/s", "limit")
     acceleration: float = quantity(0.75, "m/s^2", "limit")
     jerk: float = quantity(0.5, "m/s^3", "limit")
     creep_speed: float = quantity(0.5, "m/s", "of a creep, where there is one")
     creep_distance: float = quantity(
-        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep"
+        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep", VANISHING
     )
-    departure_creep_distance: float = quantity(0.0, "m", "from the start to where creep speed is left; 0: no creep")
-    start_delay: float = quantity(1.0, "s")
-    settle: float = quantity(10.0, "s", "recorded after the reference has arrived")
-    emergency_at: float | None = quantity(None, "s", "emergency stop begins; None: no emergency stop")
+    departure_creep_distance: float = quantity(0.0, "m", "to where creep speed is left; 0: no creep", VANISHING)
+    start_delay: float = quantity(1.0, "s", "", VANISHING)
+    settle: float = quantity(10.0, "s", "recorded after the reference has arrived", VANISHING)
+    emergency_at: float | None = quantity(None, "s", "emergency stop begins; None: no emergency stop", VANISHING)
     emergency_deceleration: float = quantity(5.0, "m/s^2")
     emergency_jerk: float = quantity(50.0, "m/s^3", "the short ramp of the emergency deceleration")
     emergency_law: EmergencyLaw = "drive"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         require(self.travel, self.travel != 0.0, "travel", "finite and not 0", "give the length of the trip in m")
-        limits, waits = ("speed", "acceleration", "jerk"), ("start_delay", "settle")
-        creeps = ("creep_distance", "departure_creep_distance")
-        require_magnitudes(self, names=limits, cure="give the limit's magnitude")
-        require_magnitudes(self, waits, names=waits, cure="give a waiting time in s")
-        require_magnitudes(self, creeps, names=creeps, cure="give a length in m, 0 for no creep")
         creep, bound = self.creep_speed, f"above 0 and at most the speed limit {self.speed:g} m/s"
         slow = creep > 0.0 and (not self.creeps or creep <= self.speed)
         require(creep, slow, "creep_speed", bound, "creep more slowly")
-        if self.emergency_law not in get_args(EmergencyLaw):
-            known = ", ".join(get_args(EmergencyLaw))
-            raise ValueError(f"emergency_law = {self.emergency_law!r} must be one of {known}: choose one")
-        if self.emergency_at is not None:
-            require(self.emergency_at, self.emergency_at >= 0.0, "emergency_at", "at least 0", "give a time in s")
         value, bound = self.emergency_deceleration, f"at least the acceleration limit {self.acceleration:g} m/s^2"
         cure = "brake harder or wind more gently"
         require(value, value >= self.acceleration, "emergency_deceleration", bound, cure)
@@ -68,16 +57,12 @@ class Winding:
 
 
 @dataclass(frozen=True)
-class Arrival:
+class Arrival(Stated):
     """Bounds within which a conveyance counts as arrived; all values [assumed]."""
 
     position_band: float = quantity(0.01, "m", "of the left conveyance about its landing")
     speed_band: float = quantity(0.01, "m/s", "of both conveyances")
     window: float = quantity(5.0, "s", "after the reference's arrival, over which swing is judged")
-
-    def __post_init__(self) -> None:
-        names = ("position_band", "speed_band", "window")
-        require_magnitudes(self, names=names, cure="give a bound in SI units")
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:

@@ -6,8 +6,6 @@ are cycles of at least COUNTED of the largest range of that quantity in the rope
 These are ranges, not lives: how many of them a rope bears is for its maker to say.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -3,15 +3,12 @@
 On a rope that carries no torque the zeros of what only torque makes are the complete model's own, so they stay.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hoist_demo.recording.time_series import Array, Recording
+from hoist_demo.recording.time_series import Recording
 from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects, neglected_text
 
 FIDELITY = "status.fidelity"  #: Signal with the code of the fidelity that runs.
@@ -34,7 +31,7 @@ def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
         rows = recording[FIDELITY] == code_of(fidelity)
         effects = [effect for effect in neglected_effects(fidelity) if not (effect.by_torque and torque_free)]
         for name in _names(effects, recording) if bool(rows.any()) else ():
-            signals[name] = _without(signals[name], rows)
+            signals[name] = np.where(rows, np.nan, signals[name])
     return replace(recording, signals=signals)
 
 
@@ -79,9 +76,3 @@ def _names(effects: Iterable[Effect], recording: Recording) -> list[str]:
 
 def _is_missing(effect: Effect, recording: Recording) -> bool:
     return any(bool(np.isnan(recording[name]).any()) for name in _names([effect], recording))
-
-
-def _without(values: Array, rows: NDArray[np.bool_]) -> Array:
-    kept = values.copy()
-    kept[rows] = np.nan
-    return kept

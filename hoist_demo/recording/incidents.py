@@ -1,13 +1,11 @@
 """Causes that stop a run or should have: guards, jams, slack head ropes and slip."""
 
-from __future__ import annotations
-
 from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.recording.time_series import Recording
+from hoist_demo.recording.time_series import Array, Recording
 from rope_model import GUARD_CAUSES
 
 SIDES = ("left", "right")
@@ -21,6 +19,14 @@ class Jam(NamedTuple):
     height: float  # m, of the suspension there
     way: float | None  # m, from there to where it first stood still; None: it went through
     deceleration: float  # m/s^2, largest change of speed, until then
+
+
+class Stop(NamedTuple):
+    """An emergency stop of one conveyance, until it first stands still."""
+
+    side: str
+    way: float  # m, its own
+    time: float | None  # s; None: it still moves at the end of the record
 
 
 class SlackRopes(NamedTuple):
@@ -42,12 +48,31 @@ def jams(recording: Recording) -> list[Jam]:
             continue
         k = int(held[0])
         y, vy, ay = (recording[f"conveyance.{side}.{quantity}"][k:] for quantity in ("y", "vy", "ay"))
-        turned = np.flatnonzero(vy * vy[0] <= 0.0)
-        stood = turned.size > 0 and recording[name][k + int(turned[0])] != 0.0
-        last = int(turned[0]) if stood else int(held[-1]) - k
+        turned = _stands(vy)
+        stood = turned is not None and recording[name][k + turned] != 0.0
+        last = turned if turned is not None and stood else int(held[-1]) - k
         way = abs(float(y[last] - y[0])) if stood else None
         found.append(Jam(side, float(recording.time[k]), float(y[0]), way, float(np.max(np.abs(ay[: last + 1])))))
     return sorted(found, key=attrgetter("t"))
+
+
+def _stands(speeds: Array) -> int | None:
+    """Return the first sample at which what moved at first stands still; None where it goes on."""
+    turned = np.flatnonzero(speeds * speeds[0] <= 0.0)
+    return int(turned[0]) if turned.size else None
+
+
+def stops(recording: Recording, begin: float | None) -> list[Stop]:
+    """Return the way of both conveyances in an emergency stop, which begins so long after the start of the record."""
+    if begin is None or not recording.has(*(f"conveyance.{side}.vy" for side in SIDES)):
+        return []
+    found, k = [], int(np.searchsorted(recording.time - recording.time[0], begin))
+    for side in SIDES if k < len(recording.time) else ():
+        y, vy = (recording[f"conveyance.{side}.{name}"][k:] for name in ("y", "vy"))
+        last = _stands(vy)
+        time = None if last is None else float(recording.time[k + last] - recording.time[k])
+        found.append(Stop(side, float(np.max(np.abs(y[: None if last is None else last + 1] - y[0]))), time))
+    return found
 
 
 def slack_ropes(recording: Recording) -> list[SlackRopes]:

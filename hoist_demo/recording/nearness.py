@@ -1,7 +1,5 @@
 """Smallest distances of several ropes in one hoist, and what they did to each other."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Bodies that the rope struck or passed through: a run shows no real rope after it passed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 

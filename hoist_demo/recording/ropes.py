@@ -1,7 +1,5 @@
 """Records of several balance ropes: signals of each begin with its name. The only one of a hoist has none, ""."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ The CSV files carry no clock and no date: the same run writes the same bytes. Th
 of their own, at a few instants, because hundreds of columns would bury the rest, as would those of the stations.
 """
 
-from __future__ import annotations
-
 import csv
 import difflib
 import re

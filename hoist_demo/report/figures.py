@@ -4,8 +4,6 @@ Blue is always the left end, orange the right one, grey the reference or limit. 
 recorded, or never move, is left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -82,7 +80,10 @@ def write_figures(
     with matplotlib.rc_context(STYLE):
         for name, groups in _FIGURES.items():
             if own := [panel for panel in shown if panel.group in groups]:
-                figure, axes = _stack(recording, [panel.title for panel in own])
+                figure, axes = stacked_panels([panel.title for panel in own])
+                axes[-1].set_xlabel("time [s]")
+                start, end = float(recording.time[0]), float(recording.time[-1])
+                axes[-1].set_xlim(start, max(end, start + 1e-9))
                 for ax, panel in zip(axes, own, strict=True):
                     _draw(ax, panel, recording.time, signals)
                 if name == "swivels":
@@ -137,7 +138,7 @@ _OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
 def write_duty_figure(trips: Recording, path: Path) -> Path:
     """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
     panels = [
-        (title, unit, factor, {name: words for name, words in curves.items() if _shows(trips, name)})
+        (title, unit, factor, {n: words for n, words in curves.items() if n in trips and np.isfinite(trips[n]).any()})
         for title, unit, factor, curves in _OVER_TRIPS
     ]
     shown = [panel for panel in panels if panel[-1]]
@@ -191,19 +192,6 @@ def save_figure(figure: Figure, path: Path) -> Path:
     figure.set_dpi(150)
     FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return path
-
-
-def _shows(recording: Recording, *names: str) -> bool:
-    """Return True if all these signals were recorded and computed; a fidelity's gaps are NaN."""
-    return all(name in recording and bool(np.isfinite(recording[name]).any()) for name in names)
-
-
-def _stack(recording: Recording, titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
-    """Panels above one another over a common time axis."""
-    figure, axes = stacked_panels(titles)
-    axes[-1].set_xlabel("time [s]")
-    axes[-1].set_xlim(float(recording.time[0]), max(float(recording.time[-1]), float(recording.time[0]) + 1e-9))
-    return figure, axes
 
 
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:

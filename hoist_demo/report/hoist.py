@@ -1,10 +1,10 @@
 """A hoist before it is wound, for people: its values with their sources, and what follows from them."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
+from types import MappingProxyType
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.rope_data import RopeData
@@ -14,7 +14,7 @@ from hoist_demo.files.values import GIVEN, STATUSES, Given
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
-from hoist_demo.ropes.definition import ropes_of
+from hoist_demo.ropes.definition import OneRope, ropes_of
 from hoist_demo.study.provenance import SETTING, Known, of_host, statuses
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import EndMotion, RopeSimulator, Scene, balance_rope
@@ -24,6 +24,10 @@ from rope_model.simulation.outputs.modal import natural_modes
 MODES = 4
 _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
+#: most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s
+YAWS = 3.0
+Values = Mapping[str, Value]
+NOTHING: Values = MappingProxyType({})
 
 
 def complete(case: Case, run: RunData, ropes: Sequence[RopeData], known: Iterable[Known]) -> str:
@@ -68,20 +72,20 @@ def _spacing(rope: RopeData, run: RunData) -> float:
     return asked if asked + place.x_right - place.x_left == own else own - place.x_right + place.x_left
 
 
-def as_file(case: Case, name: str) -> str:
-    """Return the complete file of a hoist; `name` is how it is found."""
-    run, ropes, sources = _wound(case, name)
+def as_file(case: Case, name: str, asked: Values = NOTHING) -> str:
+    """Return the complete file of a hoist; `name` is how it is found, `asked` are values that are set beside it."""
+    run, ropes, sources = _wound(case, name, asked)
     return complete(case, run, ropes, sources)
 
 
 def known(case: Case, name: str) -> list[Known]:
     """Return the sources of all values; `name` is how the hoist is found."""
-    return _wound(case, name)[2]
+    return _wound(case, name, NOTHING)[2]
 
 
-def _wound(case: Case, name: str) -> tuple[RunData, list[RopeData], list[Known]]:
+def _wound(case: Case, name: str, asked: Values) -> tuple[RunData, list[RopeData], list[Known]]:
     """Return the run that winds the hoist, its ropes and the sources of both."""
-    run = build_trip(name, {})
+    run = build_trip(name, asked)
     ropes = ropes_of(case, run, {}, case.level)
     run = replace(run, hoist=ropes.hoist)
     return run, ropes.data(), [*of_host(run, {}), *ropes.provenance({})]
@@ -98,7 +102,7 @@ def problems(case: Case) -> list[str]:
     ]
 
 
-def follows(case: Case, name: str) -> tuple[str, list[str]]:
+def follows(case: Case, name: str, asked: Values = NOTHING) -> tuple[str, list[str]]:
     """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
     hoist = case.hoist
     rows = [
@@ -111,12 +115,14 @@ def follows(case: Case, name: str) -> tuple[str, list[str]]:
         heads = f"pull of all head ropes, left and right, left conveyance at {height:g} m"
         rows.append(SummaryRow(_HOLD, heads, words))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
-    warned = []
-    for rope in ropes_of(case, build_trip(name, {}), {}, case.level).ropes:
+    warned, yaws = [], dict[str, float]()
+    ropes = ropes_of(case, build_trip(name, asked), {}, case.level).ropes
+    for rope in ropes:
         scene, whose = rope.scene, f"{rope.name}: " if rope.name else ""
         plant = balance_rope(scene)
         for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):
             group = f"{whose}{_AT_REST} {height:g} m"
+            yaws[rope.name] = max(yaws.get(rope.name, 0.0), signals["loop.yaw"], key=abs)
             pull = [-1e-3 * signals[f"{end}.fy"] for end in ("left", "right")]
             rows += [
                 SummaryRow(group, "its pull on the left and right conveyance", f"{pull[0]:.4g} and {pull[1]:.4g} kN"),
@@ -133,7 +139,22 @@ def follows(case: Case, name: str) -> tuple[str, list[str]]:
         rows.append(SummaryRow(f"{whose}Model", "fidelity and mesh", model))
         rows.append(SummaryRow(f"{whose}Model", "frequencies, mid-trip", _frequencies(scene, hoist.shaft_travel)))
         warned += [f"{whose}{text}" for text in plant.warnings().values()]
-    return render(rows), list(dict.fromkeys(warned))
+    return render(rows), list(dict.fromkeys([*warned, *_neighbours(ropes, yaws)]))
+
+
+def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator[str]:
+    """Tell of ropes side by side that may touch as their loops yaw, more in a trip than at rest [rad]."""
+    for one, other in combinations(ropes, 2):
+        (x, _, z), (x1, _, z1) = one.place.origin, other.place.origin
+        reach, reach1 = (0.5 * r.scene.layout.spacing * math.sin(YAWS * yaws[r.name]) for r in (one, other))
+        least = abs(reach - reach1) + 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
+        if abs(x - x1) < one.scene.layout.spacing and abs(z - z1) < least:
+            angles = " and ".join(f"{math.degrees(yaws[r.name]):.2g}" for r in (one, other))
+            yield (
+                f"{one.name} and {other.name}, {abs(z - z1):.3g} m apart in z, may touch: their loops yaw by up to "
+                f"{angles} degrees at rest, and in a trip by up to {YAWS:g} times that [assumed]: hang them "
+                f"{least:.2g} m apart, or see their clearance in wind's verdict"
+            )
 
 
 def _frequencies(scene: Scene, travel: float) -> str:

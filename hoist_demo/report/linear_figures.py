@@ -1,7 +1,5 @@
 """Figure of linear models along the trip: frequencies, poles, and Bode plots with and without the balance ropes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

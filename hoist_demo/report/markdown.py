@@ -1,7 +1,5 @@
 """The run as Markdown with PNG figures, to quote and to compare line by line; html has the page to look at."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

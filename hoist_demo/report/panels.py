@@ -3,8 +3,6 @@
 A panel has signals that share a plot. Signals not recorded, and panels without any, are left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -128,13 +126,6 @@ def _followed(quantity: str, component: str) -> tuple[Line, ...]:
 
 
 def _all(hoist: Hoist) -> Iterator[Panel]:
-    for group, rows in _panels(hoist).items():
-        for title, unit, lines, *more in rows:
-            yield Panel(group, title, unit, lines, *more)
-
-
-def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
-    """Return the panels by group: title, unit, lines, and the further fields of Panel."""
     limit, kilo, mega, count = hoist.tension_ratio_limit, 1e-3, 1e-6, hoist.tail_rope_number
     slip: list[tuple[Any, ...]] = [
         ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),
@@ -143,7 +134,8 @@ def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
     torque = Line("drive.torque_command", "command", ASKED, kilo), Line("drive.torque", "motor", "a", kilo)
     ratio = (Line("drive.tension_ratio", "larger / smaller", "b"),)
     clearances = {f"clearance.{kind}": words for kind, words in BODIES.items()}
-    return {
+    # by group: title, unit, lines, and the further fields of Panel
+    groups: dict[str, list[tuple[Any, ...]]] = {
         "Winding": [
             ("Height in the shaft", "m", _followed("derived.reference_height", "y")),
             ("Speed", "m/s", _followed("reference.speed", "vy")),
@@ -183,10 +175,12 @@ def _panels(hoist: Hoist) -> dict[str, list[tuple[Any, ...]]]:
             ("Residual of the energy balance", "J", _lines(_RESIDUALS)),
         ],
     }
+    for group, rows in groups.items():
+        yield from (Panel(group, *row) for row in rows)
 
 
 _SPEEDS = {"derived.rim_speed": "sheave", "derived.rope_speed": "head ropes"}
-_SIDEWAYS = {"loop.x": "in plane, x", "loop.z": "out of plane, z"}
+_SIDEWAYS = {"loop.x": "in plane, from the rope's place", "loop.z": "out of plane, from the rope's place"}
 _STRESSES = {"stress.bending_max": "bending", "stress.torsion_max": "torsion"}
 _DRIVE_ENERGIES = {
     "drive.work_motor": "motor",

@@ -1,7 +1,5 @@
 """Rows of a table for people, the table as plain text, and rows of the sources of a run's data."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections import Counter

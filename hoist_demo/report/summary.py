@@ -3,8 +3,6 @@
 Each row stands for itself; rows whose signals were not recorded are left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
@@ -29,8 +27,6 @@ ELSEWHERE = {
 
 #: All that the rope loses, in words for a figure.
 LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel": "in the swivels"} | ELSEWHERE
-
-AT_REST = 0.01  #: Speed of the sheave's rim that counts as standstill [m/s].
 
 
 def _largest(values: Array) -> float:
@@ -165,7 +161,6 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
         SummaryRow(_DRIVE, "travel asked for", winding.travel, "m"),
         SummaryRow(_DRIVE, "travel reached, left conveyance", float(travel[-1]), "m"),
         *_tracking(_DRIVE, 1e3 * error, recording.time - recording.time[0], winding),
-        *_stopping(_DRIVE, recording, hoist, winding),
         SummaryRow(_DRIVE, "time at the torque limit", limited, "s"),
         SummaryRow(_DRIVE, "tension ratio at which the head ropes slip", hoist.tension_ratio_limit),
     ]
@@ -182,24 +177,6 @@ def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> lis
     return [
         SummaryRow(group, last, float(error[follows][-1]), "mm"),
         SummaryRow(group, f"largest tracking error{until}", _largest(error[follows]), "mm"),
-    ]
-
-
-def _stopping(group: str, recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
-    """Way and time of an emergency stop, at the sheave's rim."""
-    if winding.emergency_at is None:
-        return []
-    begun = recording.time - recording.time[0] >= winding.emergency_at
-    at_rest = begun & (np.abs(hoist.sheave_radius * recording["drive.rate"]) < AT_REST)
-    if not bool(at_rest.any()):
-        return [SummaryRow(group, "emergency stop", "not at rest within the record")]
-    first, last = int(np.argmax(begun)), int(np.argmax(at_rest))
-    way = hoist.sheave_radius * abs(float(recording["drive.angle"][last] - recording["drive.angle"][first]))
-    return [
-        SummaryRow(group, "emergency stop, way to standstill at the rim", way, "m"),
-        SummaryRow(
-            group, "emergency stop, time to standstill", float(recording.time[last] - recording.time[first]), "s"
-        ),
     ]
 
 

@@ -16,12 +16,13 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
-from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, incidents
+from hoist_demo.recording.incidents import GUARD_CODES, SIDES, guard_trip, incidents, stops
 from hoist_demo.recording.nearness import Pair
 from hoist_demo.recording.passages import BODIES, FAR, PASSED, outcome_of, passages
 from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
+from hoist_demo.study.metrics import trip_metrics
 from hoist_demo.study.slip import holds, slip_warnings
 
 HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turned over.
@@ -54,7 +55,8 @@ class Judged:
         return self.quantity, self.value, self.bound, {None: "", True: "yes", False: "NO"}[self.holds], self.where
 
 
-COLUMNS = ("", "value", "bound", "kept", "when and where")
+_WHERE = "when and where: x, z from midway between the conveyances, y from the lower landing"
+COLUMNS = ("", "value", "bound", "kept", _WHERE)
 
 
 @dataclass(frozen=True)
@@ -98,12 +100,17 @@ class _Rope:
 
 
 def judge(
-    result: Result, hoist: Hoist, data: Sequence[RopeData], said: Sequence[str] = (), pairs: Sequence[Pair] = ()
+    result: Result,
+    hoist: Hoist,
+    data: Sequence[RopeData],
+    said: Sequence[str] = (),
+    pairs: Sequence[Pair] = (),
+    arrival: Arrival | None = None,
 ) -> Verdict:
     """Judge a run with its ropes and pairs of them; `said` are warnings that ropes and host gave."""
     recording = result.recording
     ropes = [_Rope(of_rope(recording, one.name), one) for one in data] if recording.signals else []
-    rows = tuple(_rows(result, hoist, ropes, pairs)) if ropes else ()
+    rows = tuple(_rows(result, hoist, ropes, pairs, arrival or Arrival())) if ropes else ()
     broken = [row for row in rows if row.holds is False]
     # the outcome tells of strikes, and clearances do
     told = [row.quantity for row in broken if row.quantity != _STRIKES] or [row.quantity for row in broken]
@@ -177,8 +184,19 @@ def _what_matters(ropes: Sequence[_Rope], pairs: Sequence[Pair]) -> float | None
     return None if most is None else float(most.time[np.nanargmax(most["loop.sideways"])])
 
 
-def _rows(result: Result, hoist: Hoist, ropes: Sequence[_Rope], pairs: Sequence[Pair]) -> Iterator[Judged]:
+def _rows(
+    result: Result, hoist: Hoist, ropes: Sequence[_Rope], pairs: Sequence[Pair], arrival: Arrival
+) -> Iterator[Judged]:
     yield from _pulls(result.recording, hoist, ropes)
+    yield from _head_ropes(result.recording, hoist)
+    for stop in stops(result.recording, result.winding.emergency_at):
+        way = f"{stop.way:.2f} m in {stop.time:.2f} s" if stop.time is not None else f"{stop.way:.2f} m, and goes on"
+        yield Judged(f"way of the {stop.side} conveyance in the emergency stop", way)
+    if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
+        cycle = trip_metrics(result, result.winding, arrival).get("cycle_time")
+        text = f"{cycle:.2f} s" if cycle is not None and math.isfinite(cycle) else "not within the record"
+        if cycle is not None:
+            yield Judged("cycle time, until the conveyances have arrived", text)
     yield from _of_each(ropes, _swings)
     yield from _of_each(ropes, _clearances)
     for pair in pairs:
@@ -254,6 +272,17 @@ def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterat
             yield Judged(f"pull of {whose} on the {end} conveyance", text, _HANGS, bool(pull[low] > -error), where)
 
 
+def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[Judged]:
+    """Smallest pull of all head ropes on either conveyance."""
+    for side in SIDES:
+        if (name := f"drive.pull_{side}") in recording:
+            row, asked = int(np.argmin(recording[name])), hoist.slack_tension
+            least = float(recording[name][row])
+            bound = "above 0: slack" if asked is None else f"above {number(1e-3 * asked, 3)} kN, slack_tension"
+            quantity, where = f"smallest pull of the head ropes, {side}", f"t = {recording.time[row]:.2f} s"
+            yield Judged(quantity, f"{number(1e-3 * least, 3)} kN", bound, least > (asked or 0.0), where)
+
+
 def _swings(rope: _Rope) -> Iterator[Judged]:
     for name, words, unit, guard in _SWINGS:
         if not rope.known(name):
@@ -270,7 +299,11 @@ def _swings(rope: _Rope) -> Iterator[Judged]:
             asked, kept = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
         where = rope.at(row)
         if name == "loop.sideways" and rope.known("loop.x", "loop.z"):
-            x, z = (rounded(float(rope.recording[f"loop.{c}"][row]), rope.length_error) for c in "xz")
+            own = rope.data.place.origin[::2]
+            x, z = (
+                rounded(float(rope.recording[f"loop.{c}"][row]) + o, rope.length_error)
+                for c, o in zip("xz", own, strict=True)
+            )
             where += f", x = {x} m, z = {z} m"
         yield Judged(words, text, asked, kept, where)
 

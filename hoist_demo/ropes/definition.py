@@ -1,7 +1,5 @@
 """The balance ropes of one hoist, checked before anything is wound: its file has a [[rope]] for each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -86,6 +86,7 @@ def run_samples(
     names = [f"run-{key}" for key in waiting]
     submitted = client.map(_work, [*waiting.values()], fmu_hash=study.fmu_hash, key=names, pure=False)
     futures = dict(zip(submitted, waiting, strict=True))
+    submitted.clear()  # a worker keeps the outcome as long as anybody holds its future
     for future in as_completed(list(futures)):
         key = futures.pop(future)
         outcome, worker = _result_of(future)

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, WrapValidator, model_validator
 
-from hoist_demo.cases.table import find_case
+from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
@@ -75,7 +75,7 @@ _BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for
 class StudyHead(Head):
     """Head of the file."""
 
-    fmu: Text = "build/balance_rope.fmu"
+    fmu: Text = Field("", description="the rope; else what export --native makes of the hoist")
     signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
@@ -241,7 +241,8 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
-    head, rope, problems = file.study, fmu or Path(file.study.fmu), list[str]()
+    head, problems = file.study, list[str]()
+    rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
 
     def tried(place: str, ask: Callable[[], Any]) -> Any:
         try:
@@ -252,7 +253,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
 
     if find_case(head.hoist).ropes:
         problems.append(f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out")
-    signals = tried("study", lambda: match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope)]))
+    signals = tried("study", lambda: match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)]))
     variants, chosen = tried("variant", lambda: file.variants), tried("study", file.chosen)
     drawn = tried("sample", file.drawn)
     if problems:

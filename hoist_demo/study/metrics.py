@@ -17,7 +17,15 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import SwingMode, fit_swing
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY
-from hoist_demo.recording.incidents import GUARD_CODES, GUARD_SIGNALS, guard_trip, largest_ratio, slack_ropes, slip
+from hoist_demo.recording.incidents import (
+    GUARD_CODES,
+    GUARD_SIGNALS,
+    guard_trip,
+    largest_ratio,
+    slack_ropes,
+    slip,
+    stops,
+)
 from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 
@@ -27,6 +35,8 @@ ENDS = ("left", "right")
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
+    "stop_time": ("s", "from the beginning of an emergency stop until a conveyance first stands still, the later one"),
+    "stop_distance": ("m", "way of a conveyance meanwhile, the longer one"),
     "position_error": ("m", "of the left conveyance at the record's end"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
@@ -109,16 +119,18 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
         return found
     found["simulated_time"] = float(recording.time[-1] - recording.time[0])
     found |= _drive(recording, hoist)
+    if (ended := stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
+        found |= {"stop_time": max(one.time or 0.0 for one in ended), "stop_distance": max(one.way for one in ended)}
     found |= _rope(recording, hoist)
     for end in ENDS:
         found |= _swivel(recording, end)
     if result.completed:
-        found |= _trip(result, winding, arrival)
+        found |= trip_metrics(result, winding, arrival)
         found |= _swing(recording, hoist, result.trajectory.duration, arrival)
     return found
 
 
-def _trip(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
+def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
     """Times and torques that only a completed trip has."""
     recording = result.recording
     t = recording.time - recording.time[0]

@@ -11,6 +11,7 @@ from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
+from hoist_demo.files.catalogue import ENDS
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
@@ -21,7 +22,6 @@ from hoist_demo.study.run import RunData, build_trip
 from rope_model import BEARINGS, Datum, KnownRope
 
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
-SWIVELS = ("left", "right")
 
 
 class UncertainHead(LevelHead):
@@ -48,8 +48,8 @@ class Uncertain(RopeQuestion, RunFile):
     @cached_property
     def known_rope(self) -> KnownRope:
         """Ranges of the rope, which is as long as the hoist's where the file says nothing."""
-        found = self.catalogue_rope
-        return found if "length" in self.asked else replace(found, length=find_case(self.hoist).hoist.tail_rope_length)
+        found, hoist = self.catalogue_rope, find_case(self.head.hoist).hoist
+        return found if "length" in self.asked else replace(found, length=hoist.tail_rope_length)
 
     @property
     def data(self) -> dict[str, Datum]:
@@ -73,9 +73,9 @@ class Uncertain(RopeQuestion, RunFile):
         if "length" in self.asked:
             given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.head.bearing:
-            given |= {f"{side}.swivel.{name}": VARIED for side in SWIVELS for name in ("mu_kinetic", "mu_static")}
+            given |= {f"{side}.swivel.{name}": VARIED for side in ENDS for name in ("mu_kinetic", "mu_static")}
         rope = scene_parameters(rope_data(run.fmu, self.level))
-        return [*of_host(run, given), *of_rope(find_case(self.hoist), rope, given)]
+        return [*of_host(run, given), *of_rope(find_case(self.head.hoist), rope, given)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
         """The winding with these values of what varies; the drive takes the rope for what it is."""
@@ -87,7 +87,7 @@ class Uncertain(RopeQuestion, RunFile):
             "hoist.tail_rope_length": Given(rope.length, DERIVED),
         }
         if self.head.bearing:
-            for side in SWIVELS:
+            for side in ENDS:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
-        return build_trip(self.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)
+        return build_trip(self.head.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)

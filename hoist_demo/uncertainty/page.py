@@ -44,8 +44,14 @@ def _too_few(found: Spread) -> Iterator[str]:
             f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
             "torsional), or its event did not happen"
         )
+    if not found.completed:
+        yield (
+            "no winding counts, so that nothing is known: see why above, and change the rope, what is near it, or the "
+            "trip, not the samples"
+        )
+        return
     counts, need = {name: int(found.wound(name).sum()) for name in measures}, found.needed
-    if few := [f"{name} {count}" for name, count in counts.items() if count < need and (count or not found.completed)]:
+    if few := [f"{name} {count}" for name, count in counts.items() if 0 < count < need]:
         yield (
             f"no causes are known of {', '.join(few)}: {len(found.asked.data)} varied data need {need} completed "
             f"windings, 64 for a first look; raise samples = {found.asked.head.samples}"
@@ -89,7 +95,7 @@ def write_page(found: Spread, path: Path) -> Path:
         for name, datum in asked.data.items()
         for bounds, unit in [_for_people((datum.low, datum.high), datum.unit)]
     ]
-    wound = f"{found.completed} of {asked.head.samples} windings count: hoist {asked.hoist}, level {asked.level}."
+    wound = f"{found.completed} of {asked.head.samples} windings count: hoist {asked.head.hoist}, level {asked.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = data_table(asked.provenance())
     parts = [
@@ -102,7 +108,7 @@ def write_page(found: Spread, path: Path) -> Path:
         ),
         (title, grid(("datum", "value", "unit", "status"), rows)),
     ]
-    return write_sheet(path, asked.title, parts)
+    return write_sheet(path, asked.head.title, parts)
 
 
 def _for_people(values: Iterable[float], unit: str) -> tuple[list[str], str]:

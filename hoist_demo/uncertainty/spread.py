@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
 
 import numpy as np
-from scipy.stats import qmc, rankdata
+import scipy  # loads stats, slowly, when they are used
 
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.progress import warnings_of
@@ -114,7 +114,7 @@ def spread(asked: Uncertain, workers: int, progress: Callable[[Iterable[Wound]],
 
 def draw(asked: Uncertain) -> list[dict[str, float]]:
     """The values of what varies, one set per winding."""
-    sequence = qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.head.seed))
+    sequence = scipy.stats.qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.head.seed))
     shares = sequence.random_base2(round(math.log2(asked.head.samples)))
     return [
         {name: datum.at(float(u)) for (name, datum), u in zip(asked.data.items(), row, strict=True)} for row in shares
@@ -155,5 +155,5 @@ def _with_numbers(words: Sequence[str], numbers: Collection[Sequence[str]]) -> s
 
 def _standard(values: Array) -> Array:
     """Ranks with mean 0 and variance 1."""
-    ranks = rankdata(values)
+    ranks = scipy.stats.rankdata(values)
     return np.asarray((ranks - ranks.mean()) / ranks.std())

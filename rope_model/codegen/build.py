@@ -4,11 +4,8 @@ An installed package brings the library for each platform, and the generated sou
 them in other words.
 """
 
-from __future__ import annotations
-
 import importlib.metadata
 import json
-import tempfile
 from functools import cache
 from pathlib import Path
 
@@ -19,7 +16,7 @@ from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
 from rope_model.codegen.rules import rules_code, state_signals
 from rope_model.codegen.state_structures import state_structures
 from rope_model.codegen.tables import parameter_bounds, parameter_structures, signal_numbers
-from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler
+from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler, make_once
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
 NAME = "rope"
@@ -41,16 +38,14 @@ def _generated() -> dict[str, str]:
     """The generated files: the package's, the cache's, or made and put there."""
     brought = generated_file(_FOLDER.parent)
     kept = cache_folder() / f"{brought.stem}-casadi-{importlib.metadata.version('casadi')}.json"
-    for file in (brought, kept):
-        if file.exists():
-            texts: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
-            return texts
-    texts = generate()
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=kept.parent) as scratch:
-        new = Path(scratch) / kept.name
-        new.write_text(json.dumps(texts), encoding="utf-8")
-        new.replace(kept)  # atomic: two processes may do so at once
+
+    def make() -> None:
+        new = kept.with_suffix(".new")
+        new.write_text(json.dumps(generate()), encoding="utf-8")
+        new.replace(kept)
+
+    file = brought if brought.exists() else make_once(kept, make)
+    texts: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
     return texts
 
 

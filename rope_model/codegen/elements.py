@@ -4,8 +4,6 @@ The type V holds one number each of LANES elements (see lanes.h); the text is th
 becomes a product with the reciprocal, which is computed once for each divisor: division costs most.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import casadi as ca

@@ -4,8 +4,6 @@ A formula is traced with a CasADi symbol for each number that it takes.  CasADi'
 meanwhile: the C does the same operations in the same order as Python, and gives the same bits where libm does.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter
@@ -73,12 +71,16 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Path follow_path(path, Following now, stop, bandwidth)": following.follow_path,
     "void follow_limits(path, Following now, limits[3][4])": following.follow_limits,
     "Following follow_account(Following now, path, manner, rope, leg)": misfit.follow_account,
+    "void lean_moves(h, lean, moved[3])": following.lean_moves,
     "void sample_moves(manner, h, ahead, sample[3], moved[3])": following.sample_moves,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(path, t)": EndPath.at,
     "path_height(path, t)": EndPath.height,
     "void path_motion(path, t, motion[3][4])": EndPath.motion,
     "void held_end(path, t, nominal_x, sense, angle, rows[3][7])": ends.held_end,
+    "void path_leaning(path, t, leans[2][3])": EndPath.leaning,
+    "void leaning(lean[3], lean_z[3], axis[3][3])": ends.leaning,
+    "EndMotion partly_placed(scene, EndMotion own, EndMotion other, sense, part)": ends.partly_placed,
     "void suspension_points(layout, EndMotion left, EndMotion right, points[2][3])": outline.suspension_points,
     "void node_values(xi, l, nodes[14], values[7])": hermite.node_values,
     "void missing_load(start, stop, s, l, old_s, old_l, old[14], now[14], load[14])": hermite.missing_load,
@@ -170,6 +172,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
     "most_work(interval, step_max)": stepping.most_work,
     "parts_of(way, step_next, left)": accuracy.parts_of,
+    "newton_may_leave(newton_tolerance, work_max, hasty)": accuracy.newton_may_leave,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
     "with_contact_at_ends(error, ContactSums sums, time, force)": contact_error.with_contact_at_ends,
@@ -213,30 +216,33 @@ STRUCTURES: dict[str, type[Any]] = {
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
-#: numbers of the formulas and of the control flow that have one name in Python and in C
-_SHARED: tuple[tuple[ModuleType, str], ...] = (
-    (accuracy, "ACCEPT_BELOW"),
-    (adaptation, "RELAXATION_TIME"),
-    (contact, "LOOK_AHEAD OWN_LENGTH"),
-    (diagnostics, "PIECES FINE OUTLINE"),
-    (generalized_alpha, "LARGEST_GROWTH"),
-    (guard, "NEVER"),
-    (hang, "CURVATURE_STEPS TWIST_STEP LEAST_TWIST_STEP MOST_TURN MOST_CORRECTIONS"),
-    (mesh, "LEG_LENGTHS GRADING"),
-    (mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
-    (mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
-    (paths, "RESTS_BELOW"),
-    (rigid, "SETTLING_TIME DIFFERENCE"),
-    (rope_on_rope, "MOST_PLACES APART MOST_STRANDS CORRECTIONS"),
-    (shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
-    (simulator, "FARTHEST_START MOST_STEPS"),
-    (statics, "SETTLED BALANCED REST_TOLERANCE"),
-    (stepping, "STEP_WORK"),
-    (switching, "EVENT_WIDTH"),
-    (warning_rules, "YAWED_FAR"),
+#: numbers of the formulas and of the control flow: what their names in C have before those in Python, module, names
+_SHARED: tuple[tuple[str, ModuleType, str], ...] = (
+    ("", accuracy, "ACCEPT_BELOW STEP_WORK HASTY_STEP HASTY_MESH"),
+    ("", adaptation, "RELAXATION_TIME"),
+    ("", contact, "LOOK_AHEAD OWN_LENGTH"),
+    ("", diagnostics, "PIECES FINE OUTLINE"),
+    ("", generalized_alpha, "LARGEST_GROWTH"),
+    ("", guard, "NEVER"),
+    ("", hang, "CURVATURE_STEPS PLACING_STEPS TWIST_STEP LEAST_TWIST_STEP MOST_TURN MOST_CORRECTIONS"),
+    ("", mesh, "LEG_LENGTHS GRADING"),
+    ("", mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
+    ("", mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
+    ("", paths, "RESTS_BELOW"),
+    ("", rigid, "SETTLING_TIME DIFFERENCE"),
+    ("", rope_on_rope, "MOST_PLACES APART MOST_STRANDS CORRECTIONS"),
+    ("", shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
+    ("", simulator, "FARTHEST_START MOST_STEPS"),
+    ("", statics, "SETTLED BALANCED REST_TOLERANCE"),
+    ("", switching, "EVENT_WIDTH"),
+    ("", warning_rules, "YAWED_FAR"),
+    ("CONTACT_", contact_places, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
+    ("GRADIENT_", coupled_newton, "STEPS LEFT"),
+    ("NEWTON_", newton, "SMOOTH KINKED HUGE"),
+    ("WIRE_", wire_element, "HISTORY LATEST"),
 )
 CONSTANTS: dict[str, float | tuple[Any, ...]] = {
-    name: getattr(module, name) for module, names in _SHARED for name in names.split()
+    prefix + name: getattr(module, name) for prefix, module, names in _SHARED for name in names.split()
 } | {
     "PARAMETERS": len(element.PARAMETERS),
     "FAR": FAR,
@@ -252,21 +258,8 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "WIRE_PLACES": element.POINTS,
     "WIRE_WEIGHTS": element.WEIGHTS,
     "WIRE_MEMORY": wire_friction.MEMORY,
-    "WIRE_HISTORY": wire_element.HISTORY,
-    "WIRE_LATEST": wire_element.LATEST,
-    "NEWTON_SMOOTH": tuple(newton.SMOOTH),
-    "NEWTON_KINKED": tuple(newton.KINKED),
-    "NEWTON_HUGE": newton.HUGE,
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
-    "GRADIENT_STEPS": coupled_newton.STEPS,
-    "GRADIENT_LEFT": coupled_newton.LEFT,
-    "CONTACT_CELLS": contact_places.CELLS,
-    "CONTACT_HALVINGS": contact_places.HALVINGS,
-    "CONTACT_STEPS": contact_places.STEPS,
-    "CONTACT_LEVELS": contact_places.LEVELS,
     "CONTACT_POINTS": len(contact_places.PARTS),
-    "CONTACT_PARTS": contact_places.PARTS,
-    "CONTACT_WEIGHTS": contact_places.WEIGHTS,
 }
 
 _HEAD = """\
@@ -346,7 +339,7 @@ def formulas() -> dict[str, Callable[..., Any]]:
 
 def formulas_code() -> str:
     """The text of formulas.h."""
-    structures = (_definition(kind) for kind in DEFINED_HERE)
+    structures = map(_definition, DEFINED_HERE)
     functions = (function_code(prototype, formula) for prototype, formula in formulas().items())
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
@@ -359,7 +352,8 @@ def _value(value: float | str | tuple[Any, ...]) -> str:
 
 
 def _definition(kind: type[Any]) -> str:
-    members = "".join(f"    double {name}{_lengths(hint)};\n" for name, hint in get_type_hints(kind).items())
+    lengths = {name: "".join(f"[{n}]" for n in shape_of(hint)) for name, hint in get_type_hints(kind).items()}
+    members = "".join(f"    double {name}{length};\n" for name, length in lengths.items())
     return f"/* {kind.__module__}.{kind.__name__} */\ntypedef struct {{\n{members}}} {kind.__name__};\n"
 
 
@@ -367,10 +361,6 @@ def shape_of(hint: Any) -> tuple[int, ...]:
     """() of a number, lengths of a tuple of numbers or of tuples alike."""
     parts = get_args(hint) if get_origin(hint) is tuple else ()
     return (len(parts), *shape_of(parts[0])) if parts else ()
-
-
-def _lengths(hint: Any) -> str:
-    return "".join(f"[{n}]" for n in shape_of(hint))
 
 
 def function_code(prototype: str, formula: Callable[..., Any]) -> str:

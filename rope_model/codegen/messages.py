@@ -4,8 +4,6 @@ Each text of simulation's messages, fidelity_messages and warning_messages becom
 written by text.h as Python writes it.
 """
 
-from __future__ import annotations
-
 import re
 
 from rope_model.simulation.messages import fidelity_messages, messages, warning_messages

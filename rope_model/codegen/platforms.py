@@ -4,8 +4,6 @@ A library that came with the package has the hash of its sources in its name: it
 a checkout there is none.
 """
 
-from __future__ import annotations
-
 import hashlib
 import platform
 import re

@@ -4,8 +4,6 @@ A formula is called with symbols that stand for the facts its parameters name, a
 whole structure, with integers and choices, and only members that the formula reads become text.
 """
 
-from __future__ import annotations
-
 import ctypes
 import inspect
 import re
@@ -57,6 +55,7 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     fidelity_rules.carries_torque,
     fidelity_rules.out_of_plane,
     fidelity_rules.held_input,
+    fidelity_rules.not_plumb,
     fidelity_rules.unsupported_input,
     warning_rules.leaves_out,
     warning_rules.yawed_far_at_rest,

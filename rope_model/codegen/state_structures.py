@@ -4,8 +4,6 @@ A class is the structure, its docstring the comment in C; a part of RopeState ha
 header state.h is printed from here.
 """
 
-from __future__ import annotations
-
 import ctypes
 from ctypes import Structure, c_char, c_double, c_int, c_int64
 from inspect import cleandoc

@@ -4,11 +4,8 @@ In C the real numbers of a group come first, then its integers, each in the orde
 in the list of choices.  The kernels' form is Python's own business.
 """
 
-from __future__ import annotations
-
 import ctypes
 from dataclasses import fields
-from itertools import starmap
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
@@ -45,12 +42,9 @@ def _hints(kind: type[Any]) -> dict[str, Any]:
 
 
 def _structure(kind: type[Any]) -> type[ctypes.Structure]:
-    return type(kind.__name__, (ctypes.Structure,), {"_fields_": [(m.name, _type(m)) for m in members(kind)]})
-
-
-def _type(member: Member) -> type[Any]:
-    kind: type[Any] = ctypes.c_double if member.real else ctypes.c_int
-    return kind * member.length if member.length else kind
+    numbers = [(m, ctypes.c_double if m.real else ctypes.c_int) for m in members(kind)]
+    fields = [(m.name, number * m.length if m.length else number) for m, number in numbers]
+    return type(kind.__name__, (ctypes.Structure,), {"_fields_": fields})
 
 
 #: structures of the groups of a scene
@@ -63,16 +57,14 @@ class ShaftStructure(ctypes.Structure):
     _fields_ = tuple((name, GROUPS[kind]) for name, kind in PARTS.items())
 
 
-def _part_of_scene(name: str, kind: type[Any]) -> tuple[str, Any]:
-    if kind is Swivel:
-        return "swivels", GROUPS[Swivel] * 2
-    return name, ShaftStructure if kind is Shaft else GROUPS[kind]
+_OF_SCENE: dict[Any, Any] = {**GROUPS, Shaft: ShaftStructure, Swivel: GROUPS[Swivel] * 2}
+_NAMES = {"left": "swivels", "right": "swivels"}  #: of the parts of a scene, where C has others
 
 
 class SceneStructure(ctypes.Structure):
     """All parameters of a rope."""
 
-    _fields_ = tuple(dict(starmap(_part_of_scene, get_type_hints(Scene).items())).items())
+    _fields_ = tuple({_NAMES.get(name, name): _OF_SCENE[of] for name, of in get_type_hints(Scene).items()}.items())
 
 
 class EndMotionStructure(ctypes.Structure):

@@ -1,7 +1,5 @@
 """Tables that the native rope takes from the Python one when it is built."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from enum import Enum
@@ -28,8 +26,8 @@ from rope_model.simulation.simulator import SHORTEST_INTERVAL
 from rope_model.texts import c_string
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
-#: suffix of a code's name where the word alone would not do
-_SUFFIXES = {"given": "_GIVEN", "mode": "_MODE", "start": "_START", "kind": "_MESH", "fidelity": "_FIDELITY"}
+#: choices whose names in C are others
+_SPELT = {"kind": "MESH"}
 
 
 def signal_numbers() -> str:
@@ -92,12 +90,13 @@ def _codes(name: str, words: tuple[str, ...]) -> str:
     """The codes of a choice; its words are a macro to initialise an array with."""
     codes = ", ".join(code_name(name, word) for word in words)
     quoted = ", ".join(c_string(word) for word in words)
-    return f"enum {{ {codes} }};\n#define {_SUFFIXES[name][1:]}_WORDS {{{quoted}}}\n"
+    return f"enum {{ {codes} }};\n#define {_SPELT.get(name, name.upper())}_WORDS {{{quoted}}}\n"
 
 
 def code_name(name: str, word: str) -> str:
     """Name in C of the code that a ``word`` of the choice ``name`` has."""
-    return word.upper() + (_SUFFIXES[name] if word == "auto" or name in ("given", "mode", "start") else "")
+    suffix = f"_{_SPELT.get(name, name.upper())}" if word == "auto" or name in ("given", "mode", "start") else ""
+    return word.upper() + suffix
 
 
 class Word:

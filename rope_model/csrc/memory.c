@@ -8,74 +8,84 @@
 
 enum { ALIGNMENT = 64 };
 
-static size_t align(size_t bytes) {
-    return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+/* memory that is given away in pieces; without a block they are only counted */
+typedef struct {
+    char *block;
+    size_t used;
+} Room;
+
+static void *piece(Room *room, size_t bytes) {
+    char *at = room->block != NULL ? room->block + room->used : NULL;
+    room->used += (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    return at;
+}
+
+static double *numbers(Room *room, size_t number) {
+    return piece(room, sizeof(double) * number);
+}
+
+/* all arrays of the rope; gives what is used but for its touches with itself: of these it seldom needs many, and memory
+   that nothing is written to costs nothing */
+static size_t lay_out(Simulator *rope, Room *room) {
+    const Scene *scene = &rope->scene;
+    const int rubs = wire_stiffness(&scene->rope) > 0, presses = scene->shaft.contact.rope_stiffness > 0;
+    const size_t n = (size_t)rope->elements, size = (n + 1) * DOF;
+    State **const states[] = {&rope->state, &rope->next, &rope->spare};
+    double **const arrays[] = {&rope->trial.q,      &rope->trial.v,        &rope->trial.a, &rope->trial.b,
+                               &rope->trial.a_rate, &rope->trial.reaction, &rope->x};
+    rope->state_bytes = sizeof(State) + sizeof(double) * (FIELDS * size + 2 * n + 1 + (rubs ? WIRE_Z * n : 0));
+    for (int k = 0; k < 3; k++) *states[k] = piece(room, rope->state_bytes);
+    double *const in_a_row = numbers(room, 7 * size);
+    for (size_t k = 0; in_a_row != NULL && k < 7; k++) *arrays[k] = in_a_row + k * size;
+    rope->strains = piece(room, sizeof *rope->strains * n);
+    rope->frames = piece(room, chain_frames_bytes(rope->elements));
+    rope->work = piece(room, chain_work_bytes(rope->elements));
+    if (scene->rope.initial_curvature > 0) rope->curved = numbers(room, CURVED * n);
+    if (rubs) rope->wires = numbers(room, WIRE_HISTORY * n);
+    if (rubs) rope->latest = numbers(room, WIRE_LATEST * (n + 3));
+    rope->around = piece(room, sizeof *rope->around);
+    rope->own = piece(room, sizeof *rope->own);
+    const Seen seen = {.q = numbers(room, size), .lengths = numbers(room, n)};
+    const Surroundings around = {.scene = scene, .seen = seen, .near = piece(room, sizeof *around.near * n)};
+    OwnContact own = {.scene = scene, .presses = presses};
+    own.seen = (Seen){.q = numbers(room, size), .lengths = numbers(room, n)};
+    own.scratch = numbers(room, OWN_SCRATCH * size);
+    own.boxes = piece(room, sizeof *own.boxes * n);
+    own.ways = numbers(room, n);
+    own.distances = numbers(room, n);
+    own.where = numbers(room, n);
+    own.others = piece(room, sizeof *own.others * n);
+    const size_t used = room->used;
+    /* even of strands that lie in each other */
+    if (presses) {
+        const size_t places = (size_t)most_places(scene->rope.length, rope->elements, scene->rope.diameter);
+        own.touches = piece(room, sizeof *own.touches * MOST_STRANDS * places);
+    }
+    if (room->block != NULL) *rope->around = around, *rope->own = own;
+    return used;
 }
 
 Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, char *message) {
-    const int rubs = wire_stiffness(&scene->rope) > 0;
-    const size_t nodes = (size_t)elements + 1, size = nodes * DOF;
-    const size_t wires = rubs ? (size_t)elements : 0;
-    const size_t state_bytes =
-        sizeof(State) + sizeof(double) * (FIELDS * size + (size_t)elements + nodes + WIRE_Z * wires);
-    const size_t curved_bytes = scene->rope.initial_curvature > 0 ? align(sizeof(double) * CURVED * (nodes - 1)) : 0;
-    const size_t wire_bytes =
-        rubs ? align(sizeof(double) * WIRE_HISTORY * wires) + align(sizeof(double) * WIRE_LATEST * (wires + 3)) : 0;
-    const size_t bytes = 3 * align(state_bytes) + align(sizeof(double) * 7 * size) +
-                         align(sizeof(double) * STRAINS * (size_t)elements) + align(chain_frames_bytes(elements)) +
-                         align(chain_work_bytes(elements)) + curved_bytes + wire_bytes + align(sizeof(Surroundings)) +
-                         align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements);
-    const size_t own_bytes = own_contact_bytes(scene, elements);
-    Simulator *rope = memory->take(1, sizeof *rope);
-    if (rope != NULL) {
-        memset(rope, 0, sizeof *rope);
-        rope->block = memory->take(1, bytes + own_bytes + ALIGNMENT);
-    }
-    if (rope == NULL || rope->block == NULL) {
-        if (rope != NULL) memory->give_back(rope);
-        say_no_memory(message, elements, 1e-6 * (double)(bytes + own_bytes));
+    Simulator counted = {.scene = *scene, .elements = elements};
+    Room room = {NULL, 0};
+    const size_t cleared = lay_out(&counted, &room), bytes = sizeof counted + ALIGNMENT + room.used;
+    Simulator *rope = memory->take(1, bytes);
+    if (rope == NULL) {
+        say_no_memory(message, elements, 1e-6 * (double)bytes);
         return NULL;
     }
-    /* of its touches with itself a rope seldom needs many: memory that nothing is written to costs nothing */
-    memset(rope->block, 0, bytes + ALIGNMENT);
+    memset(rope, 0, sizeof *rope + ALIGNMENT + cleared);
     rope->memory = *memory;
     rope->scene = *scene;
-    rope->elements = elements;
+    rope->elements = rope->trial.elements = elements;
+    rope->trial.nodes = elements + 1;
     rope->chains = fastest_chains();
-    rope->state_bytes = state_bytes;
-    char *at = (char *)rope->block + (ALIGNMENT - (uintptr_t)rope->block % ALIGNMENT);
-    rope->state = (State *)at;
-    rope->next = (State *)(at += align(state_bytes));
-    rope->spare = (State *)(at += align(state_bytes));
-    at += align(state_bytes);
-    double **const arrays[7] = {&rope->trial.q,      &rope->trial.v,        &rope->trial.a, &rope->trial.b,
-                                &rope->trial.a_rate, &rope->trial.reaction, &rope->x};
-    for (size_t k = 0; k < 7; k++) *arrays[k] = (double *)at + k * size;
-    rope->trial.elements = elements;
-    rope->trial.nodes = (int)nodes;
-    at += align(sizeof(double) * 7 * size);
-    rope->strains = (double (*)[STRAINS])(void *)at;
-    at += align(sizeof(double) * STRAINS * (size_t)elements);
-    rope->frames = (double *)(void *)at;
-    rope->work = at += align(chain_frames_bytes(elements));
-    at += align(chain_work_bytes(elements));
-    if (curved_bytes > 0) rope->curved = (double *)(void *)at;
-    at += curved_bytes;
-    if (rubs) rope->wires = (double *)(void *)at;
-    if (rubs) rope->latest = (double *)(void *)(at + align(sizeof(double) * WIRE_HISTORY * wires));
-    rope->around = (Surroundings *)(void *)(at += wire_bytes);
-    rope->around->seen.q = (double *)(void *)(at + align(sizeof(Surroundings)));
-    rope->around->seen.lengths = rope->around->seen.q + size;
-    rope->around->near = (unsigned *)(void *)(rope->around->seen.lengths + elements);
-    at += align(sizeof(Surroundings)) +
-          align(sizeof(double) * (size + (size_t)elements) + sizeof(unsigned) * (size_t)elements);
-    rope->own = own_contact(&rope->scene, elements, at);
+    room.block = (char *)(rope + 1) + (ALIGNMENT - (uintptr_t)(rope + 1) % ALIGNMENT);
+    room.used = 0;
+    lay_out(rope, &room);
     return rope;
 }
 
 void rope_destroy(Simulator *rope) {
-    if (rope == NULL) return;
-    const Memory memory = rope->memory;
-    memory.give_back(rope->block);
-    memory.give_back(rope);
+    if (rope != NULL) rope->memory.give_back(rope);
 }

@@ -66,7 +66,6 @@ static double largest_bend(const Arrays *m) {
     return largest;
 }
 
-/* h: of the communication step, at the start of which the balance of energy had this residual */
 void audit_interval(const Simulator *rope, State *state, double h, double residual_before) {
     const Arrays m = state_arrays(state);
     const double *left = m.q, *right = end_row(m.q, m.nodes, RIGHT);
@@ -127,6 +126,7 @@ void model_powers(const Simulator *rope, State *state) {
         const double moment = ends_moment(&rope->scene, state, side, R);
         double spin = v[ANGLE];
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
+        if (rope->scene.swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);
         if (state->swivels[side].phase == SLIP) {
             double relative[2];
             ends_relative(state, side, state->t, 0, spin, relative);

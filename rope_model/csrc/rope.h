@@ -69,8 +69,8 @@ void rope_warning(Simulator *rope, int number, char *message);
    exact.  Computed when first asked for after a change of state. */
 void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
 
-/* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 22 inputs
-   (11 of EndMotion on the left, then on the right), given for the start or the end of a step as long as the last. */
+/* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 26 inputs
+   (13 of EndMotion on the left, then on the right), given for the start or the end of a step as long as the last. */
 int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]);
 
 /* The complete state: plain bytes without addresses, the same in every process. */

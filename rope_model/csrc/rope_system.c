@@ -23,7 +23,8 @@ System rope_system(const Simulator *rope, State *state) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
         const SwivelState *now = &state->swivels[side];
-        s.free[side][SLOPE + 1] = 1;
+        s.free[side][SLOPE] = s.free[side][SLOPE + 2] = swivel->attachment == HINGED;
+        s.free[side][SLOPE + 1] = swivel->attachment != CLAMPED;
         s.free[side][ANGLE] = now->phase == SLIP;
         s.inertia[side] = swivel->inertia;
         if (now->phase == SLIP && swivel->mode != FREE_MODE) {

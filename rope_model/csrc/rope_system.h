@@ -127,9 +127,9 @@ typedef struct {
     /* J x = M a with the J that solve was left with, work as it left it */
     void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
                     const double *known, double *x);
-    /* J x = -R on the free degrees of freedom */
+    /* J x = -R on the free degrees of freedom; factorized: J is as the latest call left it */
     void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
-                        const double *known, const double c[3], double *x, double *R);
+                        const double *known, const double c[3], int factorized, double *x, double *R);
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
                      double balance[BALANCE]);
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
@@ -178,10 +178,8 @@ static inline void at_places(const double *x, int element, const double shares[4
         y[i] = shares[0] * a[i] + shares[1] * a[SLOPE + i] + shares[2] * b[i] + shares[3] * b[SLOPE + i];
 }
 
-/* self_contact.c: what it takes in this scene, and that in as much memory, aligned to 64 bytes */
-size_t own_contact_bytes(const Scene *scene, int elements);
-OwnContact *own_contact(const Scene *scene, int elements, void *memory);
-/* where the rope touches itself, and how often it presses there, with tangents along (cq, cv) of q and v */
+/* self_contact.c: where the rope touches itself, and how often it presses there, with tangents along (cq, cv) of q and
+ * v */
 int touches_of(const System *s, const double *q, const double *v, double cq, double cv);
 /* to R, and the product of the tangent with x to y */
 void self_contact_take_force(const OwnContact *own, double *R);

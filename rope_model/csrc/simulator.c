@@ -20,7 +20,6 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     Simulator *rope = with_memory(scene, elements, memory, message);
     if (rope == NULL) return NULL;
     rope->mesh = mesh;
-    rope->around->scene = &rope->scene;
     rope->around->bodies = may_touch(&scene->shaft);
     return rope;
 }
@@ -71,21 +70,23 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     return 1;
 }
 
-/* the ends at rest at t; points: where they are; 0 when they cannot be */
+/* the ends at rest at t where the rope is hung up; points: where they are; 0 when they cannot be */
 static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], double points[2][3]) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
-        state->paths[side] = path_resting(state->t, end);
+        const Path path = path_resting(state->t, end);
         state->following[side] = following_resting(state->t, end);
         double limits[3][4];
-        follow_limits(&state->paths[side], &state->following[side], limits);
-        ends_refusal(&rope->scene.inputs, end, limits, side, rope->message);
+        follow_limits(&path, &state->following[side], limits);
+        ends_refusal(&rope->scene, end, limits, side, rope->message);
         if (rope->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
         if (fastest > RESTS_BELOW) return say_moves_at_start(rope->message, SIDE_NAMES[side]);
     }
-    suspension_points(&rope->scene.layout, &ends[LEFT], &ends[RIGHT], points);
+    paths_at_rest(rope, state, ends, 0);
+    const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
+    suspension_points(&rope->scene.layout, &first[LEFT], &first[RIGHT], points);
     return 1;
 }
 
@@ -114,7 +115,8 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
     state->loop_yaw = diagnostics_direction(&m);
-    if (message[0] || !(state->fidelity == RIGID ? as_rigid(rope, state, t, message) : hang(rope, state, message))) {
+    if (message[0] ||
+        !(state->fidelity == RIGID ? as_rigid(rope, state, t, message) : hang(rope, state, ends, message))) {
         tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
         return 0;
     }
@@ -151,7 +153,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         const Path path = follow_path(before, &now, t, manner.observer);
         double limits[3][4];
         follow_limits(&path, &now, limits);
-        ends_refusal(&scene->inputs, &ends[side], limits, side, rope->message);
+        ends_refusal(scene, &ends[side], limits, side, rope->message);
         if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);
         if (rope->message[0]) return 0;
         const double leg = side == LEFT ? bottom : scene->rope.length - bottom;
@@ -257,7 +259,7 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
     newton_coefficients(&method, state->last_interval, c);
     for (int k = 0; k < 2; k++) {
         s.forces = k == 0 ? NULL : forces;
-        chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, answers[k], rope->trial.v);
+        chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, k, answers[k], rope->trial.v);
     }
     Pushed at = {0};
     for (int number = 0; number < forces->number; number++) {

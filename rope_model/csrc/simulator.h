@@ -20,7 +20,6 @@ struct Simulator {
     const Chain *chains; /* of the fidelities TORSIONAL to PLANAR */
     int elements, initialized;
     size_t state_bytes;
-    void *block;                /* all the memory behind the pointers that follow */
     State *state, *next;        /* next is what an advance works on; they change places when it succeeds */
     State *spare;               /* what would be if a swivel stuck, and what is looked at but not kept */
     Arrays trial;               /* of the latest trial; scratch at other times */
@@ -120,8 +119,10 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
    rope; 0 and a message when there is none */
 int flexible_start(Simulator *rope, State *state, char *message);
 
-/* hang.c: the state at rest, hung up untwisted, turned in and relaxed; 0 and a message when it cannot be */
-int hang(Simulator *rope, State *state, char *message);
+/* hang.c: the state at rest, hung up untwisted, turned in and relaxed, then between these ends; 0 and a message when it
+   cannot be */
+int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part); /* on the way to there */
 
 /* switching.c */
 void release_swivels(Simulator *rope, State *state);

@@ -52,10 +52,13 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
 static int path_plausible(const Path *path, double t) {
     const double distant = 1e5;
     if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t)))) return 0;
-    double motion[3][4];
+    double motion[3][4], leans[2][3];
     path_motion(path, path->stop, motion);
     for (int k = 0; k < 12; k++)
         if (!(fabs(motion[k / 4][k % 4]) <= distant)) return 0;
+    path_leaning(path, path->stop, leans);
+    for (int k = 0; k < 6; k++)
+        if (!(fabs(leans[k / 3][k % 3]) <= distant)) return 0;
     return 1;
 }
 

@@ -1,7 +1,5 @@
 """Linear equations with a symmetric band."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

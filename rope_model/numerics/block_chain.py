@@ -15,8 +15,6 @@ Everything is built from CasADi functions of one element; this module knows noth
 element is the same in chains of any length, and is compiled once: ``chain_parts``.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import NamedTuple
 
@@ -109,7 +107,8 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     residual_map, balance_map = parts.residual.map(n), parts.balance.map(n)
 
     def residual(q: ca.MX, v: ca.MX, a: ca.MX, R: ca.MX) -> ca.MX:
-        return _assemble(residual_map(*(_both_ends(x) for x in (q, v, a)), l, F, Ps), m) + nodal(a, R)
+        R_e, zero = residual_map(*(_both_ends(x) for x in (q, v, a)), l, F, Ps), ca.MX.zeros(m, 1)
+        return ca.horzcat(R_e[:m, :], zero) + ca.horzcat(zero, R_e[m:, :]) + nodal(a, R)
 
     # Newton's method: x holds q, v, a and R side by side
     x = ca.MX.sym("x", m, 4 * (n + 1))
@@ -198,11 +197,6 @@ def _widen(
 
 def _both_ends(x: ca.MX) -> ca.MX:
     return ca.vertcat(x[:, :-1], x[:, 1:])
-
-
-def _assemble(R: ca.MX, m: int) -> ca.MX:
-    zero = ca.MX.zeros(m, 1)
-    return ca.horzcat(R[:m, :], zero) + ca.horzcat(zero, R[m:, :])
 
 
 def _elimination(tangent: ca.Function, m: int) -> tuple[ca.Function, ca.Function]:

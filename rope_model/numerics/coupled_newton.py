@@ -6,8 +6,6 @@ exact arithmetic ends after r + 1 steps.  Each takes one solution with J and no 
 factorization and corrections with it are those of numerics.newton, judged alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -16,8 +16,6 @@ Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Bruels, Multibo
 form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -65,10 +63,6 @@ class Assessed(Protocol):
 B = TypeVar("B", bound=Assessed)
 
 
-def _whole(change: Array) -> Array:
-    return change
-
-
 @dataclass(frozen=True)
 class Solution(Generic[B]):
     """Result of Newton's method: q, v, a, their evaluation, and its status.
@@ -81,7 +75,7 @@ class Solution(Generic[B]):
     a: Array
     evaluation: B
     newton: NewtonReport
-    resolve: Callable[[Array], Array] = _whole
+    resolve: Callable[[Array], Array] = lambda change: change
 
 
 class System(Protocol[B]):

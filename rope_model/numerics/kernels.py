@@ -5,8 +5,6 @@ functions; it is cached on disk under the hash of the generated C, the compiler 
 these compiles anew.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import logging
@@ -127,11 +125,6 @@ def find_compiler() -> tuple[str, ...] | None:
     return None
 
 
-def compiler_name(command: Sequence[str]) -> str:
-    """Return the name by which people know a compiler's command: python runs ziglang."""
-    return "ziglang" if "ziglang" in command else Path(command[0]).name
-
-
 def cache_folder() -> Path:
     """Folder for compiled kernels: BALANCE_ROPE_CACHE, or balance-rope in the user's cache folder."""
     if chosen := os.environ.get("BALANCE_ROPE_CACHE"):
@@ -166,9 +159,9 @@ def build_library(
 
 def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
     """The functions, compiled once for all that call them."""
-    sources = {"parts.c": generate_c(tuple(functions), "parts")}
+    sources = {f"{name}.c": generate_c(tuple(functions), "parts")}
     made, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
-    return CompiledParts(made, objects["parts.c"])
+    return CompiledParts(made, objects[f"{name}.c"])
 
 
 def compile_library(
@@ -184,7 +177,8 @@ def compile_library(
     made = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
 
     def link() -> None:
-        progress.warning(_ANNOUNCED, name, compiler_name(command))
+        # python runs ziglang
+        progress.warning(_ANNOUNCED, name, "ziglang" if "ziglang" in command else Path(command[0]).name)
         compile_objects(sources, command, objects)
         link_library(command, files, made, made.name)
 

@@ -6,8 +6,6 @@ new factorization and goes on with it while the contraction pays; a slow round i
 are branches and loops of generated code: only needed parts are evaluated.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache

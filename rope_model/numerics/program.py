@@ -4,8 +4,6 @@ It does Python's operations in the same order and gives the same bits, some ten 
 of operations in every step.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

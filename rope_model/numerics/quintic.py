@@ -4,8 +4,6 @@ x(s) = c0 + c1 s + ... + c5 s^5 has position, speed and acceleration x0, v0, a0 
 Works on numbers and CasADi expressions.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 

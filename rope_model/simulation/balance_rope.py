@@ -1,7 +1,5 @@
 """Interface of every form of the rope: hang, follow the ends, be read, and go back to a saved state."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -63,19 +61,19 @@ class BalanceRope(ABC):
         """Number of elements."""
 
     @property
-    @abstractmethod
     def time(self) -> float:
         """The present state's instant, s."""
+        return self.state.motion.t
 
     @property
-    @abstractmethod
     def fidelity(self) -> Fidelity:
         """Fidelity of the present computation: torsional is all, then spatial, planar and rigid."""
+        return self.state.fidelity
 
     @property
-    @abstractmethod
     def fidelity_reason(self) -> str:
         """Reason for this fidelity."""
+        return self.state.fidelity_reason
 
     @property
     @abstractmethod

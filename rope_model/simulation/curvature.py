@@ -1,7 +1,5 @@
 """The permanent curvature of a rope along its present shape: physics.initial_curvature from the left end on."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

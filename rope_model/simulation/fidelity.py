@@ -12,8 +12,6 @@ vertical end forces (root mean square over a winding, relative to the largest) i
 physics.estimates has the estimates, fidelity_rules the formulas of the choice.
 """
 
-from __future__ import annotations
-
 import logging
 from typing import Literal, NamedTuple
 

@@ -1,7 +1,5 @@
 """A scene with its kernels: equations of motion, trial steps and bookkeeping for any state of the rope."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,17 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rope_model.numerics.generalized_alpha import (
-    Coefficients,
-    Motion,
-    StepResult,
-    local_error,
-    recentring,
-    restart,
-    step,
-)
+from rope_model.numerics import generalized_alpha as alpha
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import add_errors, step_error, step_limits
+from rope_model.physics.accuracy import HASTY_STEP, add_errors, newton_may_leave, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
@@ -100,24 +90,26 @@ class RopeModel:
         return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
 
     @cached_property
-    def method(self) -> Coefficients:
+    def method(self) -> alpha.Coefficients:
         """The integration method."""
-        return Coefficients(self.scene.solver.rho_inf)
+        return alpha.Coefficients(self.scene.solver.rho_inf)
 
-    def relative_error(self, old: RopeState, result: StepResult[Evaluation]) -> float:
+    def relative_error(self, old: RopeState, result: alpha.StepResult[Evaluation]) -> float:
         """Local error of a trial step over the error allowed; infinite when Newton failed."""
         if result.motion is None:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
-        constant = local_error(self.method, 1.0, 1.0)
+        constant = alpha.local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
         assert result.a_rate is not None
-        strain = local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
+        strain = alpha.local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
         return float(step_error(limits, h, result.error, strain))
 
-    def trial(self, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
+    def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
-        return step(self.pushed(system, old.t + h), old, h, self.method, self.scene.solver.newton_tolerance)
+        solver = self.scene.solver
+        tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, HASTY_STEP))
+        return alpha.step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""
@@ -131,18 +123,18 @@ class RopeModel:
         """The state with consistent accelerations and no history."""
         m = state.motion
         system = self.system(state)
-        motion, _ = restart(system, m.t, m.q, m.v, m.reaction)
+        motion, _ = alpha.restart(system, m.t, m.q, m.v, m.reaction)
         audit = restart_audit(state.audit, load_on(ends_of(system), motion, system))
         return state._replace(motion=motion, powers=powers(system, motion), audit=audit)
 
-    def commit(self, old: RopeState, system: RopeSystem, result: StepResult[Evaluation]) -> RopeState:
+    def commit(self, old: RopeState, system: RopeSystem, result: alpha.StepResult[Evaluation]) -> RopeState:
         """An accepted step, with energies and work added up, its angles counted along its own curve."""
         motion, evaluation = result.motion, result.evaluation
         assert motion is not None
         assert evaluation is not None
         now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        paces, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, local_error(self.method, 1.0, 1.0)
+        paces, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
         errors = add_errors(
             self.scene, old.errors, bottom, apart(old.motion), h, constant, paces.tolist(), result.error, force
         )
@@ -159,7 +151,7 @@ class RopeModel:
         after = after._replace(contact=contact)
         return self._audit_step(old.motion, with_angles_along(system, after), system)
 
-    def _audit_step(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:
+    def _audit_step(self, old: alpha.Motion, state: RopeState, system: RopeSystem) -> RopeState:
         """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
         m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
         now, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
@@ -167,7 +159,7 @@ class RopeModel:
             state.audit,
             method,
             h,
-            recentring(method, m.h, old.h),
+            alpha.recentring(method, m.h, old.h),
             load_on(self.ends(state), m, self.pushed(system, m.t)),
             max(map(abs, now)),
             max(abs(now[0] - left), abs(now[1] - right)),
@@ -216,7 +208,7 @@ def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
     for x, more in zip(fields, (*gained, gained[2]), strict=True):
         x[:, ANGLE] += more
     offsets = state.offsets[0], state.offsets[1] + float(gained[0, -1])
-    return state._replace(motion=Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction), offsets=offsets)
+    return state._replace(motion=alpha.Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction), offsets=offsets)
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:
@@ -225,7 +217,7 @@ def ends_of(system: RopeSystem) -> HangingEnds:
     return system.boundary
 
 
-def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
+def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load:
     """Loads on the rope by the conveyances, its ends held so, by touched bodies, and by the air."""
     outside = system.outside(motion.q, motion.v)
     loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
@@ -254,13 +246,15 @@ def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> Energy
     return account
 
 
-def powers(system: RopeSystem, motion: Motion) -> Powers:
+def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     """Powers that flow in and out at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side in (0, 1):
         force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]
         moment = ends.moment(side, motion.reaction)
         at_ends += float(force @ velocity)
+        if ends.swivels[side].attachment == "clamped":
+            at_ends += float(motion.reaction[-side, SLOPE] @ motion.v[-side, SLOPE])
         spin = float(motion.v[-side, ANGLE])
         if ends.states[side].phase is Phase.SLIP:
             rate = float(ends.relative(side, motion.t, 0.0, spin)[1])
@@ -270,6 +264,6 @@ def powers(system: RopeSystem, motion: Motion) -> Powers:
     return Powers(at_ends, at_swivels)
 
 
-def apart(motion: Motion) -> float:
+def apart(motion: alpha.Motion) -> float:
     """Vertical speed (m/s) of the left end seen from the right one."""
     return float(motion.v[0, 1] - motion.v[-1, 1])

@@ -5,8 +5,6 @@ No side forces, no torque, no waves: for the design of controllers.  The rope mu
 The flexible rope that takes over starts from the equilibrium between the ends of that instant and moves as that does.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

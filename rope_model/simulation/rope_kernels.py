@@ -3,29 +3,14 @@
 They depend on the number of elements, the fidelity and the effects on the rope (``Kinds``), not on its data.
 """
 
-from __future__ import annotations
-
 import logging
 import shutil
 from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
+from rope_model.numerics import kernels as compiling
 from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
-from rope_model.numerics.kernels import (
-    LIBRARY_SUFFIX,
-    Kernel,
-    KernelForm,
-    build_library,
-    build_parts,
-    cache_folder,
-    find_compiler,
-    load_compiled,
-    load_portable,
-    platform_tag,
-    prepare,
-    save_portable,
-)
 from rope_model.numerics.newton import PROGRESS
 from rope_model.numerics.program import EXPRESSIONS
 from rope_model.physics.air_element import AIR_BALANCE, air_element
@@ -64,7 +49,7 @@ class RopeKernels:
     def __init__(
         self,
         elements: int,
-        form: KernelForm = "auto",
+        form: compiling.KernelForm = "auto",
         bundle: Path | None = None,
         fidelity: ElementFidelity = "torsional",
         bodies: Kinds = (),
@@ -72,31 +57,31 @@ class RopeKernels:
         library, portable = _bundle_files(bundle, elements, fidelity, bodies) if bundle else (None, None)
         with EXPRESSIONS:
             if portable is not None and portable.exists():
-                functions = load_portable(portable)
+                functions = compiling.load_portable(portable)
             else:
                 functions = [*rope_functions(elements, fidelity, bodies)]
-            (solve, newton_step, evaluate, losses, strains, momentum, reference, transport), self.form = prepare(
-                functions, partial(_build, elements, fidelity, bodies), form, library
-            )
+            build = partial(_build, elements, fidelity, bodies)
+            made, self.form = compiling.prepare(functions, build, form, library)
+        solve, newton_step, evaluate, losses, strains, momentum, reference, transport = made
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity, self.kinds = elements, fidelity, bodies
         # sums of solve and evaluate
         air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if _touched(bodies) else ()
         self.balance = (*BALANCE, *air, *contact)
-        self.solve = Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
-        self.newton_step = Kernel(newton_step, (nodes, nodes))
-        self.evaluate = Kernel(evaluate, (nodes, balance))
-        self.losses = Kernel(losses, ((losses.size1_out(0),),))
-        self.strains = Kernel(strains, ((elements, len(STRAINS)),))
-        self.momentum = Kernel(momentum, ((len(MOMENTUM),),))
-        self.reference = Kernel(reference, ((elements, reference.size1_out(0)),))
-        self.transport = Kernel(transport, ((elements, 3),))
+        self.solve = compiling.Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
+        self.newton_step = compiling.Kernel(newton_step, (nodes, nodes))
+        self.evaluate = compiling.Kernel(evaluate, (nodes, balance))
+        self.losses = compiling.Kernel(losses, ((losses.size1_out(0),),))
+        self.strains = compiling.Kernel(strains, ((elements, len(STRAINS)),))
+        self.momentum = compiling.Kernel(momentum, ((len(MOMENTUM),),))
+        self.reference = compiling.Kernel(reference, ((elements, reference.size1_out(0)),))
+        self.transport = compiling.Kernel(transport, ((elements, 3),))
 
 
 class KernelCache:
     """The kernels of every fidelity for one number of elements, made when first needed."""
 
-    def __init__(self, elements: int, form: KernelForm = "auto", bundle: Path | None = None) -> None:
+    def __init__(self, elements: int, form: compiling.KernelForm = "auto", bundle: Path | None = None) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
         self._made: dict[tuple[ElementFidelity, Kinds], RopeKernels] = {}
 
@@ -110,7 +95,7 @@ class KernelCache:
 def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Kinds]]) -> list[Path]:
     """Write the portable kernels ``needed`` and, with a compiler, those for this platform into ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
-    written, compiler = [], find_compiler()
+    written, compiler = [], compiling.find_compiler()
     if compiler is None:
         log.warning(
             "no compiled kernels go into %s, for want of a C compiler: CasADi's virtual machine takes several times as "
@@ -119,7 +104,7 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
         )
     for fidelity, bodies in needed:
         library, portable = _bundle_files(folder, elements, fidelity, bodies)
-        save_portable(rope_functions(elements, fidelity, bodies), portable)
+        compiling.save_portable(rope_functions(elements, fidelity, bodies), portable)
         written.append(portable)
         if compiler is not None:
             shutil.copyfile(_build(elements, fidelity, bodies, compiler), library)
@@ -130,21 +115,22 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
 def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Sequence[str]) -> Path:
     """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
     kind = "-".join((fidelity, *(_WORDS[kind] for kind in bodies)))
-    parts = build_parts(rope_parts(fidelity, bodies), compiler, cache_folder(), f"element-{kind}")
+    folder = compiling.cache_folder()
+    parts = compiling.build_parts(rope_parts(fidelity, bodies), compiler, folder, f"element-{kind}")
     functions = _linked_functions(elements, fidelity, bodies, parts.library)
-    return build_library(functions, compiler, cache_folder(), f"kernels-{kind}-{elements}", [parts.linked])
+    return compiling.build_library(functions, compiler, folder, f"kernels-{kind}-{elements}", [parts.linked])
 
 
 @cache
 def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Kinds, library: Path) -> ChainFunctions:
     """Return ``rope_functions`` that call the parts shared by ropes of any size."""
-    parts = ChainParts(*load_compiled(rope_parts(fidelity, bodies), library))
+    parts = ChainParts(*compiling.load_compiled(rope_parts(fidelity, bodies), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 
 
 def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies: Kinds) -> tuple[Path, Path]:
     name = "-".join((fidelity, *(_WORDS[kind] for kind in bodies), str(elements)))
-    return folder / f"{name}-{platform_tag()}{LIBRARY_SUFFIX}", folder / f"{name}.casadi"
+    return folder / f"{name}-{compiling.platform_tag()}{compiling.LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
 @cache

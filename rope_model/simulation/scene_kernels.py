@@ -1,7 +1,5 @@
 """Kernels that the rope of a scene needs, by its effects and by the fidelity that its ends ask for."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from rope_model.parameters import Scene

@@ -7,8 +7,6 @@ not converge or errs too much is rejected, halved and tried again; when the smal
 and keeps the state of the host's last instant.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Iterable
@@ -22,27 +20,28 @@ from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.outline import suspension_points
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
-from rope_model.simulation.contact.bodies import no_room
+from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
-from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, refusal, right_offset
-from rope_model.simulation.ends.following import Following, follow, follow_limits, follow_program, manner_of
-from rope_model.simulation.ends.misfit import follow_account
+from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, leaning, refusal, right_offset
+from rope_model.simulation.ends.followed import follow, follow_program
+from rope_model.simulation.ends.following import Following, follow_limits, manner_of
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
-from rope_model.simulation.fidelity import Fidelity, choose_fidelity, unsupported_motion
+from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.mesh.adaptation import raise_fidelity
 from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
 from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
+from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
 from rope_model.simulation.outputs.guards import at_rest, with_guards
 from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
-from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem
+from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, RopeSystem
 from rope_model.simulation.state import RopeState
-from rope_model.simulation.stepping.hang import hang
+from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
 from rope_model.simulation.stepping.stepping import as_rigid, most_work, step_towards
 from rope_model.simulation.wires import fresh_memory
@@ -86,7 +85,7 @@ class RopeSimulator(BalanceRope):
                 raise
             raise ValueError(messages.fitted_mesh_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
-        self._follow = follow_program()
+        self._follow = follow_program(scene.rope)
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -117,18 +116,6 @@ class RopeSimulator(BalanceRope):
     @property
     def elements(self) -> int:
         return self.model.kernels.elements
-
-    @property
-    def time(self) -> float:
-        return self.state.motion.t
-
-    @property
-    def fidelity(self) -> Fidelity:
-        return self.state.fidelity
-
-    @property
-    def fidelity_reason(self) -> str:
-        return self.state.fidelity_reason
 
     @property
     def loop(self) -> LoopBottom:
@@ -187,13 +174,14 @@ class RopeSimulator(BalanceRope):
         scene, rope = self.scene, self.scene.rope
         if not abs(t) <= FARTHEST_START:
             return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
-        paths = (EndPath.at_rest(t, left), EndPath.at_rest(t, right))
-        for side, target, path in zip(SIDES, (left, right), paths, strict=True):
-            if message := refusal(scene.inputs, target, follow_limits(path, Following.at_rest(t, target)), side):
+        paths = paths_at_rest(scene, t, (left, right), 0.0)
+        for side, target in zip(SIDES, (left, right), strict=True):
+            limits = follow_limits(EndPath.at_rest(t, target), Following.at_rest(t, target))
+            if message := refusal(scene, target, limits, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > RESTS_BELOW:
                 return Status(False, messages.moves_at_start(side))
-        ends = np.array(suspension_points(scene.layout, left, right))
+        ends = np.array(suspension_points(scene.layout, *(path.at(t) for path in paths)))
         fidelity, reason = choose_fidelity(scene, (left, right), self.model.forces.s.size)
         try:
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
@@ -216,9 +204,9 @@ class RopeSimulator(BalanceRope):
                 fidelity=fidelity,
                 fidelity_reason=reason,
             )
-            state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state)
+            state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state, (left, right))
         except (StaticsError, ValueError) as error:
-            return Status(False, no_room(scene, fidelity, left, right) or str(error))
+            return Status(False, first_text(NO_ROOM, scene, fidelity, left, right) or str(error))
         if fidelity != "rigid":
             state = state._replace(hysteresis=fresh_memory(scene, cells.lengths.size))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
@@ -242,14 +230,14 @@ class RopeSimulator(BalanceRope):
         if not earliest <= at <= t + SHORTEST_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
         manner, followed = manner_of(scene), []
+        bottom = self.model.bottom(state.paths, start)
+        legs = bottom, scene.rope.length - bottom
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end)
-            refused = refusal(scene.inputs, end, found.limits, side)
+            found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end, legs[k])
+            refused = refusal(scene, end, found.limits, side)
             if message := refused or frozen(scene.inputs, t, found.following, side):
                 return Status(False, message)
-            bottom = self.model.bottom(state.paths, start)
-            leg = bottom if k == 0 else scene.rope.length - bottom
-            followed.append((found.path, follow_account(found.following, found.path, manner, scene.rope, leg)))
+            followed.append((found.path, found.following))
         paths, following = zip(*followed, strict=True)
         state = state._replace(paths=paths, following=following, events=())
         if scene.inputs.given != "all":
@@ -306,7 +294,7 @@ class RopeSimulator(BalanceRope):
     def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
         """Return q and reactions after a ``change`` of an end's coordinate in q, q_t, q_tt at the last step's end.
 
-        The rest of the rope answers by the linearised equations of that step.
+        The rest of the rope answers by the linearised equations of that step.  Beyond q come the leans of a clamp.
         """
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         if self._unmoved is None or self._unmoved[0] is not system:
@@ -315,8 +303,13 @@ class RopeSimulator(BalanceRope):
         if not change.any():
             return m.q, reaction
         q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
-        for x, dx in zip((q, v, a), change, strict=True):
-            x[-side, dof] += dx
+        if dof > ANGLE:
+            leans = np.array(self.state.paths[side].leaning(m.t))
+            leans[dof - ANGLE - 1] += change
+            q[-side, SLOPE], v[-side, SLOPE], a[-side, SLOPE] = (1 - 2 * side) * np.array(leaning(*leans))
+        else:
+            for x, dx in zip((q, v, a), change, strict=True):
+                x[-side, dof] += dx
         y = system.newton_step(q, v, a, m.reaction, c)[0] - unperturbed
         q += y
         return q, system.evaluate(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction

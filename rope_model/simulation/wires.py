@@ -7,8 +7,6 @@ From mesh to mesh z goes as the mean over the length of rope that a point stands
 integral of z stays, and that of z^2 can only fall.  Points whose length of rope is the same keep z to the bit.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

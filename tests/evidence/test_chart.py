@@ -56,11 +56,6 @@ def test_levels_are_as_accurate_as_they_say(coupling: str, level: str, bound: fl
     assert limit(POINTS, coupling, FORCE) < error[0] < bound
 
 
-def test_the_exact_fidelities_agree_where_nothing_couples() -> None:
-    r = rows(POINTS, family="fidelities", coupling="uncoupled", name=("torsional", "spatial", "planar"))
-    assert_allclose(r[FORCE], r[FORCE][0], rtol=1e-3)
-
-
 def test_savings_are_those_of_equal_elements_with_the_same_loop_error() -> None:
     elements = np.array([100.0, 200.0, 400.0])
     rows_of_eem = [("r", 10.0, 5.0, 1.0, "coupled", "EEM", 0.0, n, 2e-5 * n, 1e-6, 1e4 / n**4) for n in elements]

@@ -5,7 +5,7 @@ import pytest
 
 from evidence.latency.measure import COUNTED, STEPS, Case, causes, percentiles, work
 
-CASE = Case("rope-120", "winding", "draft", "in process")
+CASE = Case("rope-120", "winding", "draft", "in process", 0.01)
 
 
 @pytest.mark.parametrize(("rounds", "time", "largest", "late"), [(1, 3e-2, 5e-5, 0.0), (slice(3), 11e-3, 11e-3, 0.01)])

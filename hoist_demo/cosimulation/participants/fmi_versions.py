@@ -3,8 +3,6 @@
 FMI 3.0 has other types, and other calls to instantiate, to set up and to step; fmu_description has the variables.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -20,16 +18,6 @@ import fmpy.fmi2
 import fmpy.fmi3
 import numpy as np
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    calloc,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    free,
-)
-from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmu_description import FMI_VERSIONS, Variable
@@ -98,7 +86,8 @@ class Instance(ABC):
             raise RuntimeError(str(error)) from error
 
     @property
-    def _fmu(self) -> Any:
+    def fmpy(self) -> Any:
+        """FMPy's instance, for calls that both versions have alike."""
         if self._loaded is None:
             raise RuntimeError(_CLOSED)
         return self._loaded
@@ -131,7 +120,7 @@ class Instance(ABC):
         kept = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
         values = np.zeros((rows, len(names)), kept)
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
-        function, rope = self._function(f"{what}{type_}"), self._fmu.component
+        function, rope = self._function(f"{what}{type_}"), self.fmpy.component
         call = self._access(f"{what}{type_}", references, values.ctypes.data_as(c_void_p), len(names))
         if type_ == "String":
             text = self.text(variables[0])
@@ -155,14 +144,14 @@ class Instance(ABC):
     @property
     def stepping(self) -> Access:
         """The function that steps."""
-        return access(self._standard, self._function("DoStep"), self._fmu.component, (c_uint32 * 0)(), np.zeros((0, 0)))
+        return access(self._standard, self._function("DoStep"), self.fmpy.component, (c_uint32 * 0)(), np.zeros((0, 0)))
 
     def name_in_c(self, name: str) -> str:
         """Name of a function in its library."""
         return self._prefix + name
 
     def _function(self, name: str) -> Any:
-        return self._fmu.dll[self.name_in_c(name)]
+        return self.fmpy.dll[self.name_in_c(name)]
 
     def _access(self, name: str, references: Any, values: Any, number: int) -> Callable[[], None]:
         length = [c_size_t(number)] if self._tells_lengths else []
@@ -173,7 +162,7 @@ class Instance(ABC):
 
         The arguments have their types of C, which a function without a prototype takes as they are, in half the time.
         """
-        call: Callable[[], int] = partial(self._function(name), c_void_p(self._fmu.component), *arguments)
+        call: Callable[[], int] = partial(self._function(name), c_void_p(self.fmpy.component), *arguments)
 
         def checked() -> None:
             if self._loaded is None:
@@ -187,31 +176,23 @@ class Instance(ABC):
     def set(self, variable: Variable, values: Sequence[Value]) -> None:
         """Set all elements of a variable."""
         type_ = self._enumeration if variable.kind == "Enumeration" else variable.type
-        getattr(self._fmu, f"set{type_}")([variable.reference], values)
-
-    def exit_initialization(self) -> None:
-        """Leave initialization mode."""
-        self._fmu.exitInitializationMode()
-
-    def terminate(self) -> None:
-        """End the run."""
-        self._fmu.terminate()
+        getattr(self.fmpy, f"set{type_}")([variable.reference], values)
 
     def save(self) -> FmuState:
         """The state."""
-        return self._held(self._fmu.getFMUState())
+        return self._held(self.fmpy.getFMUState())
 
     def restore(self, state: FmuState) -> None:
         """Go back to a state."""
-        self._fmu.setFMUState(state.handle)
+        self.fmpy.setFMUState(state.handle)
 
     def to_bytes(self, state: FmuState) -> bytes:
         """A state as bytes."""
-        return bytes(self._fmu.serializeFMUState(state.handle))
+        return bytes(self.fmpy.serializeFMUState(state.handle))
 
     def from_bytes(self, data: bytes) -> FmuState:
         """The state in bytes."""
-        return self._held(self._fmu.deserializeFMUState(data))
+        return self._held(self.fmpy.deserializeFMUState(data))
 
     def _held(self, handle: Any) -> FmuState:
         state = FmuState(handle)
@@ -221,7 +202,7 @@ class Instance(ABC):
     def _give_back(self, handle: Any) -> None:
         """Give a state back that nobody has any more."""
         with suppress(CallError):
-            self._fmu.freeFMUState(handle)
+            self.fmpy.freeFMUState(handle)
 
     def close(self) -> None:
         """Free the instance; may be called more than once."""
@@ -234,42 +215,42 @@ class Instance(ABC):
 
 
 class _Instance2(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi2.FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
     _standard = "FMI2"
     _tells_lengths = False
 
     def _instantiate(self) -> None:
         # FMPy prints by default; the callbacks must live as long as the instance
-        self._callbacks: Any = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._pass_on)
-        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        self._callbacks: Any = fmpy.fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(self._pass_on)
+        self._callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.fmi2.calloc)
+        self._callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.fmi2.free)
         # formats C varargs where FMPy ships its proxy for this platform; without it the raw text is logged
         with suppress(ImportError, OSError, RuntimeError):
             from fmpy.logging import addLoggerProxy
 
             addLoggerProxy(byref(self._callbacks))
-        self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self.fmpy.instantiate(callbacks=self._callbacks, loggingOn=True)
         self._do_step = self._checked("DoStep", self._t, self._h, c_int(_NO_STATE_PRIOR))
 
     def enter_initialization(self, t0: float) -> None:
-        self._fmu.setupExperiment(startTime=t0)
-        self._fmu.enterInitializationMode()
+        self.fmpy.setupExperiment(startTime=t0)
+        self.fmpy.enterInitializationMode()
 
 
 class _Instance3(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi3.FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
     _standard = "FMI3"
     _tells_lengths = True
 
     def _instantiate(self) -> None:
-        self._fmu.instantiate(loggingOn=True, logMessage=self._pass_on)
+        self.fmpy.instantiate(loggingOn=True, logMessage=self._pass_on)
         self._ended = c_bool()
         told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
         self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *told)
 
     def enter_initialization(self, t0: float) -> None:
-        self._fmu.enterInitializationMode(startTime=t0)
+        self.fmpy.enterInitializationMode(startTime=t0)
 
     def step(self, t: float, h: float) -> None:
         super().step(t, h)

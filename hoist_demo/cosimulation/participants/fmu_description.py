@@ -4,8 +4,6 @@ FMI 3.0 has arrays, and a type for each width of a number. Here a variable has t
 an array's elements have their names of FMI 2.0: shape.x[1] ...
 """
 
-from __future__ import annotations
-
 import atexit
 import shutil
 from collections.abc import Iterable, Mapping
@@ -19,12 +17,13 @@ from zipfile import BadZipFile, ZipFile
 import fmpy
 from fmpy.model_description import ValidationError
 
-from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
+from hoist_demo.parameters.quantity import Bounds, Parameter, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
 FMI_VERSIONS = ("2.0", "3.0")  #: Versions of FMI that the host drives, as model descriptions state them.
 _KINDS = {"Enumeration": "Integer"}
+_NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")  #: Folders that no instance reads.
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +84,9 @@ def _value(kind: str, text: str) -> Value:
 @lru_cache(maxsize=8)
 def unpacked(path: Path, changed: int, size: int) -> Path:
     """Folder with the files of an FMU that was changed last at that time [ns], for this process and until it ends."""
-    directory = Path(fmpy.extract(str(path), include=_serves_to_run))
+    directory = Path(fmpy.extract(str(path), include=lambda file: not file.startswith(_NOT_TO_RUN)))
     atexit.register(shutil.rmtree, directory, ignore_errors=True)
     return directory
-
-
-def _serves_to_run(file: str) -> bool:
-    """Return True if an instance may read this file of the archive."""
-    return not file.startswith(("sources/", "documentation/", "terminalsAndIcons/"))
 
 
 def read_parameters(path: Path) -> dict[str, Parameter]:
@@ -104,7 +98,7 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
     """All parameters among the variables by name, each element of an array on its own."""
     return {
         name: Parameter(
-            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, v.minimum, v.maximum, choices_of(name)
+            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, Bounds(v.minimum, v.maximum), choices_of(name)
         )
         for v in variables
         if v.causality == "parameter"
@@ -112,9 +106,9 @@ def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
     }
 
 
-def read_outputs(path: Path) -> tuple[str, ...]:
+def read_outputs(path: Path, hoist: str = "") -> tuple[str, ...]:
     """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
-    outputs = [v for v in read_fmu(path).variables if v.causality == "output"]
+    outputs = [v for v in read_fmu(path, hoist).variables if v.causality == "output"]
     return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
 
 
@@ -125,12 +119,13 @@ class Fmu(NamedTuple):
     variables: tuple[Variable, ...]
 
 
-def read_fmu(path: Path) -> Fmu:
-    """Model description of an FMU that this host can drive."""
+def read_fmu(path: Path, hoist: str = "") -> Fmu:
+    """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
     if not path.is_file():
+        command = f"balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}"
         raise ValueError(
-            f"FMU '{path}' is missing: `balance-rope export --native --platform host --out {path}` makes it, and needs "
-            "a C compiler; without --native --platform host it needs none, and its rope is slower"
+            f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; without --native --platform host it "
+            "needs none, and its rope is slower"
         )
     return _read(*version_of(path))
 

@@ -5,8 +5,6 @@ of FMI 2.0 and 3.0. The host computes
 t = start + k H; doStep(t, H) is given the end motions of t + H (parameter `inputs_at_step_end` = true).
 """
 
-from __future__ import annotations
-
 import hashlib
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -85,7 +83,7 @@ class FmuRope:
         try:
             self._fmu.enter_initialization(t0)
             self._set_motions(left, right)
-            self._fmu.exit_initialization()
+            self._fmu.fmpy.exitInitializationMode()
             self._started = True
             return self._status()
         except CallError as error:
@@ -105,11 +103,9 @@ class FmuRope:
         buffers, values = self._outputs(names, 1)
 
         def read() -> NDArray[np.float64]:
-            try:
+            with self._translate_failures():
                 for buffer in buffers:
                     buffer.call()
-            except CallError as error:
-                raise RuntimeError(f"the FMU fails: {self._explanation(error)}") from error
             found: NDArray[np.float64] = values(1)[0]
             return found
 
@@ -206,7 +202,7 @@ class FmuRope:
         """Terminate and free the instance; the extracted files serve the next one of this process."""
         if self._started:
             with suppress(CallError):
-                self._fmu.terminate()
+                self._fmu.fmpy.terminate()
         self._started = False
         self._fmu.close()
 

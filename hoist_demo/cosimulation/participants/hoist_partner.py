@@ -4,8 +4,6 @@ The coordinates of the exchange are the heights of the left and the right end; t
 vertical forces. Everything else of the ends' motion follows the drive.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

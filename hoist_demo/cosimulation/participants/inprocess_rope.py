@@ -3,8 +3,6 @@
 It stands in for the FMU in comparisons and for debugging, and winds what one FMU cannot: duties, and several ropes.
 """
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress

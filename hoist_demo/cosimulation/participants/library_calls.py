@@ -1,7 +1,5 @@
 """A rope's functions as trip.c calls them, by pointers: those of FMI, or of rope.h."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from ctypes import CFUNCTYPE, Structure, addressof, c_int, c_size_t, c_void_p, cast
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Identity of a rope for the reports: source, parameters, and level of accuracy."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -8,8 +8,6 @@ what each rope's turn in a step is. The ends of a halved step lie on the quintic
 its parts are put together.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ step follows from what the last one had. Source: S. Sadjina, L. T. Kyllingstad, 
 conservation and power bonds in co-simulations, Engineering with Computers 33 (2017), with rollback added.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

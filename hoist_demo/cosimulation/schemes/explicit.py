@@ -6,8 +6,6 @@ there are too few the order is lower. Source: M. Busch, Zur effizienten Kopplung
 chapter 3. Schemes of order n are of the order n + 1 in H.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

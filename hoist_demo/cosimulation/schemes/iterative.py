@@ -14,8 +14,6 @@ itself alternates. The held mean is of first order and stable with any mass.
 An accelerator gives the next x to try from those tried and the answers g(x) of the rope, r = g(x) - x.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, Protocol
 

@@ -11,8 +11,6 @@ m_0 / M; for one that is only an impedance Z the bound is H < 2 M / Z; and where
 axial wave in the leg it is larger than either. The hoist's own springs are left out: they are slow against a step.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from dataclasses import dataclass
@@ -71,7 +69,10 @@ def predict_stability(scheme: Scheme, name: str, pair: Pair, t: float, H: float)
     if cause:
         _log.info("the coupling's stability is not known: %s", cause)
         return None
-    seen = estimate_stability(scheme, answer, pair.drive.mobility())
+    # the worst end and the smallest mass: either end of the rope may become the long leg in the course of a trip
+    mass = 1.0 / float(np.max(np.diag(pair.drive.mobility())))
+    worst = max((growth(scheme, end, mass) for end in answer.T), default=math.nan)
+    seen = StabilityEstimate(worst, float(np.max(answer[0])), mass)
     if warning := seen.warning(name, H):
         _log.warning("%s", warning)
     return seen
@@ -117,13 +118,3 @@ def growth(scheme: Scheme, answer: Vector, mass: float) -> float:
         mass += float(answer[0])
     roots = np.roots(np.concatenate([[1.0], -past / mass]))
     return float(np.max(np.abs(roots), initial=0.0))
-
-
-def estimate_stability(scheme: Scheme, answer: Vector, mobility: Vector) -> StabilityEstimate:
-    """Predict from the measured answer (MEMORY, n) and the drive's mobility (n, n): worst end, smallest mass.
-
-    Either end of the rope may become the long leg in the course of a trip.
-    """
-    mass = 1.0 / float(np.max(np.diag(mobility)))
-    worst = max((growth(scheme, end, mass) for end in answer.T), default=math.nan)
-    return StabilityEstimate(worst, float(np.max(answer[0])), mass)

@@ -5,8 +5,6 @@ stands for lo + (hi - lo) q / top with integers q from 0 to top; the code above 
 inverse.
 """
 
-from __future__ import annotations
-
 import base64
 import math
 

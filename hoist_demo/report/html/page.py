@@ -4,8 +4,6 @@ Every page forbids its browser the network (Content-Security-Policy), so a stray
 console and not a hidden dependence.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,13 +1,10 @@
 """The data a run was given, as table rows: each parameter by the name that sets it, with unit, meaning and status."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.parameters.quantity import meaning_of, unit_of
 from hoist_demo.report.html.page import Row, number, unit_text
 
 _NO_UNIT = "-"
@@ -50,7 +47,7 @@ def rows(data: Any, section: str, statuses: Mapping[str, str]) -> list[Row]:
     found: list[Row] = []
     for field in fields(data):
         value = getattr(data, field.name)
-        unit, meaning = unit_of(field), meaning_of(field)
+        unit, meaning = (field.metadata.get(key, "") for key in ("unit", "description"))
         key = f"{section}{field.name}"
         name, status = key + (f", {meaning}" if meaning else ""), statuses.get(key, "")
         if is_dataclass(value):

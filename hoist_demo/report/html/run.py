@@ -1,7 +1,5 @@
 """The report of a run: its rope in motion over linked time plots, its numbers and its data, in one file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path

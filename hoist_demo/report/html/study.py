@@ -6,8 +6,6 @@ Only what differs between runs has an axis. A run has failed when its `cause` is
 columns as it has room for: what varies, what the study judges by, what tells of danger, then the rest.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,6 +16,7 @@ import pandas as pd
 from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import Table
+from hoist_demo.study.goal import Goal
 from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
 from hoist_demo.study.perform import Performed
 from hoist_demo.study.store import SEPARATOR, kind_of
@@ -39,16 +38,17 @@ def study_report(
     path: str | Path,
     more: Sequence[Table] = (),
     performed: Performed | None = None,
-    by: Sequence[str] = (),
+    goal: Goal | None = None,
 ) -> Path:
     """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none).
 
-    `more` are tables of the data, `performed` the study's outcome, which is judged `by` these metrics.
+    `more` are tables of the data, `performed` the study's outcome, which is judged by `goal`.
     """
     path, best = Path(path), performed.best if performed else None
+    by, limits = tuple(goal.metrics) if goal else (), goal.bounds if goal else ()
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
-    values, units = _in_engineering_units(
+    values, units, factors = _in_engineering_units(
         {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
     )
     names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY, WARNINGS, MISSING)]
@@ -67,6 +67,7 @@ def study_report(
             # without anything that differs, as with a single run, all numbers have one
             "axis": name in varied if varied else True,
             "values": values[name],
+            "bounds": [[factors[name] * one.value, one.sense] for one in limits if one.metric == name],
             "better": 0 if name in NEUTRAL or name not in UNITS else -1 if name in MORE_IS_BETTER else 1,
         }
         for name in listed
@@ -128,14 +129,14 @@ def _by_text(table: pd.DataFrame, column: str) -> list[str]:
 
 def _in_engineering_units(
     values: Mapping[str, list[float | str | None]], stated: Mapping[str, str]
-) -> tuple[dict[str, list[float | str | None]], dict[str, str]]:
-    """The columns and their units, with prefixes where the numbers are large."""
-    shown, units = dict(values), dict(stated)
+) -> tuple[dict[str, list[float | str | None]], dict[str, str], dict[str, float]]:
+    """The columns, their units with prefixes where the numbers are large, and the factors of these."""
+    shown, units, factors = dict(values), dict(stated), dict[str, float]()
     for name, column in values.items():
         numbers = [abs(value) for value in column if isinstance(value, float) and math.isfinite(value)]
-        factor, units[name] = page.engineering(max(numbers, default=0.0), stated.get(name, ""))
-        shown[name] = [factor * value if isinstance(value, float) else value for value in column]
-    return shown, units
+        factors[name], units[name] = page.engineering(max(numbers, default=0.0), stated.get(name, ""))
+        shown[name] = [factors[name] * value if isinstance(value, float) else value for value in column]
+    return shown, units, factors
 
 
 def _passed(table: pd.DataFrame) -> str:

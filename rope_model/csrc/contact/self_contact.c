@@ -2,37 +2,6 @@
 
 #include "rope_system.h"
 
-/* even of strands that lie in each other */
-static size_t most_touches(const Scene *scene, int elements) {
-    if (!(scene->shaft.contact.rope_stiffness > 0)) return 0;
-    return MOST_STRANDS * (size_t)most_places(scene->rope.length, elements, scene->rope.diameter);
-}
-
-size_t own_contact_bytes(const Scene *scene, int elements) {
-    const size_t n = (size_t)elements, size = (n + 1) * DOF;
-    return sizeof(OwnContact) + sizeof(double) * (10 * n + (OWN_SCRATCH + 1) * size) +
-           sizeof(RopeTouch) * most_touches(scene, elements) + sizeof(int) * (n + n % 2);
-}
-
-OwnContact *own_contact(const Scene *scene, int elements, void *memory) {
-    const size_t n = (size_t)elements, size = (n + 1) * DOF;
-    OwnContact *own = memory;
-    memset(own, 0, sizeof *own);
-    own->scene = scene;
-    own->presses = scene->shaft.contact.rope_stiffness > 0;
-    own->scratch = (double *)(void *)(own + 1);
-    own->seen.q = own->scratch + OWN_SCRATCH * size;
-    own->seen.lengths = own->seen.q + size;
-    own->ways = own->seen.lengths + n;
-    own->distances = own->ways + n;
-    own->where = own->distances + n;
-    own->boxes = (double (*)[6])(void *)(own->where + n);
-    own->others = (int *)(void *)(own->boxes + n);
-    /* ints in twos keep what follows aligned */
-    own->touches = (RopeTouch *)(void *)(own->others + n + n % 2);
-    return own;
-}
-
 static double length_between(const double a[3], const double b[3]) {
     const double across[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return sqrt(dot(across, across));

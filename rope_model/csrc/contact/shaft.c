@@ -107,7 +107,6 @@ static void with_overlap(const Simulator *rope, State *state) {
     crossing->touched_y = nearest[1];
 }
 
-/* what the rope came near to, and passed through, at the state's instant */
 void with_passages(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     Crossing *crossing = &state->crossing;

@@ -2,7 +2,7 @@
 
 #include "rules.h"
 
-enum { YAW = 3, AXES = 4 };
+enum { YAW = 3, AXES = 4, LEAN = 11 };
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};
 
@@ -13,8 +13,8 @@ static int largest(const double sizes[AXES]) {
     return worst;
 }
 
-void ends_refusal(const Inputs *inputs, const EndMotion *target, const double limits[3][AXES], int side,
-                  char *message) {
+void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[3][AXES], int side, char *message) {
+    const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;
     static const double bounds[] = END_MOTION_REACH;
     static const char *const units[2][2] = {{"m", "rad"}, {"m/s", "rad/s"}};
@@ -25,6 +25,8 @@ void ends_refusal(const Inputs *inputs, const EndMotion *target, const double li
             say_input_not_finite(message, SIDE_NAMES[side], names[i], value);
         else if (fabs(value) > bounds[i])
             say_input_out_of_range(message, SIDE_NAMES[side], names[i], value, bounds[i]);
+        else if (value != 0 && i >= LEAN && scene->swivels[side].attachment != CLAMPED)
+            say_no_clamp(message, SIDE_NAMES[side], names[i], value);
     }
     if (message[0]) return;
     const double *peaks = limits[0];
@@ -60,4 +62,9 @@ void ends_relative(const State *state, int side, double t, double theta, double 
 void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]) {
     held_end(&state->paths[side], t, (side == LEFT ? -0.5 : 0.5) * scene->layout.spacing, YAW_SENSE[side],
              state->offsets[side] + state->swivels[side].angle, rows);
+    if (scene->swivels[side].attachment != CLAMPED) return;
+    double leans[2][3], n[3][3];
+    path_leaning(&state->paths[side], t, leans);
+    leaning(leans[0], leans[1], n);
+    for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -YAW_SENSE[side] * n[k / 3][k % 3];
 }

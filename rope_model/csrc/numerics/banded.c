@@ -2,8 +2,6 @@
 
 #include "core.h"
 
-/* A x = b for all columns of b (rows x columns), which becomes x; A, symmetric and positive definite, is lost: each of
-   its rows (width + 1) holds the diagonal and the entries right of it, nearest first */
 void solve_banded(int rows, int width, double *A, int columns, double *b) {
     const ptrdiff_t row = width + 1;
     for (int i = 0; i < rows; i++)

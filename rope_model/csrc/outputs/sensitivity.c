@@ -11,7 +11,7 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
     const System s = rope_system(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     newton_coefficients(&method, state->last_interval, c);
-    chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
+    chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, 0, rope->trial.q, rope->trial.v);
 }
 
 /* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
@@ -22,11 +22,19 @@ static void answer(Simulator *rope, int side, int dof, const double d[3], const 
     const Arrays m = state_arrays(moved);
     const System s = rope_system(rope, moved);
     const size_t size = (size_t)m.nodes * DOF, at = (side ? size - DOF : 0) + (size_t)dof;
-    m.q[at] += d[0];
-    m.v[at] += d[1];
-    m.a[at] += d[2];
+    if (dof < DOF) {
+        m.q[at] += d[0];
+        m.v[at] += d[1];
+        m.a[at] += d[2];
+    } else { /* beyond q come the leans of a clamp */
+        double leans[2][3], n[3][3], *const of_end[3] = {m.q + at - dof, m.v + at - dof, m.a + at - dof};
+        path_leaning(&moved->paths[side], moved->t, leans);
+        for (int k = 0; k < 3; k++) leans[dof - DOF][k] += d[k];
+        leaning(leans[0], leans[1], n);
+        for (int k = 0; k < 9; k++) of_end[k / 3][SLOPE + k % 3] = (side ? -1 : 1) * n[k / 3][k % 3];
+    }
     double *R = rope->trial.a, balance[BALANCE];
-    chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->x, R);
+    chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, 0, rope->x, R);
     for (size_t i = 0; i < size; i++) {
         const double y = rope->x[i] - rope->trial.q[i];
         m.q[i] += y;
@@ -79,10 +87,12 @@ void added_mass_signals(Simulator *rope, double *values) {
 int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]) {
     /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
-    if (input < 0 || input >= 22) return say_no_such_input(rope->message);
+    enum { OF_END = sizeof(EndMotion) / sizeof(double) };
+    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(rope->message);
     if (!rope->initialized) return say_no_state(rope->message);
-    const int side = input / 11, place = input % 11;
-    const int kind = place < 9 ? place / 3 : place - 9, dof = place < 9 ? place % 3 : ANGLE;
+    const int side = input / OF_END, place = input % OF_END;
+    const int kind = place < 9 ? place / 3 : place < 11 ? place - 9 : 0;
+    const int dof = place < 9 ? place % 3 : place < 11 ? ANGLE : ANGLE + place - 10;
     State *state = rope->state;
     const Manner manner = follow_manner(&rope->scene, rope->scene.inputs.given);
     const double h = state->last_interval;
@@ -90,10 +100,14 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     sample[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
     if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
         sample[2] = sample[1] / h;
-    sample_moves(&manner, h, at_step_end ? 0 : h, sample, d);
+    if (dof > ANGLE)
+        lean_moves(h, sample[0], d);
+    else
+        sample_moves(&manner, h, at_step_end ? 0 : h, sample, d);
     memset(derivative, 0, sizeof(double) * 12);
     /* friction does not know the yaw, nor does the rigid rope */
     if (dof == ANGLE && (state->swivels[side].phase == SLIP || state->fidelity == RIGID)) return 1;
+    if (dof > ANGLE && rope->scene.swivels[side].attachment != CLAMPED) return 1;
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) return 1; /* not trusted */
     unperturbed_step(rope, c);
     change_of_loads(rope, side, dof, d, c, derivative);

@@ -126,7 +126,7 @@ static int relax(Simulator *rope, State *state, const Before *before, char *mess
     return 1;
 }
 
-int hang(Simulator *rope, State *state, char *message) {
+static int hang_in_loop(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
@@ -137,4 +137,22 @@ int hang(Simulator *rope, State *state, char *message) {
     rope->corrections = 0;
     return let_curve(rope, state, message) && turn_in(rope, state, twist, message) &&
            relax(rope, state, &before, message);
+}
+
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part) {
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const double now = not_plumb(&rope->scene) ? part : 1, sense = side ? 1 : -1;
+        const EndMotion placed = partly_placed(&rope->scene, &ends[side], &ends[!side], sense, now);
+        state->paths[side] = path_resting(state->t, &placed);
+    }
+}
+
+int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message) {
+    const int steps = not_plumb(&rope->scene) ? PLACING_STEPS : 0;
+    int found = hang_in_loop(rope, state, message);
+    for (int k = 0; k < steps && found; k++) {
+        paths_at_rest(rope, state, ends, (k + 1.0) / PLACING_STEPS);
+        found = equilibrium_in_frame(rope, state, INFINITY, message);
+    }
+    return found;
 }

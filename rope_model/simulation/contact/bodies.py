@@ -1,7 +1,5 @@
 """The bodies of a scene where they are now, and whether they leave room for the rope's ends."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -11,7 +9,7 @@ from rope_model.physics.outline import suspension_points
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.shaft_parameters import FAR, Shaft
 from rope_model.simulation.messages import messages
-from rope_model.simulation.messages.rules import Rules, first_text
+from rope_model.simulation.messages.rules import Rules
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies that stand
@@ -72,8 +70,3 @@ def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
 
 #: why a rope finds no rest where bodies hold it
 NO_ROOM: Rules = {messages.end_in_lining: _in_lining, messages.end_below_floor: _below_floor}
-
-
-def no_room(scene: Any, fidelity: Any, left: Any, right: Any) -> str:
-    """Which body leaves a rope of this fidelity no rest between its ends; '' for none that is known to."""
-    return first_text(NO_ROOM, scene, fidelity, left, right)

@@ -18,8 +18,6 @@ Ropes at rest hang as if each was alone.  Those that then hang into each other a
 start, and grow to their diameter in GROWTH; its energy counts as created, too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -174,7 +172,7 @@ class Neighbours:
             if joint.missed <= TOLERANCE or iteration == ITERATIONS - 1:
                 break
             end, going = joint.corrected(partners), joint.ropes
-        self._book(t + h, before, rows, joint.forces(), found, joint.missed)
+        self._book(t + h, before, rows, joint.forces, found, joint.missed)
         return True
 
     def _rows(self, partners: Sequence[Partner]) -> list[Rows | None]:
@@ -245,13 +243,13 @@ class Neighbours:
 
 
 class _Joint:
-    """Trial forces of all ropes that press each other, and those of the law."""
+    """Trial ``forces`` of all ropes that press each other, with the part of springs in them, and those of the law."""
 
     def __init__(self, tried: Mapping[Two, Pressing], found: Mapping[Two, Pressing]) -> None:
         self._twos = [two for two in tried if tried[two].number.size or found[two].number.size]
         self.ropes = {k for two in self._twos for k in two}
         parts = [(_joined(tried[two], found[two]), found[two]) for two in self._twos]
-        self._all = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
+        self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
         laws = [_spread(one, x.number, one.force) for x, one in parts]
         self._tried = _stacked([x.force for x, _ in parts])
         law = _stacked(laws)
@@ -259,37 +257,33 @@ class _Joint:
         largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
         self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL / TOLERANCE)
 
-    def forces(self) -> Mapping[Two, Pressing]:
-        """Trial forces, with the part of springs in them."""
-        return self._all
-
     def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
         """The forces of the next iteration."""
-        K = np.concatenate([self._all[two].tangent for two in self._twos])
+        K = np.concatenate([self.forces[two].tangent for two in self._twos])
 
         def resisted(x: Array) -> Array:
             force: Array = np.einsum("mij,mj->mi", K, x)
             return force
 
         x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
-        force, at, corrected = self._tried + self._missing - resisted(x), 0, dict(self._all)
+        force, at, corrected = self._tried + self._missing - resisted(x), 0, dict(self.forces)
         for two in self._twos:
-            size = self._all[two].number.size
-            corrected[two] = self._all[two]._replace(force=force[at : at + size])
+            size = self.forces[two].number.size
+            corrected[two] = self.forces[two]._replace(force=force[at : at + size])
             at += size
         return corrected
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
         """Change of the distances of places by these forces."""
         moved, at = np.zeros_like(force), {}
-        ends = np.cumsum([0] + [self._all[two].number.size for two in self._twos]).tolist()
+        ends = np.cumsum([0] + [self.forces[two].number.size for two in self._twos]).tolist()
         for two, start, stop in zip(self._twos, ends[:-1], ends[1:], strict=True):
             at[two] = slice(start, stop)
         for k in sorted(self.ropes):
             mine = [two for two in self._twos if k in two]
-            sense = np.concatenate([np.full(self._all[two].number.size, 1.0 - 2.0 * two.index(k)) for two in mine])
+            sense = np.concatenate([np.full(self.forces[two].number.size, 1.0 - 2.0 * two.index(k)) for two in mine])
             index = np.concatenate([np.arange(ends[-1])[at[two]] for two in mine])
-            s = np.concatenate([self._all[two].s[two.index(k)] for two in mine])
+            s = np.concatenate([self.forces[two].s[two.index(k)] for two in mine])
             order = np.argsort(s, kind="stable")
             given = sense[order, None] * force[index[order]]
             rope = partners[k].rope

@@ -5,8 +5,6 @@ looked at against the nearest place of each strand of the other rope.  Which ele
 boxes around them.
 """
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -14,18 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rope_model.parameters import Scene
-from rope_model.physics import hermite
+from rope_model.physics import hermite, rope_on_rope
 from rope_model.physics.outline import enclosing_box
-from rope_model.physics.rope_on_rope import (
-    APART,
-    CORRECTIONS,
-    MOST_STRANDS,
-    PROBES,
-    SPACING,
-    STRETCH,
-    nearer_place,
-    rope_touch,
-)
 from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
@@ -98,7 +86,7 @@ class Pair:
         self._law = one.shaft.contact
         self._lossless = SimpleNamespace(**(vars(self._law) | {"damping": 0.0, "friction": 0.0}))
         self.diameter = 0.5 * (one.rope.diameter + other.rope.diameter)
-        self._spacing = one.rope.length / math.ceil(one.rope.length / (SPACING * self.diameter))
+        self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_on_rope.SPACING * self.diameter))
 
     def pressing(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> Pressing:
         """Places that press each other, with the tangent along (c[0], c[1]) of places and speeds.
@@ -139,7 +127,8 @@ class Pair:
         middle: Any = 0.5 * (start + stop) * self._spacing
         theirs = theirs[groups]
         ends, l = _ends(other, theirs), other.lengths[theirs]
-        reach = self.diameter + STRETCH * (GROUP * self._spacing + 0.5 * (PROBES[1] - PROBES[0]) * l)
+        probed = rope_on_rope.PROBES[1] - rope_on_rope.PROBES[0]
+        reach = self.diameter + rope_on_rope.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
         near = _probed(ends, l, one.places(middle)).min(axis=0) < reach
         groups, number = _expanded((stop - start)[near])
         number, theirs = start[near][groups] + number, theirs[near][groups]
@@ -154,24 +143,24 @@ class Pair:
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
-        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < APART * self.diameter
+        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.APART * self.diameter
         kept = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            taken = here[strands(their_s[here].tolist(), APART * self.diameter)]
+            taken = here[strands(their_s[here].tolist(), rope_on_rope.APART * self.diameter)]
             ranks = np.argsort(np.argsort(their_s[taken]))
             kept[0][1][kept[0][0] == taken[0]] = ranks[0]
             kept.append((taken[1:], ranks[1:]))
         found, rank = (np.concatenate(x) for x in zip(*kept, strict=True))
-        name = number[found] * MOST_STRANDS + rank
+        name = number[found] * rope_on_rope.MOST_STRANDS + rank
         found = found[np.argsort(name)]
         return np.sort(name), np.array((s[found], their_s[found]))
 
     def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> Pressing:
         r, their_r = one.places(s[0]), other.places(s[1])
         apart, speed = (r - their_r).T, (one.speeds(s[0]) - other.speeds(s[1])).T
-        law = rope_touch(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
-        spring = rope_touch(self._lossless, diameter, apart, speed, 1.0, 0.0)
+        law = rope_on_rope.rope_touch(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
+        spring = rope_on_rope.rope_touch(self._lossless, diameter, apart, speed, 1.0, 0.0)
         tangent = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
         energy = float(np.sum(law.sums[0]) * self._spacing)
         force, spring_force = (self._spacing * np.array(x.force).T for x in (law, spring))
@@ -196,10 +185,10 @@ def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
 def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Array]:
     """Arc lengths of the places of elements that are nearest to points (m, 3), and their distances, m."""
     l, ends = rope.lengths[elements], _ends(rope, elements)
-    xi = np.array(PROBES)[_probed(ends, l, points).argmin(axis=0)]
+    xi = np.array(rope_on_rope.PROBES)[_probed(ends, l, points).argmin(axis=0)]
     rows = np.ascontiguousarray(ends.reshape(-1, 12).T)
-    for _ in range(CORRECTIONS):
-        xi = nearer_place(xi, l, points.T, rows[:6], rows[6:])
+    for _ in range(rope_on_rope.CORRECTIONS):
+        xi = rope_on_rope.nearer_place(xi, l, points.T, rows[:6], rows[6:])
     return rope.s[elements] + xi * l, _distances(ends, l, points, xi)
 
 
@@ -210,7 +199,7 @@ def _ends(rope: Rows, elements: Numbers) -> Array:
 
 def _probed(ends: Array, l: Array, points: Array) -> Array:
     """(probes, m): distances of points from PROBES of elements."""
-    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in PROBES])
+    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_on_rope.PROBES])
 
 
 def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:

@@ -4,8 +4,6 @@ They act until others are applied; they are no part of its state.  They act on t
 functions, so that their power is that at their places.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -5,8 +5,6 @@ by no more than the way, so that far places are left out: a leg then costs a few
 state has no part in it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
@@ -16,19 +14,9 @@ import numpy as np
 from rope_model.numerics.coupled_newton import Iterate, conjugate_gradients
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.parameters import Scene
-from rope_model.physics import hermite
+from rope_model.physics import hermite, rope_on_rope
 from rope_model.physics.contact import SUMS, Touch
 from rope_model.physics.outline import enclosing_box
-from rope_model.physics.rope_on_rope import (
-    APART,
-    CORRECTIONS,
-    MOST_STRANDS,
-    PROBES,
-    nearer_place,
-    places,
-    places_skipped,
-    rope_touch,
-)
 from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
@@ -89,12 +77,12 @@ def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: 
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
     for e, shares, weight, point, touching in _touching(q, rows, lengths, diameter):
-        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], APART * diameter):
+        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.APART * diameter):
             _, other, xi = touching[n]
             partner = hermite.shares(xi, l[other])
             apart = _difference(point, _at(rows, other, partner))
             speed = _difference(_at(speeds, e, shares), _at(speeds, other, partner))
-            one = rope_touch(law, diameter, apart, speed, cq, cv)
+            one = rope_on_rope.rope_touch(law, diameter, apart, speed, cq, cv)
             found.append(RopeTouch((e, other), (*shares, *(-share for share in partner)), weight, one))
     return RopeTouches(found)
 
@@ -111,14 +99,14 @@ def _touching(
     """Places of elements whose boxes touch (element, shares, length, place) and near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
-        number, k = int(places(l[e], diameter)), 0
+        number, k = int(rope_on_rope.places(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             shares = hermite.shares((k + 0.5) / number, l[e])
             point = _at(rows, e, shares)
             near = sorted(_nearest_place(rows, l[o], o, point) for o in others)
             yield e, shares, weight, point, [x for x in near if x[0] < diameter]
-            k += 1 + int(places_skipped(near[0][0], diameter, weight, number))
+            k += 1 + int(rope_on_rope.places_skipped(near[0][0], diameter, weight, number))
 
 
 class SelfTouchingRope(RopeSystem):
@@ -176,7 +164,7 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
     start = np.cumsum(lengths) - lengths
-    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= APART * diameter)
+    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_on_rope.APART * diameter)
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
 
 
@@ -184,7 +172,7 @@ def strands(s: list[float], reach: float) -> list[int]:
     """Which of the places ``s``, nearest first, are of strands of their own: ``reach`` or more from those before."""
     taken: list[int] = []
     for n, place in enumerate(s):
-        if len(taken) < MOST_STRANDS and all(abs(place - s[before]) >= reach for before in taken):
+        if len(taken) < rope_on_rope.MOST_STRANDS and all(abs(place - s[before]) >= reach for before in taken):
             taken.append(n)
     return taken
 
@@ -214,7 +202,7 @@ def _nearest_place(
     def distance(xi: float) -> float:
         return float(np.linalg.norm(_difference(_at(rows, element, hermite.shares(xi, l)), point)))
 
-    xi = min(PROBES, key=distance)
-    for _ in range(CORRECTIONS):
-        xi = nearer_place(xi, l, point, rows[element], rows[element + 1])
+    xi = min(rope_on_rope.PROBES, key=distance)
+    for _ in range(rope_on_rope.CORRECTIONS):
+        xi = rope_on_rope.nearer_place(xi, l, point, rows[element], rows[element + 1])
     return distance(xi), element, xi

@@ -10,8 +10,6 @@ or one of them through conveyance or head ropes above the other's end, where the
 (diagnostics.loop_turns) jump by one, which the loop's yaw, counted in time, does not.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -4,8 +4,6 @@ A body that moves does so with an end of the rope, whose row in q and v has its 
 conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

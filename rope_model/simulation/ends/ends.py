@@ -1,7 +1,9 @@
 """The rope's two ends: how the conveyances move them, and how the swivels hold them.
 
 An end is vertical (tangent -Y on the left, +Y on the right); its position and tangent direction are prescribed, only
-the stretch |r'| is free.  theta is prescribed while the swivel holds and free while it slips:
+the stretch |r'| is free.  A clamp holds r' = n along its axis, without stretch; at a hinge r' is free.  Both let the
+end's section follow the tangent without spin about it.  theta is prescribed while the swivel holds and free while it
+slips:
 
     theta = offset + s yaw + b,   s = -1 on the left, +1 on the right
 
@@ -19,8 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.parameters import Inputs, Swivel
-from rope_model.physics.elementary import atan2
+from rope_model.parameters import Inputs, Scene, Swivel
+from rope_model.physics.elementary import atan2, cos, hypot, larger, sin, smaller, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.following import Following, Limits
 from rope_model.simulation.ends.paths import PATH, REACH, EndMotion, EndPath
@@ -28,10 +30,14 @@ from rope_model.simulation.ends.swivel_phases import Phase as Phase
 from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
 from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
-from rope_model.simulation.rope_system import ANGLE, Array
+from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
 
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)
+#: rad^2: of less only the limits of C, S, and of D, E are computed
+LEAST_LEAN, SMALL_LEAN = 1e-24, 1e-5
+#: width between ends at which a rope is hung up in a loop, over the length that it has for it
+HANGING_WIDTH = 0.4
 
 
 @dataclass(frozen=True)
@@ -50,8 +56,9 @@ class HangingEnds:
     def free(self, nodes: int) -> NDArray[np.bool_]:
         free = np.ones((nodes, 7), dtype=bool)
         free[[0, -1]] = False
-        free[[0, -1], 4] = True
-        for node, state in zip((0, -1), self.states, strict=True):
+        for node, state, swivel in zip((0, -1), self.states, self.swivels, strict=True):
+            free[node, SLOPE] = swivel.attachment == "hinged"
+            free[node, 4] = swivel.attachment != "clamped"
             free[node, ANGLE] = state.phase is Phase.SLIP
         return free
 
@@ -60,6 +67,8 @@ class HangingEnds:
         for side, node in enumerate((0, -1)):
             angle = self.offsets[side] + self.states[side].angle
             motion[:, node] = held_end(self.paths[side], t, float(self.points[side, 0]), YAW_SENSE[side], angle)
+            if self.swivels[side].attachment == "clamped":
+                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(leaning(*self.paths[side].leaning(t)))
         return motion
 
     def load(self, nodes: int) -> Array:
@@ -105,6 +114,34 @@ def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: flo
     )
 
 
+def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
+    """(3, 3): the axis n of a clamp and its rates; plumb turned by a rotation vector (2,), which has rates as well.
+
+    n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t is C_t = -S p, S_t = D p
+    and D_t = E p.
+    """
+    (x, x_t, x_tt), (z, z_t, z_tt) = lean, lean_z
+    square, p = x * x + z * z, x * x_t + z * z_t
+    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(larger(square, LEAST_LEAN))
+    C, S, divisor = cos(angle), sin(angle) / angle, larger(square, SMALL_LEAN)
+    D = where(square > SMALL_LEAN, (C - S) / divisor, -1.0 / 3.0)
+    E = where(square > SMALL_LEAN, -(S + 3.0 * D) / divisor, 1.0 / 15.0)
+    (n_x, v_x, a_x), (n_z, v_z, a_z) = (
+        (S * w, D * p * w + S * w_t, (E * p * p + D * p_t) * w + 2.0 * D * p * w_t + S * w_tt)
+        for w, w_t, w_tt in (lean, lean_z)
+    )
+    return (n_x, -C, n_z), (v_x, S * p, v_z), (a_x, D * p * p + S * p_t, a_z)
+
+
+def partly_placed(scene: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
+    """End ``own`` on its way from where the rope hangs in a loop (part 0) to its place and lean (part 1)."""
+    x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
+    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / larger(hypot(x, z), LEAST_LEAN)
+    aside = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
+    x, z = own.x + aside * x, own.z + aside * z
+    return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)
+
+
 def nominal_points(spacing: float) -> Array:
     """(2, 3): the suspension points at height zero."""
     return np.array([[-0.5 * spacing, 0.0, 0.0], [0.5 * spacing, 0.0, 0.0]])
@@ -118,10 +155,13 @@ def right_offset(left: Any, right: Any) -> Any:
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
-def refusal(inputs: Inputs, target: EndMotion, limits: Limits, side: str) -> str:
+def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
     """Return '' when an end can follow ``target`` on a path with these limits; else cause and cure."""
+    inputs, clamped = scene.inputs, getattr(scene, side).attachment == "clamped"
     for name, bound in REACH.items():
         if -bound <= (value := getattr(target, name)) <= bound:
+            if value != 0 and name.startswith("lean") and not clamped:
+                return messages.no_clamp(side, name, value)
             continue
         if not math.isfinite(value):
             return messages.input_not_finite(side, name, value)

@@ -20,15 +20,13 @@ What a host does not give is estimated by fading-memory filters: E. Brookner, Tr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
-from rope_model.numerics.program import Program
 from rope_model.parameters import CHOICES, Scene
 from rope_model.physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.ends.paths import PATH, RESTS_BELOW, EndMotion, EndPath
+from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
 #: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits; met
 #: within 20 ms that takes 5.8 h times it at most, 0.1 % of g
@@ -57,12 +55,13 @@ ALIKE = 0.01
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
+Given = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
 class Following(NamedTuple):
     """State of an end that follows: latest input, filtered motion, misfits so far, and signs in y of their cause."""
 
-    given: tuple[float, float, float, float, float, float, float, float, float, float, float] = (0.0,) * 11
+    given: Given = (0.0,) * 13
     given_at: float = 0.0  # s, of the latest sample that is no repetition
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
     asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
@@ -171,10 +170,8 @@ def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> An
     stops_below = manner.hardest * (since + 1.0 / manner.estimate)
     too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
     trusted = [getattr(manner, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
-    same = (
-        either(trust < 1, a == b)
-        for trust, a, b in zip((*trusted, manner.position, manner.speed), values, now.given, strict=True)
-    )
+    trusted += manner.position, manner.speed, manner.position, manner.position
+    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, now.given, strict=True))
     return both(manner.position > 0, where(manner.speed > 0, moves, too_fast), *same)
 
 
@@ -201,6 +198,11 @@ def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any
     """Change of place, speed and acceleration ``ahead`` of a small change of the ``sample``, ``h`` after another."""
     x, v, a = _completed((0.0, 0.0, 0.0), manner, h, sample)
     return (*quintic.extrapolate(x, v, a, ahead), a)
+
+
+def lean_moves(h: Any, lean: Any) -> tuple[Any, Any, Any]:
+    """Change of place, speed and acceleration at the end of a step ``h`` of a small change of the ``lean`` there."""
+    return quintic.rates(_leant(h, (0.0, 0.0, 0.0), lean), h)
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
@@ -239,7 +241,15 @@ def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
         for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
     )
     x, y, z, yaw = axes
-    return EndPath(start, stop, (x, y, z, yaw))
+    lean, lean_z = (_leant(h, *axis) for axis in zip(path.leaning(start), now.given[-2:], strict=True))
+    return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
+
+
+def _leant(h: Any, start: Any, to: Any) -> tuple[Any, ...]:
+    """Return the quintic of a lean over the step ``h``; its rate, which is not given, lags by a sixth of the step."""
+    x, v, a = start
+    rate = 1.5 * (to - x) / h - 0.5 * v
+    return quintic.coefficients(h, x, v, a, to, rate, (rate - v) / h)
 
 
 def _followed(
@@ -318,52 +328,3 @@ def follow_limits(path: Any, now: Any) -> Limits:
     """Measures that decide whether the path can be followed; NaN where a coordinate is."""
     place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
     return Limits(path.peak_accelerations(), place, speed)
-
-
-class Followed(NamedTuple):
-    """Next path of an end, and the measures that decide whether it can be followed."""
-
-    following: Following
-    path: EndPath
-    limits: Limits
-
-
-_NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type]
-_NOTHING = (0.0,) * len(PATH)
-#: values that ``follow`` takes and returns
-_TAKEN = Following(), _NO_PATH, Manner(*(0.0,) * len(Manner._fields)), 0.0, 0.0, (0.0,) * len(vars(EndMotion()))
-_RETURNED = Followed(Following(), _NO_PATH, Limits(_NOTHING, _NOTHING, _NOTHING))  # type: ignore[arg-type]
-
-
-def numbers_of(x: Any) -> list[Any]:
-    """The numbers of nested tuples in a row."""
-    return [n for part in x for n in numbers_of(part)] if isinstance(x, tuple) else [x]
-
-
-def _with_numbers(example: Any, rest: Iterator[Any]) -> Any:
-    """Nested tuples like ``example`` with the next numbers of ``rest``."""
-    if not isinstance(example, tuple):
-        return next(rest)
-    parts = (_with_numbers(part, rest) for part in example)
-    return type(example)(*parts) if hasattr(example, "_fields") else tuple(parts)
-
-
-def follow_program() -> Program:
-    """follow_sample, follow_path and follow_limits in CasADi's virtual machine, for ``follow``."""
-    return Program(_follow, len(numbers_of(_TAKEN)))
-
-
-def follow(
-    program: Program, now: Following, path: EndPath, manner: Manner, given_at: float, stop: float, end: EndMotion
-) -> Followed:
-    """The path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``."""
-    found = program(*numbers_of((now, path, manner, given_at, stop, tuple(vars(end).values()))))
-    followed: Followed = _with_numbers(_RETURNED, iter(found))
-    return followed
-
-
-def _follow(x: Sequence[Any]) -> list[Any]:
-    now, path, manner, given_at, stop, end = _with_numbers(_TAKEN, iter(x))
-    now = follow_sample(now, manner, given_at, stop - path.stop, EndMotion(*end))
-    path = follow_path(path, now, stop, manner.observer)
-    return numbers_of(Followed(now, path, follow_limits(path, now)))

@@ -35,7 +35,7 @@ def _motion(unit: str, description: str, reach: float) -> float:
 class EndMotion:
     """Motion of a conveyance's suspension point; x and z from the nominal point, y the height in the shaft.
 
-    Metres, seconds, radians; yaw about Y (up).
+    Metres, seconds, radians; yaw about Y (up).  A clamp yaws first, then leans; as it leans on, it spins by yaw.
     """
 
     x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", FARTHEST)
@@ -49,6 +49,8 @@ class EndMotion:
     az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", HARDEST)
     yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
     yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
+    lean: float = _motion("rad", "lean of the {side} end from plumb, in plane; of a clamp alone", math.pi)
+    lean_z: float = _motion("rad", "lean of the {side} end from plumb, out of plane; of a clamp alone", math.pi)
 
     def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
         """Return the motion ``after`` (s) from here, on quintics to the motion ``to``, ``h`` (s) from here."""
@@ -59,7 +61,8 @@ class EndMotion:
             for start, stop in zip(starts, stops, strict=True)
         ]
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_rate, _) = motions
-        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+        lean, lean_z = (x + after / h * (y - x) for x, y in ((self.lean, to.lean), (self.lean_z, to.lean_z)))
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, lean, lean_z)
 
     @property
     def position(self) -> tuple[float, float, float]:
@@ -84,22 +87,25 @@ OfAxes = tuple[Any, Any, Any, Any]
 
 
 class EndPath(NamedTuple):
-    """A quintic in s = t - start for each values of x, y, z and yaw; held from ``stop`` on."""
+    """A quintic in s = t - start for each values of x, y, z, yaw and the leans; held from ``stop`` on."""
 
     start: float
     stop: float
     coefficients: tuple[Quintic, Quintic, Quintic, Quintic]
+    leans: tuple[Quintic, Quintic] = ((0.0,) * 6,) * 2
 
     @staticmethod
     def at_rest(t: float, at: EndMotion) -> EndPath:
         """No motion at all."""
-        x, y, z, yaw = ((place, 0.0, 0.0, 0.0, 0.0, 0.0) for place in (*at.position, at.yaw))
-        return EndPath(t, t, (x, y, z, yaw))
+        places = (*at.position, at.yaw, at.lean, at.lean_z)
+        x, y, z, yaw, *leans = ((place, 0.0, 0.0, 0.0, 0.0, 0.0) for place in places)
+        return EndPath(t, t, (x, y, z, yaw), (leans[0], leans[1]))
 
     def at_constant_acceleration(self, t: float) -> EndPath:
         """The motion at ``t`` with its accelerations kept, before and after."""
-        x, y, z, yaw = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in zip(*self.motion(t), strict=True))
-        return EndPath(t, math.inf, (x, y, z, yaw))
+        rates = (*zip(*self.motion(t), strict=True), *self.leaning(t))
+        x, y, z, yaw, *leans = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in rates)
+        return EndPath(t, math.inf, (x, y, z, yaw), (leans[0], leans[1]))
 
     def height(self, t: float) -> Any:
         """y at ``t``."""
@@ -108,6 +114,11 @@ class EndPath(NamedTuple):
     def yaw(self, t: float) -> tuple[Any, Any]:
         """Yaw and its rate at ``t``."""
         return quintic.rates(self.coefficients[3], smaller(t, self.stop) - self.start)[:2]
+
+    def leaning(self, t: float) -> tuple[Any, Any]:
+        """Leans and their rates at ``t``."""
+        s = smaller(t, self.stop) - self.start
+        return quintic.rates(self.leans[0], s), quintic.rates(self.leans[1], s)
 
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
         """Position, velocity and acceleration at ``t``."""
@@ -118,7 +129,7 @@ class EndPath(NamedTuple):
     def at(self, t: float) -> EndMotion:
         """The motion at ``t``."""
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
-        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.leaning(t)))
 
     def peak_accelerations(self) -> OfAxes:
         """Largest accelerations on the path, sampled; NaN where the first sample is."""

@@ -10,8 +10,6 @@ a leg all elements are short enough for the waves of its blow, and half as long 
 `python -m evidence.mesh_rule` fits the basis of the constants.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@
 seven segments, 0 for EEM, and l as ``coarse``, 0 for EEM.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -23,8 +23,6 @@ same for every place of the loop, grows with the root of the rope's length for a
 Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -33,18 +31,8 @@ from functools import lru_cache
 import numpy as np
 
 from rope_model.parameters import MOST_ELEMENTS, Mesh, Scene
+from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_places, fit_elements
-from rope_model.simulation.mesh.mesh_pattern import (
-    WINDOW,
-    WINDOW_DUE,
-    WINDOW_PARTS,
-    fewest_outer,
-    fine_share,
-    inner_length,
-    pattern_centre,
-    relative_lengths,
-    window_place,
-)
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
 
@@ -83,12 +71,12 @@ class Partition:
     @property
     def fine(self) -> float:
         """Length of the loop's elements, m."""
-        return self.coarse * fine_share(self.counts[1:6]) if self.coarse else float(self.lengths[0])
+        return self.coarse * tmn.fine_share(self.counts[1:6]) if self.coarse else float(self.lengths[0])
 
     @property
     def centre(self) -> float:
         """Arc length of the middle of segment IV, m."""
-        return float(pattern_centre(self))
+        return float(tmn.pattern_centre(self))
 
 
 def fit_mesh(scene: Scene) -> Mesh:
@@ -127,7 +115,7 @@ def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] =
         raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
-    inner = float(inner_length(mesh.counts))
+    inner = float(tmn.inner_length(mesh.counts))
     outer = float(np.rint(length / mesh.coarse_length - inner))
     if outer > MOST_ELEMENTS:
         raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MOST_ELEMENTS))
@@ -135,10 +123,10 @@ def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] =
         raise ValueError(messages.too_few_lengths(inner * mesh.coarse_length, length))
     coarse = length / (outer + inner)
     elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
-    elements += WINDOW * (WINDOW_PARTS - 1) * int(np.isfinite(faced).sum())
+    elements += tmn.WINDOW * (tmn.WINDOW_PARTS - 1) * int(np.isfinite(faced).sum())
     if elements > MOST_ELEMENTS:
         raise ValueError(messages.too_many_elements(elements, MOST_ELEMENTS))
-    least = fewest_outer(mesh.counts)
+    least = tmn.fewest_outer(mesh.counts)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), least, outer - least))
     counts = (first, *mesh.counts, int(outer) - first)
     return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), faced)
@@ -156,7 +144,7 @@ def transform(old: Partition, direction: float, faced: Sequence[float] = NOWHERE
 def window_due(pattern: Partition, faced: Sequence[float]) -> bool:
     """Whether a window is so far from its divider that it moves without the loop."""
     return pattern.coarse > 0 and any(
-        abs(window_place(pattern, place) - window) > WINDOW_DUE
+        abs(tmn.window_place(pattern, place) - window) > tmn.WINDOW_DUE
         for place, window in zip(faced, pattern.windows, strict=True)
     )
 
@@ -164,19 +152,19 @@ def window_due(pattern: Partition, faced: Sequence[float]) -> bool:
 def _tmn(pattern: Partition, faced: Sequence[float]) -> Partition:
     """``pattern`` with its windows where dividers are ``faced``, and with the lengths of its elements."""
     counts, coarse, levels = pattern.counts, pattern.coarse, pattern.end_levels
-    inner = np.repeat(relative_lengths(counts[1:6]), counts[1:6])
+    inner = np.repeat(tmn.relative_lengths(counts[1:6]), counts[1:6])
     first, last = max(counts[0], 1), max(counts[6], 1)
     # rest of II to VI within the ends of the rope
     shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
     kept = shares[shares > 0.0]
-    growth, fine = pattern.grading_length / coarse, fine_share(counts[1:6])
+    growth, fine = pattern.grading_length / coarse, tmn.fine_share(counts[1:6])
     # where the pattern is cut off the loop bends the rope up to its end
     for longest in (fine, 1.0):
         ends = [_end(levels, longest if n < 1 else 1.0) for n in counts[::6]]
         elements = pattern.lengths.size - kept.size - sum(end.size - 1 for end in ends)
         if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
             break
-    windows = tuple(round(window_place(pattern, place)) for place in faced)
+    windows = tuple(round(tmn.window_place(pattern, place)) for place in faced)
     left, right = _legs(first, last, elements, growth, windows)
     lengths = np.concatenate((ends[0], left[1:], kept, right[:0:-1], ends[1][::-1]))
     return replace(pattern, lengths=coarse * lengths, windows=windows)
@@ -225,9 +213,9 @@ def _legs(
     spare = elements - len(both[0]) - len(both[1])
     for side, leg in enumerate(both):
         for k in range(len(leg) - 1, 0, -1):
-            if spare >= WINDOW_PARTS - 1 and any(0 <= k - window < WINDOW for window in windows[side::2]):
-                leg[k : k + 1] = [leg[k] / WINDOW_PARTS] * WINDOW_PARTS
-                spare -= WINDOW_PARTS - 1
+            if spare >= tmn.WINDOW_PARTS - 1 and any(0 <= k - window < tmn.WINDOW for window in windows[side::2]):
+                leg[k : k + 1] = [leg[k] / tmn.WINDOW_PARTS] * tmn.WINDOW_PARTS
+                spare -= tmn.WINDOW_PARTS - 1
     for _ in range(spare):
         leg = max(both, key=lambda leg: max(leg[1:], default=0.0))
         k = len(leg) - 1 - leg[::-1].index(max(leg[1:]))  # the one nearest the loop

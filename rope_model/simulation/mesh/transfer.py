@@ -6,8 +6,6 @@ the clamped ends take up.  Dropping the middle node alone would lose its excess 
 at every transformation.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

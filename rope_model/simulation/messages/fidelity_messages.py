@@ -1,7 +1,5 @@
 """Why a fidelity of the model serves, or does not: texts of both forms, as in messages."""
 
-from __future__ import annotations
-
 from rope_model.simulation.messages.text import Text
 
 cannot_follow = Text("the {fidelity:s} model cannot follow {why:.300}")
@@ -21,6 +19,7 @@ may_touch_itself = Text("the rope may touch itself")
 guards_watch = Text("guards watch the loop, which may turn and swing")
 in_air = Text("the air may carry the rope along")
 is_curved = Text("the rope has a permanent curvature of {curvature:g} 1/m")
+not_plumb = Text("an end is not held plumb")
 is_pushed = Text("forces are applied to places of the rope")
 no_torque = Text("no torque acts and nothing acts out of plane")
 coupled = Text("tension and torsion are coupled (Qb = {Qb:g}, Qc = {Qc:g} N m)")

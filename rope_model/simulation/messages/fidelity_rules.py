@@ -1,23 +1,12 @@
 """Rules that decide which fidelity of the model serves, and why; for simulation.fidelity and its C."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+from rope_model.physics import estimates
 from rope_model.physics.elementary import both, either, larger, where
-from rope_model.physics.estimates import (
-    LARGEST_YAW,
-    Travel,
-    held_error,
-    lean_error,
-    longitudinal_error,
-    loop_yaw,
-    release_error,
-    travel_estimate,
-)
 from rope_model.physics.guard import guarded
 from rope_model.physics.inextensible import lowest, pull
 from rope_model.simulation.contact.bodies import may_touch
@@ -26,7 +15,7 @@ from rope_model.simulation.messages import fidelity_messages
 from rope_model.simulation.messages.rules import Rules
 
 #: inputs that turn a rope whose swivels hold, that act out of the plane, and that move the ends along it
-TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az"), ("vx", "ax")
+TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az", "lean_z"), ("vx", "ax", "lean")
 #: in the order of their numbers
 INPUTS = tuple(field.name for field in fields(EndMotion))
 
@@ -36,20 +25,26 @@ def carries_torque(scene: Any) -> Any:
     return either(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
 
 
-def expected_travel(ends: Sequence[Any]) -> Travel:
+def not_plumb(scene: Any) -> Any:
+    """Whether an end of the rope is clamped otherwise, or hinged."""
+    return either(scene.left.attachment != "plumb", scene.right.attachment != "plumb")
+
+
+def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
     """Motion to expect of ends that move like this now."""
     left, right = ends
     speed, acceleration = larger(abs(left.vy), abs(right.vy)), larger(abs(left.ay), abs(right.ay))
-    return travel_estimate(abs(left.y - right.y), speed, acceleration)
+    return estimates.travel_estimate(abs(left.y - right.y), speed, acceleration)
 
 
 def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
     """Estimated error of the vertical end forces against the complete model; inf where the loop may turn far."""
     locked = both(scene.left.mode == "locked", scene.right.mode == "locked")
-    of_torque = held_error(scene, travel) + where(locked, 0.0, release_error(scene, travel))
-    of_torque = where(loop_yaw(scene) > LARGEST_YAW, math.inf, of_torque)
+    of_torque = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
+    of_torque = where(estimates.loop_yaw(scene) > estimates.LARGEST_YAW, math.inf, of_torque)
     left_out = where(both(fidelity != "torsional", carries_torque(scene)), of_torque, 0.0)
-    return left_out + where(fidelity == "rigid", longitudinal_error(scene, travel) + lean_error(scene, travel), 0.0)
+    of_loop = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
+    return left_out + where(fidelity == "rigid", of_loop, 0.0)
 
 
 def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> Any:
@@ -129,6 +124,7 @@ COMPLETE: Rules = {
     fidelity_messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
     fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
+    fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),
     fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),
 }
 #: what 'auto' does not leave to a fidelity that leaves out no input

@@ -3,8 +3,6 @@
 codegen.messages makes the C of them.  Warnings are in warning_messages, reasons for a fidelity in fidelity_messages.
 """
 
-from __future__ import annotations
-
 from rope_model.simulation.messages.text import Text
 
 # the rope's start
@@ -60,6 +58,7 @@ input_not_finite = Text("input {side:s}.{name:s} = {value} is not finite; check 
 input_out_of_range = Text(
     "input {side:s}.{name:s} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
 )
+no_clamp = Text("{side:s}.{name:s} = {value:g} rad needs a clamp; set {side:s}.swivel.attachment = clamped or give 0")
 inputs_do_not_fit = Text(
     "inputs {side:s}.{name:s} and its derivatives do not fit together: reaching them within the step would take "
     "{acceleration:.3g} {unit:s} (inputs.acceleration_max = {bound:g}); give position, speed and acceleration of one "

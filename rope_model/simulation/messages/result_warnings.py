@@ -19,8 +19,6 @@ as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: 
 one, its conveyance and head ropes.  That is half a turn over the height (diagnostics.loop_turns), too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

@@ -4,8 +4,6 @@ A rule is a message of the rope and the formula that goes with it.  From the fac
 formula computes whether the message applies, and then the numbers in it.  A choice is compared with its word.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

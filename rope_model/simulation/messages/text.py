@@ -1,7 +1,5 @@
 """A text with places for values, said by Python and by C."""
 
-from __future__ import annotations
-
 from string import Formatter
 
 

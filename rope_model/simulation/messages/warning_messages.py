@@ -1,7 +1,5 @@
 """Warnings of results that are valid: texts of both forms, as in messages."""
 
-from __future__ import annotations
-
 from rope_model.simulation.messages.text import Text
 
 passed_into = Text(

@@ -1,7 +1,5 @@
 """Rules of warnings that numbers decide: tables for simulation.messages.result_warnings and its C."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -15,15 +13,7 @@ from rope_model.simulation.mesh.mesh_pattern import fine_share
 from rope_model.simulation.messages import warning_messages as texts
 from rope_model.simulation.messages.fidelity_rules import carries_torque
 from rope_model.simulation.messages.rules import Rules
-from rope_model.simulation.outputs.audit import (
-    FEWEST_ELEMENTS,
-    FEWEST_STEPS,
-    LARGE_CHANGE,
-    MISSING_FORCE,
-    MISSING_MOMENT,
-    axial_step,
-    signal_values,
-)
+from rope_model.simulation.outputs import audit as audits
 
 #: rad: yaw of a loop that is turned over
 HALF_A_TURN = math.pi
@@ -107,14 +97,14 @@ def _shown_below(number: Any) -> Any:
 
 
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    audit, steps = state.audit, signal_values(state.audit)[4]
-    applies = both(audit.share * FEWEST_STEPS > 1.0, audit.force_change > LARGE_CHANGE * audit.force)
-    return applies, audit.force_change, _shown_below(steps), FEWEST_STEPS, axial_step(scene.rope)
+    audit, steps = state.audit, audits.signal_values(state.audit)[4]
+    applies = both(audit.share * audits.FEWEST_STEPS > 1.0, audit.force_change > audits.LARGE_CHANGE * audit.force)
+    return applies, audit.force_change, _shown_below(steps), audits.FEWEST_STEPS, audits.axial_step(scene.rope)
 
 
 def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    elements = signal_values(state.audit)[5]
-    return both(state.audit.bend > 0, elements < FEWEST_ELEMENTS), _shown_below(elements), FEWEST_ELEMENTS
+    elements = audits.signal_values(state.audit)[5]
+    return both(state.audit.bend > 0, elements < audits.FEWEST_ELEMENTS), _shown_below(elements), audits.FEWEST_ELEMENTS
 
 
 def _positions_rounded(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
@@ -180,9 +170,11 @@ OTHER_RESTS: Rules = {
     texts.other_rests: lambda scene, state: (both(state.snapped_at != 0, rests(scene, state)), state.snapped_at)
 }
 MISSING_LOADS: Rules = {
-    texts.forces_missing: lambda scene, state: _missing(state.audit.missing_force, MISSING_FORCE * state.audit.force),
+    texts.forces_missing: lambda scene, state: _missing(
+        state.audit.missing_force, audits.MISSING_FORCE * state.audit.force
+    ),
     texts.moments_missing: lambda scene, state: _missing(
-        state.audit.missing_moment, MISSING_MOMENT * state.audit.force * scene.layout.spacing
+        state.audit.missing_moment, audits.MISSING_MOMENT * state.audit.force * scene.layout.spacing
     ),
 }
 UNRESOLVED_WAVES: Rules = {texts.waves_unresolved: _waves_unresolved}

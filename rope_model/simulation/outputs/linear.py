@@ -32,6 +32,7 @@ from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import GAUSS, bend, node_values
 from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.outputs.modal import assembled
 from rope_model.simulation.outputs.signals import Evaluated
 from rope_model.simulation.rope_kernels import Kinds, rope_element
@@ -69,12 +70,14 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
     Raises
     ------
     ValueError
-        If it has no torsion, touches a body, or finds no steady flow.
+        If it has no torsion, an end that is not plumb, touches a body, or finds no steady flow.
     """
     system, motion = rope.system, rope.state.motion
     q, n = motion.q, system.lengths.size
     if system.kernels.fidelity != "torsional":
         raise ValueError("model.fidelity must be 'torsional' for a linear model: set it")
+    if not_plumb(rope.scene):
+        raise ValueError("both ends must be plumb for a linear model: set attachment = 'plumb'")
     if system.longest_near(q) > 0.0:
         raise ValueError("the rope at rest touches a body in the shaft and has no linear model there: choose a height")
     nodes_s, lengths = arc_lengths(system.lengths), system.lengths[None, :]

@@ -14,7 +14,7 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics.frame import conveyance_load
 from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds, Phase
-from rope_model.simulation.ends.following import manner_of, sample_moves
+from rope_model.simulation.ends.following import lean_moves, manner_of, sample_moves
 from rope_model.simulation.ends.paths import SIDES, EndMotion, ends_at
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rigid import tension_change
@@ -43,14 +43,16 @@ class Linearised(Protocol):
 def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = True) -> Array:
     """(12,): of LOADS to the field ``name`` of an end's EndMotion; 0 where inputs.given does not trust it."""
     state, place = rope.state, _NAMES.index(name)
-    kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE)
+    kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE) if place < 11 else (0, ANGLE + place - 10)
     h, size, sample = state.last_interval, _SIZES[kind], [0.0, 0.0, 0.0]
     sample[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
     if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
         sample[2] = sample[1] / h
-    change = np.array(sample_moves(manner_of(rope.scene), h, 0.0 if at_step_end else h, sample))
+    manner, ahead = manner_of(rope.scene), 0.0 if at_step_end else h
+    change = np.array(lean_moves(h, size) if dof > ANGLE else sample_moves(manner, h, ahead, sample))
     # friction does not know the yaw, nor does the rigid rope
     unfelt = dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid")
+    unfelt |= dof > ANGLE and rope.ends.swivels[side].attachment != "clamped"
     if unfelt or not change.any():
         return np.zeros(12)
     derivative: Array = _change_of_loads(rope, side, dof, change) / size

@@ -4,8 +4,6 @@ Regula falsi with the Illinois modification.  It bisects when that fails to halv
 value is infinite (the function may be kinked).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple

@@ -4,9 +4,9 @@ Its swivels hold.  If one that starts relaxed cannot, the rope is hung up anew w
 of its slip: neither coupling nor installed twist winds up its loop.  That friction is below what holds it at rest.  A
 straight rope at rest carries the same torque all along, so the swivel with the least friction turns alone.  On a curved
 rope the other may have to turn as well.
-"""
 
-from __future__ import annotations
+A rope with an end that is not plumb hangs with ends close together first, that then move apart and lean by and by.
+"""
 
 import math
 from dataclasses import replace
@@ -14,11 +14,15 @@ from dataclasses import replace
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
+from rope_model.parameters import Scene
 from rope_model.simulation.curvature import is_curved
+from rope_model.simulation.ends.ends import partly_placed
+from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.adaptation import with_loop_yaw
 from rope_model.simulation.messages import messages
+from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.model import RopeModel, ends_of, energies
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
@@ -26,6 +30,8 @@ from rope_model.simulation.stepping.statics import StaticsError, find_equilibriu
 
 #: parts in which the permanent curvature comes in
 CURVATURE_STEPS = 8
+#: parts in which ends that are not plumb get to their places: a clamp leans by 0.1 rad at most
+PLACING_STEPS = 32
 #: rad of twist put in at once, at most and at least
 TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
 #: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
@@ -34,7 +40,23 @@ MOST_TURN = 2.0
 MOST_CORRECTIONS = 100_000
 
 
-def hang(model: RopeModel, state: RopeState) -> RopeState:
+def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
+    """``state`` at rest, its rope hung up in a loop, its ends then put and leaned as ``ends`` say."""
+    state = _hang_in_loop(model, state)
+    for k in range(PLACING_STEPS if not_plumb(model.scene) else 0):
+        on_the_way = paths_at_rest(model.scene, state.motion.t, ends, (k + 1) / PLACING_STEPS)
+        state, _ = equilibrium_in_frame(model, state._replace(paths=on_the_way))
+    return state
+
+
+def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], part: float) -> tuple[EndPath, EndPath]:
+    """Return the paths of both ends at rest on their way; those of plumb ends at their places."""
+    left, right, part = *ends, part if not_plumb(scene) else 1.0
+    first, second = partly_placed(scene, left, right, -1.0, part), partly_placed(scene, right, left, 1.0, part)
+    return EndPath.at_rest(t, first), EndPath.at_rest(t, second)
+
+
+def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
     """``state`` at rest, hung up straight and untwisted, then curved, turned in and relaxed."""
     held = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
     twist, straight = held[1] - held[0], _untwisted(state, held[0])

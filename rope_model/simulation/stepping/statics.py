@@ -15,8 +15,6 @@ small; the search ends when forces have been balanced to rounding often enough f
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,23 +1,14 @@
 """One step of the rope, as long as errors and events allow."""
 
-from __future__ import annotations
-
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from rope_model.numerics.generalized_alpha import StepResult
-from rope_model.physics.accuracy import ACCEPT_BELOW, next_step, parts_of
+from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_WORK, next_step, parts_of
 from rope_model.physics.elementary import larger
+from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
-from rope_model.simulation.ends.switching import (
-    EVENT_WIDTH,
-    chatters,
-    next_release,
-    release_swivels,
-    switch_swivels,
-    switching_step,
-)
 from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
 from rope_model.simulation.mesh.mesh_pattern import distance_to_due
 from rope_model.simulation.mesh.partition import LATEST
@@ -25,27 +16,18 @@ from rope_model.simulation.messages import messages
 from rope_model.simulation.model import RopeModel, powers
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
-from rope_model.simulation.state import Counts, RopeState
+from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.events import locate
 from rope_model.simulation.stepping.statics import StaticsError
 
 log = logging.getLogger(__name__)
 
-#: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
-STEP_WORK = 12
 #: Newton iterations of a communication step of up to so many s: over 6 times the most of 120 drawn trips
 MOST_WORK, WORK_INTERVAL = 5_000.0, 0.05
 
 
-@dataclass(frozen=True)
-class _Accepted:
-    """An accepted trial step, the one to try next, since when errors are small, and whether it ends where it was to."""
-
-    result: StepResult[Evaluation]
-    step_next: float
-    calm_since: float
-    counts: Counts
-    reaches_stop: bool
+#: an accepted trial step, the state before it with its accounts after it, and whether the step ends where it was to
+_Accepted = tuple[StepResult[Evaluation], RopeState, bool]
 
 
 def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int) -> RopeState | str:
@@ -58,40 +40,42 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
     transformed = transform_if_due(model, state)
     if isinstance(transformed, str):
         return transformed
-    state = release_swivels(model, transformed)
+    state = switching.release_swivels(model, transformed)
     system = model.system(state)
     stop = _next_stop(model, state, t_end)
     while True:
-        step = _accepted_step(model, system, state, stop, work_end)
-        if isinstance(step, str):
-            return step
-        result, reaches_stop, counts = step.result, step.reaches_stop, step.counts
+        accepted = _accepted_step(model, system, state, stop, work_end)
+        if isinstance(accepted, str):
+            return accepted
+        result, state, reaches_stop = accepted
+        counts = state.counts
         assert result.motion is not None
-        whole = result.motion.t - state.motion.t
+        end = result.motion.t
         # the step to the event, and one from there on, come after the trials
         work = work_end - counts.newton - 2 * STEP_WORK
-        if (switching := switching_step(model, system, state, result, work)) is None:
+        if (event := switching.switching_step(model, system, state, result, work)) is None:
             break
-        h, iterations = switching
+        h, iterations = event
+        counts = counts.plus(newton=iterations, given_up=int(iterations >= work))
+        if work <= 0:  # the step's end will do
+            break
         result = model.trial(system, state.motion, h)
-        counts = counts.plus(newton=iterations + result.newton.iterations, given_up=int(iterations >= work))
+        counts = counts.plus(newton=result.newton.iterations)
         if result.motion is not None:
             break
         # a shorter one may not reach the event, or find it more easily
-        shorter = max(0.5 * whole, model.scene.solver.step_min)
-        if shorter > 0.75 * whole:
+        shorter = max(0.5 * (end - state.motion.t), model.scene.solver.step_min)
+        if shorter > 0.75 * (end - state.motion.t):
             return messages.step_to_event_fails(result.newton.status.text)
         log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
-        counts = counts.plus(rejections=1)
-        state = state._replace(step_next=shorter, calm_since=step.calm_since, counts=counts)
-    after = model.commit(state, system, result)
-    after = after._replace(step_next=step.step_next, calm_since=step.calm_since, counts=counts.plus(steps=1))
-    if switching is not None:
-        after = switch_swivels(model, after)
-        if chatters(after):
-            return messages.swivel_chatters()
-    elif reaches_stop:
+        state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
+    after = model.commit(state, system, result)._replace(counts=counts.plus(steps=1))
+    if reaches_stop and after.motion.t == end:
         after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
+    if event is not None:
+        after = switching.switch_swivels(model, after)
+        if switching.chatters(after):
+            return messages.swivel_chatters()
     return with_loop_yaw(after)
 
 
@@ -140,8 +124,9 @@ def _accepted_step(
         h = max(0.5 * h, solver.step_min)
         parts, step_next = 2, h
     then = next_step(solver, h, step_next, error, bool(cause), t + h, state.calm_since)
-    counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(then.given_up))
-    return _Accepted(result, then.length, then.calm_since, counts, parts == 1)
+    given_up = int(then.given_up or result.newton.error > solver.newton_tolerance)
+    counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=given_up)
+    return result, state._replace(step_next=then.length, calm_since=then.calm_since, counts=counts), parts == 1
 
 
 def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
@@ -150,7 +135,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     Also a transformation, where a step would carry the loop too far past it; else it waits for the step's end,
     because a step that is cut short errs by more than a mesh that is a little late.
     """
-    t, stop = state.motion.t, min(t_end, next_release(model, state))
+    t, stop = state.motion.t, min(t_end, switching.next_release(model, state))
     ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
 
     def due(time: float) -> float:
@@ -160,7 +145,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     at_start = due(t)
     for time in (0.5 * (t + ahead), ahead):
         if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
-            return min(locate(due, t, time, at_start, at_time, EVENT_WIDTH), stop)
+            return min(locate(due, t, time, at_start, at_time, switching.EVENT_WIDTH), stop)
     return stop
 
 

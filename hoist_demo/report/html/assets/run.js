@@ -178,7 +178,7 @@ function makeReadout(player, times, values) {
     ["conveyance.left.y", "left conveyance", "m", 1], ["conveyance.left.vy", "speed", "m/s", 1],
     ["drive.torque", "motor torque", "kN m", 1e-3], ["drive.tension_ratio", "tension ratio", "", 1],
     ["left.fy", "pull, left", "kN", -1e-3 * DATA.alike], ["right.fy", "pull, right", "kN", -1e-3 * DATA.alike],
-    ["loop.y", "loop, lowest point", "m", 1], ["loop.x", "in plane, x", "m", 1], ["loop.z", "out of plane, z", "m", 1],
+    ["loop.y", "loop, lowest point", "m", 1], ["loop.x", "in plane, from its place", "m", 1], ["loop.z", "out of plane, from its place", "m", 1],
     ["loop.yaw", "yaw", "deg", 180 / Math.PI], ["loop.clearance", "clearance", "m", 1],
     ["stress.bending_max", "largest bending stress", "MPa", 1e-6],
     ["loop.rise", "rise of the loop", "m", 1], ["loop.sideways", "from midway", "m", 1],

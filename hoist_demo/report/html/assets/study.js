@@ -19,7 +19,8 @@ function makeAxis(column) {
     const words = [...new Set(present.map(String))], part = (k) => (words.length > 1 ? k / (words.length - 1) : 0.5);
     return { place: (value) => part(words.indexOf(String(value))), ticks: words.map((word, k) => [part(k), clipped(word)]) };
   }
-  let lo = Math.min(...present), hi = Math.max(...present);
+  const all = [...present, ...column.bounds.map(([bound]) => bound)]; // bounds are seen, too
+  let lo = Math.min(...all), hi = Math.max(...all);
   if (!(hi > lo)) [lo, hi] = present.length ? [lo - (Math.abs(lo) || 1) / 2, lo + (Math.abs(lo) || 1) / 2] : [0, 1];
   [lo, hi] = [lo - 0.04 * (hi - lo), hi + 0.04 * (hi - lo)]; // the outermost runs stand clear of the ends
   const { values, step } = ticks(lo, hi, 5), place = (value) => (value - lo) / (hi - lo);
@@ -106,6 +107,11 @@ function drawParallel() {
       add(group, "line", { x1: x(k) - 3, x2: x(k) + 3, y1: y(part), y2: y(part) });
       add(group, "text", { class: "tick halo", x: x(k) + 5, y: y(part) + 3.5 }, text);
     }
+    for (const [bound, sense] of column.bounds) {
+      const at = y(column.scale.place(bound)), beyond = { class: "beyond", x: x(k) - 4, width: 8 };
+      add(group, "rect", sense > 0 ? { ...beyond, y: top, height: at - top } : { ...beyond, y: at, height: bottom - at });
+      add(add(group, "line", { class: "bound", x1: x(k) - 12, x2: x(k) + 12, y1: at, y2: at }), "title", {}, boundText(column, bound, sense));
+    }
     const name = add(group, "text", { class: `name ${column.role}`, x: x(k), "text-anchor": "middle", y: 12 });
     wrapped(column.name).forEach((text, i) => add(name, "tspan", { x: x(k), dy: i ? 12 : 0 }, text));
     if (column.unit) add(name, "tspan", { x: x(k), dy: 12, class: "unit" }, `[${column.unit}]`);
@@ -177,6 +183,14 @@ function drawScatter() {
   const full = ({ name, unit }) => (unit ? `${name} [${unit}]` : name);
   add(svg, "text", { class: "tick", x: x(1), y: height - 4, "text-anchor": "end" }, full(across));
   add(svg, "text", { class: "tick", x: 4, y: 11 }, full(up));
+  for (const [bound, sense] of across.bounds) {
+    const at = x(across.scale.place(bound));
+    add(add(svg, "line", { class: "bound", x1: at, x2: at, y1: y(0), y2: y(1) }), "title", {}, boundText(across, bound, sense));
+  }
+  for (const [bound, sense] of up.bounds) {
+    const at = y(up.scale.place(bound));
+    add(add(svg, "line", { class: "bound", x1: x(0), x2: x(1), y1: at, y2: at }), "title", {}, boundText(up, bound, sense));
+  }
   drawFront(svg, across, up, (a, b) => [x(across.scale.place(a)), y(up.scale.place(b))]);
   for (const run of inOrder()) {
     const [a, b] = [across.values[run], up.values[run]];
@@ -214,6 +228,10 @@ function drawFront(svg, across, up, place) {
   }
   const several = points.length < RUNS.filter((run) => !failed(run)).length ? ", each at the worst of its runs" : "";
   byId("front").textContent = `Rings: the ${front.length} of ${points.length} choices of which no other is better in both${several}.`;
+}
+
+function boundText({ name, unit }, bound, sense) {
+  return `${name} ${sense > 0 ? "below" : "above"} ${short(bound)} ${unit}`.trim();
 }
 
 function valueText(value) {

@@ -1,0 +1,154 @@
+"""Motion that somebody has measured: paths of a rope's ends and of markers, in a CSV file (docs/reference/files.md).
+
+The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at the start.
+Ends follow smoothing splines (generalised cross-validation), at rest before the file begins.  A marker that leaps away
+from its running median is masked, as one that was lost.
+
+A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
+shifts, less the measured one.  Offsets and delay have standard errors and are found anew for each rope (variable
+projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
+from scipy.interpolate import CubicHermiteSpline, make_smoothing_spline
+from scipy.ndimage import generic_filter
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from hoist_demo.files.reading import Table, beside
+from hoist_demo.files.values import Text
+from rope_model import EndMotion, Scene, balance_rope
+from rope_model.parameters import Attachment
+from rope_model.simulation.contact.point_forces import at_places, elements_at
+from rope_model.simulation.ends.paths import SIDES
+
+Array = NDArray[np.float64]
+#: samples before the file begins, at rest in the mean of its first ones
+REST, FIRST = 25, 5
+#: standard errors from which on a residual counts for less
+ROBUST = 3.0
+#: samples of the running median, and standard errors from it that are a leap
+MEDIAN, LEAP = 5, 8.0
+
+
+class Markers(Table):
+    """Markers along a rope between two ends that move."""
+
+    what: Literal["markers"]
+    name: Text = ""
+    file: Text
+    sigma: float = Field(gt=0.0, allow_inf_nan=False)  # m, standard error of a coordinate
+    places: dict[str, float] = Field(min_length=1)  # m along the rope from its left end, by marker
+    ends: Attachment = "plumb"
+    unit: Literal["m", "cm", "mm"] = "m"  # of the file
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # in the axes of the file
+    skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
+    offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
+    delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
+    _t: Array = PrivateAttr()  # (n,), s; the file begins at REST
+    _spacing: float = PrivateAttr()  # m, of the ends at the start
+    _ends: list[tuple[EndMotion, EndMotion]] = PrivateAttr()  # at these times
+    _places: Array = PrivateAttr()  # (n - REST, markers, 3), m; NaN where lost or not compared
+
+    @model_validator(mode="after")
+    def _is_there(self, info: ValidationInfo) -> Self:
+        self._t, self._spacing, self._ends, self._places = _read(beside(info, self.file), self)
+        return self
+
+    @property
+    def values(self) -> Array:
+        """Zeros, as the predictions are residuals, of what was seen and then of offsets and delay."""
+        return np.zeros(np.isfinite(self._places).sum() + 3 * len(self.places) + 1)
+
+    def wind(self, scene: Scene) -> CubicHermiteSpline:
+        """Places of the markers by time (markers, 3), on the rope of ``scene`` between these ends."""
+        left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
+        layout = replace(scene.layout, spacing=self._spacing)
+        rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
+        for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True)):
+            status = (rope.advance_to if k else rope.initialize)(t, *ends)
+            if not status.valid:
+                raise RuntimeError(f"{self.file} at t = {t:g} s: {status.message}")
+            if k >= REST:
+                rows = rope.rows()
+                at = elements_at(np.array([*self.places.values()]), np.diff(rows[:, 0]))
+                found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at)])
+        return CubicHermiteSpline(self._t[REST:], *np.swapaxes(found, 0, 1))
+
+    def predict(self, trial: Any) -> Array:
+        """Residuals (m) on the scene of a measurements.Trial; their squares are the loss."""
+        motion, t, seen = self.wind(trial.scene), self._t[REST:], np.isfinite(self._places)
+
+        def residuals(b: Array) -> Array:
+            places = motion(np.clip(t + self.delay * b[-1], t[0], t[-1])) + self.offset * b[:-1].reshape(-1, 3)
+            r = (places - self._places)[seen] / self.sigma
+            return np.concatenate((r * np.sqrt(2.0 / (1.0 + np.hypot(1.0, r / ROBUST))), b))
+
+        return np.asarray(self.sigma * least_squares(residuals, np.zeros(3 * len(self.places) + 1), method="lm").fun)
+
+
+def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotion, EndMotion]], Array]:
+    """Contents of the file; ValueError names what is wrong."""
+    try:
+        columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{asked.file} is no table of numbers ({error}): give a CSV file, names in line 1") from error
+    names = columns.dtype.names or ()
+
+    def vectors(name: str, axis: str = "", unit: float = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]) -> Array:
+        wanted = [f"{name}.{axis}{k}" for k in "xyz"]
+        if missing := [one for one in wanted if one not in names]:
+            raise ValueError(f"{asked.file} has no column {missing[0]}: its columns are {', '.join(names)}")
+        return unit * np.column_stack([columns[one] for one in wanted])
+
+    t = columns["t"] if "t" in names else np.array([])
+    if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
+        raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
+    if (leaning := "left.dx" in names) and asked.ends != "clamped":
+        raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
+    start, end = (np.nanmean(vectors(side)[:FIRST], axis=0) for side in SIDES)
+    if not np.linalg.norm(np.cross(asked.up, end - start)) > 0.0:
+        raise ValueError(f"{asked.file}: the ends hang above each other with up = {asked.up}: give the direction of up")
+    axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [asked.up, end - start], weights=[np.inf, 1.0])
+    spacing, paths = float(axes.apply(end - start)[0]), []
+    for side, nominal in zip(SIDES, (-0.5 * spacing, 0.5 * spacing), strict=True):
+        paths.append(axes.apply(vectors(side) - 0.5 * (start + end)) - [nominal, 0.0, 0.0])
+        way = axes.apply(vectors(side, "d")) if leaning else np.array([[0.0, -1.0, 0.0]] * t.size)
+        across = np.linalg.norm(way[:, ::2], axis=1, keepdims=True)
+        paths.append(way[:, ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -way[:, 1:2]))
+    seen = np.hstack(paths)
+    whole, frame = np.isfinite(seen).all(axis=1), float(t[1] - t[0])
+    if whole.sum() < 2 * FIRST:
+        raise ValueError(f"{asked.file} has both ends at {whole.sum()} times, needed are {2 * FIRST}: give more")
+    resting = np.vstack((np.tile(seen[whole][:FIRST].mean(axis=0), (REST, 1)), seen[whole]))
+    all_t, known = np.concatenate((t[0] + np.arange(-REST, 0) * frame, t)), np.concatenate((np.full(REST, True), whole))
+    smooth = np.zeros((3, all_t.size, 2, 5))
+    for k, x in enumerate(resting.T):  # by frames: the cross-validation seeks its parameter to 1e-5
+        spline = make_smoothing_spline(all_t[known] / frame, x)
+        smooth[..., k // 5, k % 5] = [spline(all_t / frame, order) / frame**order for order in range(3)]
+    smooth[1:, 0] = 0.0  # at first the ends rest
+    place, speed, acceleration = smooth[..., :3]
+    motions = np.concatenate((place, speed, acceleration, np.zeros((*place.shape[:2], 2)), smooth[0, ..., 3:]), axis=2)
+    ends = [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
+    markers = np.stack([axes.apply(vectors(name) - 0.5 * (start + end)) for name in asked.places], axis=1)
+    markers[t < t[0] + asked.skip] = np.nan
+    if not np.isfinite(markers := _masked(markers, asked.sigma)).any():
+        raise ValueError(f"{asked.file} has no place of a marker behind skip = {asked.skip:g} s: lower skip")
+    return all_t, spacing, ends, markers
+
+
+def _masked(markers: Array, sigma: float) -> Array:
+    """``markers`` (n, markers, 3) without those that leap away from their running median."""
+    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):  # of a marker that was long lost
+        away = np.abs(markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror"))
+        usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)  # a normal error's, from its median
+    return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)

@@ -1,0 +1,1 @@
+"""Stand-in for the ziglang package in processes that tests start."""

@@ -1,0 +1,203 @@
+"""Ends that are clamped as an input says, or hinged: against the elastica, beams, symmetries and rigid rotations."""
+
+import math
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from scenes import Ends, fixed_steps, wound
+from scipy.integrate import solve_bvp
+from test_native_derivatives import native_derivative
+
+from rope_model import BalanceRope, EndMotion, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
+from rope_model.engine import NativeRope
+from rope_model.simulation.outputs.modal import natural_modes
+from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
+
+Array = NDArray[np.float64]
+#: a cable of 1.2 m, hardly extensible
+CABLE = Rope(
+    length=1.2, mass_per_length=0.1, Qa=1e5, Qb=0.0, Qc=0.0, Qd=8e-3, EI=1e-2, rhoJ=1e-6, diameter=0.008, beta_K=0.02
+)
+SPAN = 0.6
+LEVEL = EndMotion(lean=0.5 * math.pi), EndMotion(lean=-0.5 * math.pi)
+
+
+def scene(attachment: Any = "clamped", elements: int = 40, **rope: float) -> Scene:
+    return Scene(
+        rope=replace(CABLE, **rope),
+        layout=Layout(spacing=SPAN),
+        left=Swivel(attachment=attachment),
+        right=Swivel(attachment=attachment),
+        mesh=Mesh(kind="eem", elements=elements),
+        solver=Solver(step_max=0.005),
+    )
+
+
+def elastica(lean: float | None) -> tuple[float, float, float]:
+    """Pull across, moment of the left end and depth of an inextensible heavy rod, symmetric; None: hinged.
+
+    Half of it by shooting for the whole boundary value problem: EI phi'' = H sin(phi) - V cos(phi), with phi the angle
+    from the horizontal, V = -w (L/2 - s) the vertical force and phi = 0 in the middle.
+    """
+    w, half = CABLE.mass_per_length * 9.81, 0.5 * CABLE.length
+
+    def slopes(s: Array, y: Array, p: Array) -> Array:
+        phi, bend, _, _ = y
+        return np.vstack(
+            (bend, (p[0] * np.sin(phi) + w * (half - s) * np.cos(phi)) / CABLE.EI, np.cos(phi), np.sin(phi))
+        )
+
+    def ends(a: Array, b: Array, p: Array) -> Array:
+        held = a[1] if lean is None else a[0] - (lean - 0.5 * math.pi)
+        return np.array([held, a[2], a[3], b[0], b[2] - 0.5 * SPAN])
+
+    s = np.linspace(0.0, half, 400)
+    guess = np.vstack((-1.2 * (1 - s / half), np.full(s.size, 2.0), 0.5 * SPAN * s / half, -0.4 * s / half))
+    found = solve_bvp(slopes, ends, s, guess, p=[0.3], tol=1e-9, max_nodes=100_000)
+    assert found.success, found.message
+    return float(found.p[0]), float(CABLE.EI * found.y[1, 0]), float(-found.y[3, -1])
+
+
+@pytest.mark.parametrize("lean", [0.5 * math.pi, 0.2, None])
+def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | None) -> None:
+    rope = balance_rope(scene("hinged" if lean is None else "clamped", 80), "native")
+    hung(rope, *((EndMotion(), EndMotion()) if lean is None else (EndMotion(lean=lean), EndMotion(lean=-lean))))
+    pull, moment, depth = elastica(lean)
+    found = rope.signals(["right.fx", "right.fy", "left.mz", "loop.y"])
+    # 20 elements are off by 1.1 mm, so 80 by 256 times less; the clamps give way by less, as the rope does
+    assert_allclose(-found["right.fx"], pull, rtol=2e-4)
+    assert_allclose(found["right.fy"], -0.5 * CABLE.mass_per_length * 9.81 * CABLE.length, rtol=1e-6)
+    assert_allclose(found["left.mz"], moment, atol=1e-5)
+    assert_allclose(-found["loop.y"], depth, atol=1e-5)
+
+
+def hung(rope: BalanceRope, left: EndMotion, right: EndMotion) -> None:
+    status = rope.initialize(0.0, left, right)
+    assert status.valid, status.message
+
+
+def test_a_plane_across_is_as_good_as_that_of_the_loop() -> None:
+    rope, across = balance_rope(scene(), "native"), balance_rope(scene(), "native")
+    hung(rope, *LEVEL)
+    side = 0.5 * SPAN
+    hung(
+        across,
+        EndMotion(x=side, z=-side, yaw=-0.5 * math.pi, lean_z=0.5 * math.pi),
+        EndMotion(x=-side, z=side, yaw=-0.5 * math.pi, lean_z=-0.5 * math.pi),
+    )
+    names = ("left.fx", "left.fy", "left.mz"), ("left.fz", "left.fy", "left.mx")
+    (fx, fy, mz), (fz, fy_across, mx) = ([*r.signals(of).values()] for r, of in zip((rope, across), names, strict=True))
+    # X, Y, Z turned about Y becomes Z, Y, -X; both are equilibria to 1e-11 of the rope's length
+    assert_allclose((fz, fy_across, -mx), (fx, fy, mz), rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("attachment", "roots"), [("clamped", (4.7300408, 7.8532046)), ("hinged", (math.pi, 2 * math.pi))]
+)
+def test_a_straight_rope_without_weight_swings_as_a_beam(attachment: str, roots: tuple[float, float]) -> None:
+    straight = scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9))
+    rope = balance_rope(straight, "python")
+    leans = (0.5 * math.pi, -0.5 * math.pi) if attachment == "clamped" else (0.0, 0.0)
+    hung(rope, *(EndMotion(lean=lean) for lean in leans))
+    assert isinstance(rope, RopeSimulator)
+    modes = natural_modes(rope.system, rope.state.motion.q, 6).frequencies
+    exact = np.square(np.divide(roots, CABLE.length)) * math.sqrt(CABLE.EI / CABLE.mass_per_length) / (2 * math.pi)
+    # each in both planes; cubic elements are off by (k l)^4 / 720, the clamps by 1e-4 of an element's length
+    assert_allclose(modes[:4], np.repeat(exact, 2), rtol=2e-5)
+
+
+def test_a_clamp_that_turns_about_plumb_carries_the_rope_along_without_strain() -> None:
+    """The axis of a clamp goes round a cone: without spin it would turn the section by the cone's solid angle."""
+    lean, torque = 1.0, {"Qb": 0.05, "Qc": 0.05, "installed_twist": 2.0}
+    rope = balance_rope(scene(**torque), "native")
+
+    def ends(t: float) -> Ends:
+        s = min(t / 4.0, 1.0)
+        angle, rate = math.pi * (10 * s**3 - 15 * s**4 + 6 * s**5), math.pi * 30 * (s * (1 - s)) ** 2 / 4.0
+        bend = math.pi * 60 * s * (1 - s) * (1 - 2 * s) / 16.0
+        c, z, r = math.cos(angle), -math.sin(angle), 0.5 * SPAN
+        motions = (
+            EndMotion(
+                x=r * k * (c - 1), z=r * k * z, vx=r * k * z * rate, vz=-r * k * c * rate,
+                ax=r * k * (z * bend - c * rate**2), az=-r * k * (c * bend + z * rate**2),
+                yaw=angle * math.cos(lean), yaw_rate=rate * math.cos(lean), lean=-k * lean * c, lean_z=-k * lean * z,
+            )
+            for k in (-1, 1)
+        )  # fmt: skip
+        left, right = motions
+        return left, right
+
+    hung(rope, *ends(0.0))
+    names = ["left.swivel.torque", "left.fx", "left.fy", "left.my"]
+    before = rope.signals(names)
+    for k in range(1, 1001):
+        status = rope.advance_to(0.01 * k, *ends(0.01 * k))
+        assert status.valid, status.message
+    after = rope.signals(names)
+    # by 180 degrees: X turns round; it has swung out in 6 s, by damping of 20 ms at some 10 rad/s, to 1e-3
+    assert_allclose(after["left.fx"], -before["left.fx"], rtol=5e-3)
+    for name in names[:1] + names[2:]:
+        assert_allclose(after[name], before[name], rtol=5e-3)
+
+
+def test_both_forms_follow_clamps_that_lean_in_space_alike() -> None:
+    leaning = scene(elements=12, Qb=0.02, Qc=0.02).with_(solver=fixed_steps(0.01))
+
+    def ends(t: float) -> Ends:
+        return tuple(
+            EndMotion(z=t**3, vz=3 * t**2, az=6 * t, lean=k * (1.2 - t**2), lean_z=0.4 + 2 * t**2) for k in (1, -1)
+        )
+
+    python, native = (wound(balance_rope(leaning, form), ends, 30) for form in ("python", "native"))
+    assert python.state.counts == native.state.counts
+    assert_allclose(python.state.motion.q, native.state.motion.q, atol=1e-9)
+    audited = native.signals(["audit.momentum", "audit.moment", "energy.residual", "energy.kinetic"])
+    # clamps are among the loads: momentum and moment close to the step's error, energy to numerical dissipation
+    assert audited["audit.momentum"] < 0.01
+    assert audited["audit.moment"] < 0.01
+    assert abs(audited["energy.residual"]) < 0.02 * audited["energy.kinetic"]
+    _derivatives_agree(native, python)
+    saved = native.save()
+    wound(native, ends, 5, first=30)
+    python.restore(saved)
+    wound(python, ends, 5, first=30)
+    assert_allclose(python.state.motion.q, native.state.motion.q, atol=1e-9)
+
+
+def _derivatives_agree(native: BalanceRope, python: BalanceRope) -> None:
+    assert isinstance(native, NativeRope)
+    assert isinstance(python, RopeSimulator)
+    for name in ("lean", "lean_z", "x"):
+        found = native_derivative(native, 1, name)
+        assert_allclose(found, load_derivative(python, 1, name), rtol=1e-3, atol=1e-4 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_loads_follow_a_lean_as_their_derivative_says(form: Any) -> None:
+    leaning = scene(elements=12).with_(solver=fixed_steps(0.01))
+    rope, size, found = balance_rope(leaning, form), 1e-4, []
+    hung(rope, *LEVEL)
+    assert rope.advance_to(0.01, *LEVEL).valid
+    start, derivative = rope.save(), load_derivative(cast(Any, rope), 0, "lean") if form == "python" else None
+    if isinstance(rope, NativeRope):
+        derivative = np.array(native_derivative(rope, 0, "lean"))
+    for sign in (1, -1):
+        rope.restore(start)
+        assert rope.advance_to(0.02, replace(LEVEL[0], lean=LEVEL[0].lean + sign * size), LEVEL[1]).valid
+        found.append([*rope.signals(LOADS).values()])
+    assert derivative is not None
+    change = np.subtract(*found) / (2 * size)
+    # the rope is linearised about the start of the step
+    assert_allclose(derivative, change, atol=0.02 * np.abs(change).max())
+
+
+@pytest.mark.parametrize("form", ["python", "native"])
+def test_only_a_clamp_leans(form: Any) -> None:
+    rope = balance_rope(scene("hinged", 12), form)
+    assert "left.swivel.attachment = clamped" in rope.initialize(0.0, EndMotion(lean=0.1), EndMotion()).message
+    hung(rope, EndMotion(), EndMotion())
+    assert "right.lean_z = 0.1 rad" in rope.advance_to(0.01, EndMotion(), EndMotion(lean_z=0.1)).message
