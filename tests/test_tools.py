@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,8 @@ import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS, Flavour
+from lxml import etree
+from numpy.testing import assert_allclose
 from scenes import ends_at, fixed_steps
 
 from balance_rope import main
@@ -89,6 +92,42 @@ def test_forces_in_fmpy_are_those_of_the_rope_in_process(exported: tuple[Flavour
         allowed = np.maximum(allowed, 3 * np.abs(expected - in_process(True, steps, 7.3)).max(axis=0))
         assert (allowed < 1e-7 * largest).all()
     assert (np.abs(found - expected).max(axis=0) < allowed).all()
+
+
+#: the head of a manifest by FMPy's copy of the FMI 3.0 schema; what is in it has the tables of FMI-LS-REF below
+MANIFEST = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" xmlns:ls="http://fmi-standard.org/fmi-ls-manifest">
+<xs:import namespace="http://fmi-standard.org/fmi-ls-manifest" schemaLocation="{}"/>
+<xs:element name="fmiReferences"><xs:complexType>
+<xs:sequence><xs:any processContents="skip" maxOccurs="unbounded"/></xs:sequence>
+<xs:attributeGroup ref="ls:ALayeredStandardManifest"/></xs:complexType></xs:element></xs:schema>"""
+LAYER = "org.fmi-standard.fmi-ls-ref"
+
+
+def test_fmpy_meets_the_reference_experiment_inside(exported: tuple[Flavour, Path], tmp_path: Path) -> None:
+    with zipfile.ZipFile(exported[1]) as archive:
+        archive.extractall(tmp_path)
+    folder, schemas = tmp_path / "extra" / LAYER, Path(fmpy.__file__).with_name("schema") / "fmi3"
+    manifest = etree.parse(folder / "fmi-ls-manifest.xml")
+    etree.XMLSchema(etree.XML(MANIFEST.format(schemas / "fmi3LayeredStandardManifest.xsd"))).assertValid(manifest)
+    assert manifest.getroot().get("{http://fmi-standard.org/fmi-ls-manifest}fmi-ls-name") == LAYER
+    (related,) = manifest.getroot()
+    kinds = {"type": "application/x-ma-ls-experiments", "role": "experiment/smoke-test"}
+    assert (related.tag, related.attrib) == ("Related", {**kinds, "source": "BalanceRope.exp"})
+    experiments = etree.parse(folder / related.get("source")).getroot()
+    (experiment,) = experiments
+    assert (experiments.tag, {*experiments.attrib}, experiment.tag) == ("Experiments", {"name"}, "Experiment")
+    start, stop, step, tolerance = (
+        float(experiment.get(name)) for name in ("startTime", "stopTime", "stepSize", "tolerance")
+    )
+    assert {*experiment.attrib} == {"name", "description", "startTime", "stopTime", "stepSize", "tolerance"}
+    assert [(one.tag, [*one.attrib]) for one in experiment] == [("Stimuli", ["source"]), ("References", ["source"])]
+    stimuli, expected = (fmpy.read_csv(folder / one.get("source")) for one in experiment)
+    outputs = expected.dtype.names[1:]
+    times: dict[str, float] = {"start_time": start, "stop_time": stop, "output_interval": step}
+    result = fmpy.simulate_fmu(str(exported[1]), input=stimuli, output=outputs, **times)
+    for name in ("time", *outputs):
+        # a hundredth of the relative tolerance: this is the machine that computed the references
+        assert_allclose(result[name], expected[name], rtol=0.01 * tolerance, atol=tolerance, err_msg=name)
 
 
 def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path, *preloaded: Path) -> int:
