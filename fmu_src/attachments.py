@@ -13,7 +13,6 @@ from fmu_src.xml import node, xml_bytes
 from rope_model.parameters import RopeCase
 
 _HERE = Path(__file__).resolve().parent
-_EXTRA = "extra/org.balance-rope.reference"
 #: place of each terminal on the icon (0 ... 200, y up): where the rope meets the conveyance
 _PLACES = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
 _FORCE = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -41,8 +40,7 @@ def attachments(described: Collection[Variable], case: RopeCase, fmi: int, nativ
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
-    results = reference_files(case, MODEL, [v.name for v in described])
-    return files | {f"{_EXTRA}/{name}": data for name, data in results.items()}
+    return files | reference_files(case, MODEL, [v.name for v in described])
 
 
 def licenses() -> dict[str, bytes]:

@@ -1,4 +1,4 @@
-"""A short run of the rope, to compare an FMU with after import; the format is that of the FMI cross-check.
+"""A short run of the rope, to compare an FMU with after import: an experiment of FMI-LS-REF 1.0.0-alpha.1.
 
 Both ends move as in the first second of a slow trip; inputs are read as FMI does, at the start of each step.
 """
@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import cache
 
 from fmu_src.interface import MOTION, variables
+from fmu_src.xml import node, xml_bytes
 from rope_model.parameters import RopeCase
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
@@ -16,20 +17,34 @@ H, STEPS = 0.01, 100
 TRAVEL, DURATION = 2.0, 4.0
 _OUTPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
 _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
+_TABLES = {"Stimuli": "in", "References": "ref"}
+_LAYER = "org.fmi-standard.fmi-ls-ref"
+_MEETS = "every output within the tolerance times (1 + its magnitude), in SI units; inputs of a step are its start's"
 
 Rows = list[dict[str, float]]
 
 
 def reference_files(case: RopeCase, name: str, described: Collection[str]) -> dict[str, bytes]:
-    """``name``_in.csv, ``name``_ref.csv and ``name``_ref.opt of ``described`` outputs; RuntimeError when it fails."""
+    """Path in the FMU -> manifest, experiment, inputs, ``described`` outputs; RuntimeError when the run fails."""
     inputs, results = _run(case)
     outputs = ["time", *(key for key in _OUTPUTS if key in described)]
-    options = f"StartTime, 0\nStopTime, {_text(H * STEPS)}\nStepSize, {_text(H)}\nRelTol, 1e-6\n"
-    return {
+    times = {"startTime": 0, "stopTime": _text(H * STEPS), "stepSize": _text(H), "tolerance": "1e-6"}
+    stimuli, expected = (node(tag, source=f"{name}_{end}.csv") for tag, end in _TABLES.items())
+    experiment = node("Experiment", stimuli, expected, name="slow trip", description=_MEETS, **times)
+    related = {"type": "application/x-ma-ls-experiments", "role": "experiment/smoke-test", "source": f"{name}.exp"}
+    head = {
+        "xmlns:fmi-ls": "http://fmi-standard.org/fmi-ls-manifest",
+        "fmi-ls:fmi-ls-name": _LAYER,
+        "fmi-ls:fmi-ls-version": "1.0.0-alpha.1",
+        "fmi-ls:fmi-ls-description": "Layered Standard providing information on related files included in an FMU.",
+    }
+    files = {
+        "fmi-ls-manifest.xml": xml_bytes(node("fmiReferences", node("Related", **related), **head)),
+        f"{name}.exp": xml_bytes(node("Experiments", experiment, name=name)),
         f"{name}_in.csv": _table([*inputs[0]], inputs, _text),
         f"{name}_ref.csv": _table(outputs, results, _round),
-        f"{name}_ref.opt": options.encode(),
     }
+    return {f"extra/{_LAYER}/{path}": data for path, data in files.items()}
 
 
 @cache

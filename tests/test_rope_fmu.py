@@ -1,14 +1,11 @@
 """The exported FMU of each flavour beside the rope in process: values, states, derivatives, refusals."""
 
-import csv
-import io
 import math
 import os
 import re
 import shutil
 import subprocess
 import sys
-import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -101,21 +98,6 @@ def test_fmu_equals_the_python_rope_in_process(host: Host, request: pytest.Fixtu
         theirs = np.array([values[point] for point in points])
         allowed = relative * max(1.0, np.abs(theirs).max()) + (torsion if name == "torsion" else noise)
         assert_allclose(ours, theirs, rtol=0, atol=allowed, err_msg=name)
-
-
-def test_reference_results_inside_are_met(host: Host, unpacked: Unpacked, request: pytest.FixtureRequest) -> None:
-    with zipfile.ZipFile(unpacked(request.node.callspec.params["host"])[0]) as archive:
-        tables = []
-        for kind in ("in", "ref"):
-            text = archive.read(f"extra/org.balance-rope.reference/BalanceRope_{kind}.csv").decode()
-            head, *rows = csv.reader(io.StringIO(text))
-            tables.append((head[1:], [[float(cell) for cell in row[1:]] for row in rows]))
-    (names, inputs), (outputs, results) = tables
-    host.start()
-    for k, (values, expected) in enumerate(zip(inputs, results, strict=True)):
-        host.set(**dict(zip(names, values, strict=True)))
-        assert_allclose(host.get(*outputs), expected, rtol=1e-8, atol=1e-6)
-        assert host.step(k * H) == ""
 
 
 def elsewhere(path: str, folder: str, state: str, first: int, last: int) -> str:
