@@ -29,6 +29,7 @@ from fmu_src.profile import FULL
 from rope_model import EndMotion, Scene, Swivel, rope_120
 from rope_model.codegen.platforms import prebuilt_file
 from rope_model.engine import NativeRope
+from rope_model.numerics import kernels
 from rope_model.simulation.ends.ends import refusal
 
 pytestmark = pytest.mark.skipif(host_platform() not in available_platforms(), reason="needs a C compiler")
@@ -118,7 +119,7 @@ def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_ref
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(build, "cache_folder", lambda: tmp_path / "cache")
+    monkeypatch.setattr(kernels, "cache_folder", lambda: tmp_path / "cache")
     tokens = set()
     for length in (120.0, 130.0):
         path = tmp_path / f"{length}.fmu"
@@ -138,7 +139,7 @@ def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkey
 def no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setattr(build, "_PACKAGE", tmp_path)
     monkeypatch.setattr(build, "_compilable", lambda: set[str]())
-    monkeypatch.setattr(build, "find_compiler", lambda: None)
+    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
     return tmp_path
 
 

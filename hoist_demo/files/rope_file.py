@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from hoist_demo.files.catalogue import rope_parameters, table
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
-from hoist_demo.parameters.quantity import VANISHING, Parameter
+from hoist_demo.parameters.quantity import POSITIVE, VANISHING, Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
@@ -50,7 +50,8 @@ class RopeAsked(Table):
     lay: Lay = "right-hand"
 
 
-_PROPERTIES = [Parameter(name, p.unit, "Real", bounds=VANISHING, meaning=name) for name, p in PROPERTIES.items()]
+_BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": VANISHING}
+_PROPERTIES = [Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name) for name, p in PROPERTIES.items()]
 Properties = Annotated[dict[str, Given], flat("Properties", {p.name: (given(p), None) for p in _PROPERTIES})]
 
 
