@@ -20,11 +20,8 @@ from hypothesis import settings
 from native_host import Host
 from native_parts import parts as parts
 from numpy.typing import NDArray
-from stand_in import VERSIONS, stand_in
+from stand_in import VERSIONS
 
-from fmu_src.native.build import host_platform
-from fmu_src.native.export import export_native
-from fmu_src.profile import FULL
 from rope_model.numerics.kernels import find_compiler, make_once
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
@@ -86,22 +83,6 @@ def unpacked(
     return found
 
 
-@pytest.fixture(scope="session")
-def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
-    """Native FMUs of both versions with the stand-in for the rope."""
-    folder = tmp_path_factory.mktemp("native")
-    here = (host_platform(),)
-    return {
-        fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=here, rope=stand_in(), profile=FULL)
-        for fmi in VERSIONS
-    }
-
-
-@pytest.fixture(scope="session")
-def folders(fmus: dict[int, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[int, str]:
-    return {fmi: fmpy.extract(str(path), str(tmp_path_factory.mktemp("unzipped"))) for fmi, path in fmus.items()}
-
-
 @pytest.fixture
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures whose layout is not optimised, which takes half of their time."""
@@ -114,8 +95,8 @@ def fmi(request: pytest.FixtureRequest) -> int:
 
 
 @pytest.fixture
-def host(fmi: int, fmus: dict[int, Path], folders: dict[int, str]) -> Iterator[Host]:
-    made = Host(fmus[fmi], folders[fmi])
+def host(fmi: int, unpacked: Callable[[str], tuple[Path, str]]) -> Iterator[Host]:
+    made = Host(*unpacked(f"stand-in-{fmi}"))
     yield made
     made.free()
 
