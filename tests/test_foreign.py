@@ -22,6 +22,7 @@ from exports import export_drive
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scenes import ends_at
+from stand_in import RUNNERS
 
 from fmu_src.native.build import PLATFORMS, host_platform
 from fmu_src.native.export import header_folder
@@ -29,7 +30,6 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 
 ROOT = Path(__file__).resolve().parent.parent
-ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
 STEPS = 1000
 H = 0.01  # s
 OUTPUTS = ("left.y", "left.vy", "left.ay", "drive.torque", "left.fy", "right.fy", "left.mx", "loop.y", "loop.yaw")
@@ -43,26 +43,13 @@ def run(fmu: Path, platform: str) -> NDArray[np.float64]:
         path = f"binaries/{target.folder2}/{described.find('CoSimulation').get('modelIdentifier')}{target.suffix}"
         library = folder / Path(path).name
         library.write_bytes(archive.read(path))
-        command = [*(emulator(platform) or ()), _compile(folder, platform), f"./{library.name}", described.get("guid")]
+        command = [*RUNNERS[platform], _compile(folder, platform), f"./{library.name}", described.get("guid")]
         # wine keeps its settings in the folder as well
         where = {**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
         options = {"input": script(described), "capture_output": True, "text": True, "check": False}
         done = subprocess.run(list(map(str, command)), cwd=folder, env=where, **options)
     assert done.returncode == 0, done.stderr[-500:]
     return np.array([float.fromhex(line) for line in done.stdout.split()]).reshape(STEPS, -1)
-
-
-def emulator(platform: str) -> list[str] | None:
-    """Command before the program; None where it cannot run here."""
-    if platform == host_platform():
-        return []
-    if platform == "aarch64-linux" and sys.platform == "linux" and ARM_LIBRARIES.is_dir():
-        qemu = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
-        return [qemu, "-L", str(ARM_LIBRARIES)] if qemu else None
-    if platform == "x86_64-windows":
-        wine = shutil.which("wine64") or shutil.which("wine")
-        return [wine] if wine else None
-    return None
 
 
 def script(described: ElementTree.Element) -> str:
@@ -98,8 +85,8 @@ def _compile(folder: Path, platform: str) -> Path:
 def test_library_in_the_emulator_gives_the_values_of_this_platform(platform: str, tmp_path: Path) -> None:
     if importlib.util.find_spec("ziglang") is None:
         pytest.skip("ziglang is not installed: pip install ziglang")
-    if emulator(platform) is None:
-        pytest.skip(f"no emulator for {platform}: apt-get install qemu-user-static libc6-arm64-cross, or wine64")
+    if shutil.which(RUNNERS[platform][0]) is None:
+        pytest.skip(f"no emulator for {platform}: apt-get install qemu-user-static libc6-arm64-cross, or wine")
     drive = export_drive(tmp_path / "drive.fmu", (host_platform(), platform))
     expected, found = run(drive, host_platform()), run(drive, platform)
     # only tanh may round otherwise, in another C library
