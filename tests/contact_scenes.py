@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scenes import hung
 
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Neighbours, Rope, Scene, Solver, balance_rope
 from rope_model.physics.contact import ONSET
@@ -80,9 +81,7 @@ class Alone:
 
 def swinging(scene: Scene, speed: float) -> BalanceRope:
     """A rope at rest, the middle of which moves out of plane."""
-    rope = balance_rope(scene, "native")
-    status = rope.initialize(0.0, EndMotion(), EndMotion())
-    assert status.valid, status.message
+    rope = hung(balance_rope(scene, "native"))
     state = rope.state
     v, x = state.motion.v.copy(), math.pi * state.partition.nodes_s / scene.rope.length
     v[:, 2], v[:, 5] = speed * np.sin(x) ** 2, speed * np.sin(2.0 * x) * math.pi / scene.rope.length

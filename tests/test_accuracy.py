@@ -1,13 +1,14 @@
 """What a step may leave, what steps have left, and whether a run keeps what was asked of it."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from scenes import ends_at
+from scenes import ends_at, recorded
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
@@ -114,14 +115,11 @@ STOPPED = (
 def wind(scene: Scene, trip: Trip, **changes: Any) -> tuple[np.ndarray, list[float]]:
     """End forces and place of the loop every 20 ms, until 3 s behind the trip; the errors that the run estimates."""
     reference, rope = s_curve(trip), balance_rope(scene.with_(**changes))
-    assert rope.initialize(0.0, *ends_at(reference, trip.travel, 0.0)).valid
-    names, rows = [f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz"], []
-    read = rope.reader([*names, "loop.x", "loop.y", "loop.z"])
-    for k in range(1, round((reference.duration + 3.0) / 0.02) + 1):
-        status = rope.advance_to(0.02 * k, *ends_at(reference, trip.travel, 0.02 * k))
-        assert status.valid, status.message
-        rows.append(read())
-    return np.array(rows), [*rope.signals(("status.end_force_error", "status.loop_error")).values()]
+    motion, steps = partial(ends_at, reference, trip.travel), round((reference.duration + 3.0) / 0.02)
+    names = [*(f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz"), "loop.x", "loop.y", "loop.z"]
+    return recorded(rope, motion, steps, names, 0.02), [
+        *rope.signals(("status.end_force_error", "status.loop_error")).values()
+    ]
 
 
 def errors(found: np.ndarray, exact: np.ndarray) -> tuple[float, float]:

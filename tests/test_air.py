@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import difference
 from numpy.testing import assert_allclose
-from scenes import wound
+from scenes import hung, wound
 
 from rope_model import Air, EndMotion, Mesh, Rope, RopeSimulator, Scene, Shaft, Solver, Sump, balance_rope
 from rope_model.numerics import kernels
@@ -138,13 +138,11 @@ def test_a_bundle_has_all_that_its_scene_needs(curvature, tmp_path, monkeypatch,
     assert {fidelity for fidelity, kinds in needed if not kinds} == set(ELEMENT_DOF)
     write_bundle(10, tmp_path, [one for one in needed if one[1]])
     monkeypatch.setattr(kernels, "find_compiler", lambda: None)
-    rope = RopeSimulator(start, tmp_path)
-    assert rope.initialize(0.0, *still).valid
+    rope = hung(RopeSimulator(start, tmp_path))
     assert rope.advance_to(STEP, *still).valid
     assert rope.signals()["contact.floor"] > 0
-    airless = RopeSimulator(scene(), tmp_path)
     with caplog.at_level("WARNING"):
-        assert airless.initialize(0.0, *still).valid
+        hung(RopeSimulator(scene(), tmp_path))
     assert "5 to 10 times as long" in caplog.text
 
 
@@ -153,8 +151,7 @@ def gust(form: Any) -> Any:
     # a floor far below: the kernels of the tests above
     shafts = [Shaft(air=Air(density=1.2, vz=vz), sump=Sump(level=-20.0)) for vz in (0.0, 20.0)]
     still, blown = (replace(scene(), shaft=shaft) for shaft in shafts)
-    rope = balance_rope(still, form)
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    rope = hung(balance_rope(still, form))
     for k in range(1, 31):
         if k == 11:
             assert abs(rope.signals()["loop.z"]) < 1e-3
@@ -190,8 +187,7 @@ def test_a_leg_hangs_aside_below_a_gallery() -> None:
     rope, speed, h = Rope(length=60.0), 10.0, 5.0
     air = Air(density=1.2, drag=1.2, vz=speed, cross_height=h, cross_y=-8.0)
     of = Scene(rope=rope, mesh=Mesh("eem", elements=120), shaft=Shaft(air=air))
-    hung = balance_rope(of, "native")
-    assert hung.initialize(0.0, EndMotion(), EndMotion()).valid
+    found = hung(balance_rope(of, "native")).signals()
     f = 0.5 * 1.2 * 1.2 * rope.diameter * speed**2
     # heights above those where the legs' tension, the weight of half the rope at its end, would be 0
     top, roof, floor = 30.0, 30.0 - 5.5, 30.0 - 10.5
@@ -199,5 +195,5 @@ def test_a_leg_hangs_aside_below_a_gallery() -> None:
     # the clamped end turns into the slope over sqrt(EI/T)
     weight = rope.mass_per_length * 9.81 * top
     aside -= f * h / weight * np.sqrt(rope.EI / weight)
-    assert hung.signals()["loop.z"] == pytest.approx(aside, rel=0.01)
-    assert hung.signals()["left.fz"] + hung.signals()["right.fz"] == pytest.approx(2 * f * h, rel=1e-3)
+    assert found["loop.z"] == pytest.approx(aside, rel=0.01)
+    assert found["left.fz"] + found["right.fz"] == pytest.approx(2 * f * h, rel=1e-3)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from scenes import Trip, wound
+from scenes import Trip, hung, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
@@ -31,8 +31,7 @@ def wind(case: Trip) -> NativeRope:
         # at its default tolerance, would be missing too
         solver = replace(scene.solver, step_max=case.H, tolerance=NO_CONTROL, newton_tolerance=1e-7)
         scene = scene.with_(solver=solver)
-    motions = case.motions
-    return wound(NativeRope(scene), lambda t: motions[round(t / case.H)], len(motions) - 1, case.H)
+    return wound(NativeRope(scene), case.ends, case.steps, case.H)
 
 
 @pytest.mark.parametrize(
@@ -70,15 +69,14 @@ def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told
 
 def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """The ends' forces then do not answer for all of the accelerations."""
-    rope, loads = RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), HangingEnds.load
+    rope = wound(RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 1)
+    loads = HangingEnds.load
 
     def with_blow(self: HangingEnds, nodes: int) -> Array:
         load = loads(self, nodes)
         load[nodes // 2, 1] += 100.0
         return load
 
-    assert rope.initialize(0.0, *AT_REST).valid
-    assert rope.advance_to(H, *AT_REST).valid
     with monkeypatch.context() as patched:
         patched.setattr(HangingEnds, "load", with_blow)
         rope.model._latest.clear()
@@ -110,8 +108,7 @@ def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> 
     scene, ends = Scene(), (EndMotion(y=30.0), EndMotion())
     found = []
     for mesh in (Mesh("eem", elements=60), Mesh("auto", loop_error=5e-4)):
-        rope = NativeRope(scene.with_(mesh=mesh))
-        assert rope.initialize(0.0, *ends).valid
+        rope = hung(NativeRope(scene.with_(mesh=mesh)), *ends)
         found.append(rope.signals(("loop.y", "loop.yaw", "status.loop_error")))
         text = rope.warnings().get("unresolved_bend", "")
         assert ("elements of 2 m" in text) == (mesh.kind == "eem")

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes import smooth_step, smooth_trip
+from scenes import hung, smooth_step, smooth_trip, wound
 
 from rope_model import EndMotion, Model, Rope, Scene, at_level, rope_120, rope_240
 from rope_model.engine import NativeRope
@@ -54,8 +55,7 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
     # newtons runs along the rope
     scene = scene.with_(solver=replace(scene.solver, tolerance=1e6))
     height = 90.0 if scene.rope.length < 200 else 200.0
-    rope = NativeRope(scene)
-    assert rope.initialize(0.0, *motion(0.0, height)).valid
+    rope = hung(NativeRope(scene), *motion(0.0, height))
     record: list[list[float]] = []
     changes: dict[str, list[int]] = {"transformation": [], "model": []}
     before = 0.0, rope.fidelity
@@ -82,14 +82,12 @@ def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps
     largest = {}
     for name, lengths in (("long", (H, H)), ("short", (H / 4, H / 4)), ("changed", (H, H / 4))):
         at = [scene.with_(solver=replace(scene.solver, tolerance=1e6, step_max=h)) for h in lengths]
-        rope, record = NativeRope(at[0]), []
-        assert rope.initialize(0.0, *motion(0.0, 200.0)).valid
-        for k in range(1, 1421):
+        rope, record = wound(NativeRope(at[0]), partial(motion, height=200.0), 1380), []
+        for k in range(1381, 1421):
             if k == 1400:
                 rope.retune(at[1])
             assert rope.advance_to(k * H, *motion(k * H, 200.0)).valid
-            if k > 1380:
-                record.append([*rope.signals(LOADS[:6]).values()])
+            record.append([*rope.signals(LOADS[:6]).values()])
         largest[name] = jumps_of(np.array(record)).max()
     assert max(largest["long"], largest["short"]) < 1.0 < 3.0 < largest["changed"] < 20.0
 

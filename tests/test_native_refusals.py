@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Literal
 
 import pytest
+from scenes import hung
 
 from rope_model import EndMotion, Layout, Lining, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Solver
 from rope_model.engine import NativeRope
@@ -29,10 +30,7 @@ def test_a_start_that_fails_says_the_same(scene: Scene, left: EndMotion, words: 
 
 
 def both(scene: Scene) -> tuple[RopeSimulator, NativeRope]:
-    ropes = RopeSimulator(scene), NativeRope(scene)
-    for rope in ropes:
-        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    return ropes
+    return hung(RopeSimulator(scene)), hung(NativeRope(scene))
 
 
 def test_an_advance_that_takes_too_many_steps_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,7 +126,7 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
         with pytest.raises(RuntimeError, match="no state yet"):
             call()
     for r in (rope, other):
-        assert r.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
+        hung(r, right=EndMotion(y=10.0))
     before = other.native_state()
     with pytest.raises(ValueError, match="not a state"):
         other.restore(rope.state._replace(step_next=math.nan))

@@ -6,18 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scenes import hung
 
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, PointForces, Rope, Scene, Solver, balance_rope
 
 LENGTH, STEP, FORMS = 6.0, 0.01, ("python", "native")
 
 
-def hung(form: Any, **parts: Any) -> BalanceRope:
+def short_rope(form: Any, **parts: Any) -> BalanceRope:
     solver = Solver(step_max=STEP, tolerance=1e3)
     scene = Scene(Rope(length=LENGTH, EI=100.0), Layout(0.6), mesh=Mesh("eem", elements=10), solver=solver)
-    rope = balance_rope(scene.with_(**parts), form)
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    return rope
+    return hung(balance_rope(scene.with_(**parts), form))
 
 
 def pushing(t: float, h: float) -> PointForces:
@@ -34,7 +33,7 @@ def push(rope: BalanceRope, steps: int, start: int = 0) -> BalanceRope:
 
 
 def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
-    rope, force = hung("native"), np.array([[2.0, -30.0, 4.0]])
+    rope, force = short_rope("native"), np.array([[2.0, -30.0, 4.0]])
     before = rope.signals(["left.fx", "right.fx", "left.fy", "right.fy", "left.fz", "right.fz"])
     ramp, held = PointForces(np.array([2.0]), 0 * force, force, 0.0, 2.0), None
     rope.apply(ramp)
@@ -51,7 +50,7 @@ def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 def test_their_work_and_their_impulse_are_in_the_balances(form: Any) -> None:
-    rope = push(hung(form), 100)
+    rope = push(short_rope(form), 100)
     energy, audit = rope.state.energy_balance, rope.state.audit
     assert energy.work_ends > 0.5
     # what the integrator dissipates at 10 ms
@@ -61,7 +60,7 @@ def test_their_work_and_their_impulse_are_in_the_balances(form: Any) -> None:
 
 
 def test_both_forms_answer_alike() -> None:
-    python, native = (push(hung(form), 60) for form in FORMS)
+    python, native = (push(short_rope(form), 60) for form in FORMS)
     # rounding, grown over 60 steps
     assert_allclose(native.state.motion.q, python.state.motion.q, rtol=0.0, atol=1e-9)
     assert_allclose(native.rows(), python.rows(), rtol=0.0, atol=1e-7)
@@ -72,7 +71,7 @@ def test_both_forms_answer_alike() -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 def test_the_displacement_is_what_the_next_step_moves_its_places_by(form: Any) -> None:
-    rope = push(hung(form), 20)
+    rope = push(short_rope(form), 20)
     t, size, saved = 20 * STEP, 1e-3, rope.snapshot()
     given = pushing(t, STEP)
     ends = []
@@ -88,25 +87,24 @@ def test_the_displacement_is_what_the_next_step_moves_its_places_by(form: Any) -
 
 @pytest.mark.parametrize("form", FORMS)
 def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_by_bit(form: Any) -> None:
-    rope, alone = hung(form), hung(form)
+    rope, alone = short_rope(form), short_rope(form)
     nothing = pushing(0.0, STEP)
     rope.apply(PointForces(nothing.s[:0], nothing.at_start[:0], nothing.at_stop[:0], 0.0, STEP))
     for one in (rope, alone):
         assert one.advance_to(STEP, EndMotion(y=1e-3, vy=0.1), EndMotion()).valid
     assert_array_equal(rope.state.motion.q, alone.state.motion.q)
-    one = push(hung(form), 10)
+    one = push(short_rope(form), 10)
     saved = one.save()
-    other = hung(form)
+    other = short_rope(form)
     other.restore(saved)
     assert_array_equal(push(other, 5, 10).state.motion.q, push(one, 5, 10).state.motion.q)
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_rope_that_chooses_its_model_takes_the_one_that_feels_forces(form: Any) -> None:
-    rope = hung(form, model=Model("auto", force_tolerance=1.0))
+    rope = short_rope(form, model=Model("auto", force_tolerance=1.0))
     assert rope.fidelity == "rigid"
     rope.apply(pushing(0.0, STEP))
     assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid
     assert (rope.fidelity, rope.fidelity_reason[:21]) == ("torsional", "the rigid model canno")
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    assert rope.fidelity_reason == "forces are applied to places of the rope"
+    assert hung(rope).fidelity_reason == "forces are applied to places of the rope"

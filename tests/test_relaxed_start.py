@@ -1,11 +1,10 @@
 """Swivels that start relaxed: at a rest that friction can hold, from where they have slid to."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 from numpy.testing import assert_allclose
-from scenes import smooth_step
+from scenes import hung, smooth_trip, wound
 
 from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
 from rope_model.physics.swivel import friction_moment
@@ -27,12 +26,6 @@ SCENES = {
 }
 
 
-def hung(scene: Scene, left: float = 0.0, form: Callable[[Scene], BalanceRope] = balance_rope) -> BalanceRope:
-    rope = form(scene)
-    assert rope.initialize(0.0, EndMotion(y=left), RIGHT).valid
-    return rope
-
-
 def limit(rope: BalanceRope, swivel: Swivel, side: str) -> float:
     """Moment (N m) that the bearing holds, from the end's tension; the statics end within some 1e-8 N m."""
     if swivel.mode != "coulomb":
@@ -44,7 +37,7 @@ def limit(rope: BalanceRope, swivel: Swivel, side: str) -> float:
 @pytest.mark.parametrize("name", SCENES)
 def test_friction_holds_the_rope_at_the_start_and_nothing_moves_then(name: str) -> None:
     scene = SCENES[name]
-    rope = hung(scene)
+    rope = hung(balance_rope(scene), right=RIGHT)
     start, saved = rope.signals(), rope.save()
     for side, swivel in zip(SIDES, (scene.left, scene.right), strict=True):
         assert abs(start[f"{side}.swivel.torque"]) <= limit(rope, swivel, side) + 1e-8
@@ -61,7 +54,7 @@ def test_friction_holds_the_rope_at_the_start_and_nothing_moves_then(name: str) 
 
 @pytest.mark.parametrize("twist", [0.0, 15.0])
 def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_hold(twist: float) -> None:
-    rope = hung(PLAIN.with_(rope=replace(ROPE, installed_twist=twist)))
+    rope = hung(balance_rope(PLAIN.with_(rope=replace(ROPE, installed_twist=twist))), right=RIGHT)
     now, (short, long) = rope.signals(), (10.0, 30.0)
     # of vertical legs with their ends held: D / L times the twist, and by the mean tension; that of 1 m of loop is not
     torsion = ROPE.Qd - ROPE.Qs**2 / ROPE.Qa
@@ -78,7 +71,7 @@ def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_ho
 )
 def test_both_forms_start_from_the_same_rest(name: str) -> None:
     python = SCENES[name].with_(solver=Solver(kernels="portable"))
-    native, rope = hung(SCENES[name]), hung(python, form=RopeSimulator)
+    native, rope = (hung(rope, right=RIGHT) for rope in (balance_rope(SCENES[name]), RopeSimulator(python)))
     keys = [f"{side}.{key}" for side in SIDES for key in ("swivel.torque", "swivel.angle", "fx", "fy")]
     # as near as the forms' statics come to each other
     assert_allclose([*native.signals(keys).values()], [*rope.signals(keys).values()], rtol=1e-9, atol=1e-7)
@@ -98,7 +91,7 @@ HELD = {
 def test_a_swivel_without_cause_to_slide_starts_as_it_was_hung_up(name: str) -> None:
     scene = HELD[name]
     locked = scene.with_(left=replace(scene.left, start="locked"), right=replace(scene.right, start="locked"))
-    one, other = hung(scene), hung(locked)
+    one, other = (hung(balance_rope(x), right=RIGHT) for x in (scene, locked))
     assert one.signals() == other.signals()
     assert (one.rows() == other.rows()).all()
 
@@ -106,12 +99,9 @@ def test_a_swivel_without_cause_to_slide_starts_as_it_was_hung_up(name: str) -> 
 def test_a_rope_hung_anew_after_a_trip_rests_within_the_limits_band() -> None:
     dirty = replace(HEALTHY, mu_static=0.02, mu_kinetic=0.015)
     scene = PLAIN.with_(left=dirty, right=dirty, rope=replace(ROPE, beta_K=0.02, torsion_damping=10.0))
-    rope = hung(scene)
-    for k in range(1, 3001):
-        y, v, a = (10.0 * x for x in smooth_step(0.02 * k, 0.0, 10.0))
-        assert rope.advance_to(0.02 * k, EndMotion(y=y, vy=v, ay=a), RIGHT).valid
+    rope = wound(balance_rope(scene), lambda t: (smooth_trip(t, 10.0, 10.0, 0.0)[0], RIGHT), 3000, 0.02)
     assert rope.state.counts.swivel_events > 0
-    after, anew = rope.signals(), hung(scene, 10.0).signals()
+    after, anew = rope.signals(), hung(balance_rope(scene), EndMotion(y=10.0), RIGHT).signals()
     # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of theory.md
     torsion = (ROPE.Qd - ROPE.Qs**2 / ROPE.Qa) / ROPE.length
     torque, twist = (after[f"right.swivel.{key}"] - anew[f"right.swivel.{key}"] for key in ("torque", "angle"))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from end_paths import led
 from numpy.testing import assert_allclose
-from scenes import smooth_step
+from scenes import hung, smooth_step
 from scipy.integrate import solve_ivp
 
 from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
@@ -34,8 +34,7 @@ YAW, YAWED, END = 1.5, 1.2, 2.4
 
 
 def twist(data: Scene) -> tuple[BalanceRope, tuple[Event, ...]]:
-    rope, events = balance_rope(data), ()
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    rope, events = hung(balance_rope(data)), ()
     for t in (YAWED, END):
         assert rope.advance_to(t, EndMotion(), EndMotion(yaw=YAW)).valid
         events += rope.state.events
@@ -125,8 +124,7 @@ def reference_events(start: RopeSimulator, ends: HangingEnds, duration: float) -
 
 def test_switching_instants_agree_with_an_independent_event_located_solution() -> None:
     bearings = {"left": STIFF_BEARING, "right": STIFF_BEARING}
-    start = RopeSimulator(scene(**bearings))
-    assert start.initialize(0.0, EndMotion(), EndMotion()).valid
+    start = hung(RopeSimulator(scene(**bearings)))
     errors: list[float] = []
     path = list(zip(start.ends.paths, (0.0, YAW), strict=True))
     for step in (2e-3, 1e-3):
@@ -143,8 +141,7 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
 
 
 def test_friction_only_takes_energy_and_the_balance_closes() -> None:
-    rope = RopeSimulator(scene(left=STIFF_BEARING, right=STIFF_BEARING))
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    rope = hung(RopeSimulator(scene(left=STIFF_BEARING, right=STIFF_BEARING)))
     dissipated = [0.0]
     for k in range(1, 61):
         yaw, rate, _ = (YAW * x for x in smooth_step(0.02 * k, 0.0, YAWED))
@@ -175,8 +172,7 @@ def test_a_search_for_an_event_that_fails_ends_with_its_cause(monkeypatch: pytes
 
     monkeypatch.setattr(RopeModel, "trial", fail)
     monkeypatch.setattr("rope_model.simulation.ends.switching.locate", lambda *_: 1e-7)
-    rope = RopeSimulator(scene(left=STIFF_BEARING, right=Swivel()))
-    assert rope.initialize(start, EndMotion(), EndMotion()).valid
+    rope = hung(RopeSimulator(scene(left=STIFF_BEARING, right=Swivel())), t=start)
     status = rope.advance_to(start + YAWED, EndMotion(), EndMotion(yaw=YAW))
     assert "the step to a swivel event fails" in status.message
     assert rope.state.motion.t == start  # nothing is lost
