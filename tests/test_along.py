@@ -53,8 +53,8 @@ def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> N
     # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at most
     expected = 32 * rope.EI * 1.09661 / width / SECTION
     assert_allclose(along(still, "bending")[BOTTOM], expected, rtol=2e-3)
-    # no side force at this width: no tension at the lowest point, of 900 N in the legs
-    assert abs(along(still, "tension")[BOTTOM]) < 1.0
+    # no side force at this width: no tension at the lowest point, of 900 N in the legs; 0.5 % of the width make 0.39 N
+    assert abs(along(still, "tension")[BOTTOM]) < 0.3
 
 
 @pytest.mark.parametrize("width", [1.0, 2.0, 6.0])

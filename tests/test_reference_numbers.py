@@ -11,9 +11,10 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
 
-from rope_model.parameters import Rope
+from rope_model.parameters import Mesh, Rope
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import end_moment
+from rope_model.simulation.mesh.partition import partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
@@ -123,26 +124,6 @@ def hung(system: RopeSystem) -> Equilibrium:
 @cache
 def hanging_loop(rope: Rope, height: float, theta: str, torque: float = 0.0) -> Equilibrium:
     return hung(loop_system(rope, height, theta, torque))
-
-
-def test_a_free_loop_has_its_natural_width_and_curvature() -> None:
-    scale = (ROPE.EI / (ROPE.mass_per_length * G)) ** (1 / 3)
-    n = 161  # odd: the lowest point is the middle of an element
-    s = np.linspace(0.0, 32.0, n + 1)
-    l = s[1]
-    ends = np.array([[-1.5, 0.0, 0.0], [1.5, 0.0, 0.0]])
-    q = hanging_guess(s, *ends)
-    chain = Chain.unloaded(q)
-    chain.held[[0, -1]] = True
-    chain.held[[0, -1], 4] = chain.held[-1, 0] = False  # the right end slides sideways
-    system = portable_system(np.diff(s), parameter_vector(UNCOUPLED, G), chain)
-    q = find_equilibrium(system, q).q
-    a, b = q[n // 2], q[n // 2 + 1]
-    slope = 1.5 * (b[POSITION] - a[POSITION]) / l - 0.25 * (a[SLOPE] + b[SLOPE])
-    curvature = np.linalg.norm(np.cross(slope, (b[SLOPE] - a[SLOPE]) / l)) / (slope @ slope)
-    # l = 0.13 of the width scale; the theory asks for 0.5 %
-    assert_allclose((q[-1, 0] - q[0, 0]) / scale, 2.54307, rtol=5e-3)
-    assert_allclose(curvature * scale, 1.09661, rtol=5e-3)
 
 
 OUT = {0.0: (0.06518, 0.07751, 0.17880, 0.18815), 80.0: (0.05267, 0.13533, 0.13791, 0.22317)}
@@ -304,18 +285,13 @@ def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
 COUPLING = 2.336e5
 
 
-def tmn_lengths(height: float) -> Array:
-    fine = np.repeat([1.0, 0.5, 0.25, 0.5, 1.0], [2, 4, 40, 4, 2])
-    left = round((60 + height / 2 - fine.sum() / 2) / 2)
-    return np.concatenate((np.full(left, 2.0), fine, np.full(round((120 - fine.sum()) / 2) - left, 2.0)))
-
-
 @pytest.mark.parametrize("coupling", [0.0, COUPLING])
 @pytest.mark.parametrize("height", [0.0, 80.0])
 @pytest.mark.parametrize(("EI", "spacing"), [(50.0, 1.5), (50.0, 3.0), (300.0, 2.0), (1000.0, 1.5), (1000.0, 3.0)])
 def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, coupling: float) -> None:
     rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
-    system = loop_system(rope, height, "held", 0.0, tmn_lengths(height), spacing)
+    mesh = Mesh("tmn", coarse_length=2.0, counts=(2, 4, 40, 4, 2), end_levels=0)
+    system = loop_system(rope, height, "held", 0.0, partition(mesh, 120.0, 60.0 + height / 2).lengths, spacing)
     e = hung(system)
     weight = rope.mass_per_length * G * rope.length
     # the theory's bound; measured 1e-10
