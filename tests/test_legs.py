@@ -11,7 +11,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model import Mesh, Model, Scene, Swivel, balance_rope
+from rope_model import Mesh, Model, RopeSimulator, Scene, Swivel, balance_rope
 from rope_model.numerics.kernels import find_compiler
 from rope_model.simulation.mesh.partition import fit_mesh
 
@@ -33,3 +33,16 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
     motion, steps = partial(ends_at, reference, travel), round(reference.duration / 0.01)
     one, other = (recorded(rope, motion, steps, ("loop.x", "loop.y", "loop.z")) for rope in ropes)
     assert np.linalg.norm(one - other, axis=1)[24::25].max() < 0.5 * asked
+
+
+def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, trip = uncoupled("rope-120"), Winding(travel=26.0, speed=6.0, start_delay=0.0)
+
+    def forces(mesh: Mesh) -> np.ndarray:
+        motion = partial(ends_at, s_curve(trip), trip.travel)
+        return recorded(RopeSimulator(scene.with_(mesh=mesh)), motion, 700, ("left.fy", "right.fy"))
+
+    exact = forces(Mesh("eem", elements=240))
+    waiting = np.linalg.norm(forces(Mesh("auto")) - exact)
+    monkeypatch.setattr("rope_model.simulation.stepping.stepping.LATEST", 0.0)
+    assert np.linalg.norm(forces(Mesh("auto")) - exact) > 3 * waiting
