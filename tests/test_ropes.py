@@ -318,9 +318,3 @@ def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: s
 def test_a_break_beyond_the_rope_is_refused() -> None:
     with pytest.raises(ValueError, match=r"breaks_s = 130 m must be within 0 and rope.length = 120 m"):
         BreakingRope(Weight({}), 8.0, 120.0, Break(1.0, 130.0))
-
-
-def test_the_four_ropes_of_the_documents_can_be_wound() -> None:
-    ropes = ropes_in(Path(__file__).parents[1] / "docs" / "hoists" / "four_ropes.toml")
-    assert [one.name for one in ropes.ropes] == ["sound", "short", "lively", "breaking"]
-    assert ropes.hoist.tail_mass == 32.0
