@@ -61,12 +61,12 @@ def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> N
 def test_tension_at_the_lowest_point_is_the_side_force_at_rest(width: float) -> None:
     still = move(UNCOUPLED.with_(layout=Layout(spacing=width)), 0)
     # the tangent is horizontal to 1e-3 there, and the weight below half an element is 30 N
-    assert_allclose(along(still, "tension")[BOTTOM], hung.signals()["left.fx"], atol=0.05)
+    assert_allclose(along(still, "tension")[BOTTOM], still.signals()["left.fx"], atol=0.05)
 
 
 def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
     still = move(UNCOUPLED, 0)
-    s, ends = places(still), hung.signals()
+    s, ends = places(still), still.signals()
     leg = (s > 0) & (s < still.loop.s - 4.0)
     weight = 9.81 * SHORT.rope.mass_per_length * s
     expected = np.hypot(-ends["left.fy"] - weight, ends["left.fx"])
