@@ -3,8 +3,6 @@
 The rod itself is checked first, by what it must obey whatever its mesh.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 

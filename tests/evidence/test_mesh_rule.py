@@ -1,7 +1,5 @@
 """Constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, those against the rope, a sine stop."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -29,9 +27,6 @@ from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)
-
-
-# constants and recorded data
 
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
@@ -120,9 +115,6 @@ def test_a_fitted_mesh_follows_the_loop_to_the_end_of_the_rope(place: float) -> 
             cells = partition(mesh, length, place * length)
             # the outermost element stays, and of IV the half and less than another such length
             assert abs(cells.centre - place * length) < 2 * cells.coarse
-
-
-# the record and the rope
 
 
 @pytest.mark.skipif(not find_compiler(), reason="slow without a C compiler")
