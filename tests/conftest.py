@@ -27,6 +27,9 @@ from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
 
 Array = NDArray[np.float64]
+Capture, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
+#: gives the FMU of a kind, and the folder into which it is unpacked
+Unpacked = Callable[[str], tuple[Path, str]]
 
 # processes that tests start run this checkout, too
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH"))))
@@ -71,11 +74,7 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 
 @pytest.fixture(scope="session")
-def unpacked(
-    tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
-) -> Callable[[str], tuple[Path, str]]:
-    """The FMU of a kind, and the folder into which it is unpacked."""
-
+def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Unpacked:
     @cache
     def found(kind: str) -> tuple[Path, str]:
         return fmu_of(kind), fmpy.extract(str(fmu_of(kind)), str(tmp_path_factory.mktemp(kind)))
@@ -95,7 +94,7 @@ def fmi(request: pytest.FixtureRequest) -> int:
 
 
 @pytest.fixture
-def host(fmi: int, unpacked: Callable[[str], tuple[Path, str]]) -> Iterator[Host]:
+def host(fmi: int, unpacked: Unpacked) -> Iterator[Host]:
     made = Host(*unpacked(f"stand-in-{fmi}"))
     yield made
     made.free()

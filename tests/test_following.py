@@ -1,7 +1,5 @@
 """Motions that do not fit: how the ends follow them, and what the rope says of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Chain, difference, rotation
+from conftest import Array, Chain, difference, rotation
 from numpy.testing import assert_allclose
 from scenes import hung, passed
 from scipy.integrate import solve_ivp
@@ -20,7 +20,6 @@ from rope_model.simulation.rope_kernels import CURVED, RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium
 
-Array = np.ndarray[Any, Any]
 BENT, ELEMENT = curved_functions(), element_functions()
 K0, EI, ANGLE = 0.3, 1.7, 0.7
 

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import Array
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -13,21 +14,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rope_model.parameters import Mesh
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import mesh_pattern as tmn
+from rope_model.simulation.mesh import partition as cells
 from rope_model.simulation.mesh.mesh_fit import DUE
 from rope_model.simulation.mesh.mesh_pattern import fewest_outer, inner_length, transformation_due
-from rope_model.simulation.mesh.partition import (
-    GRADING,
-    LEG_LENGTHS,
-    NOWHERE,
-    Partition,
-    partition,
-    transform,
-    window_due,
-)
+from rope_model.simulation.mesh.partition import NOWHERE, Partition, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
-
-Array = np.ndarray
 
 
 def nodes(p: Partition) -> Array:
@@ -145,11 +137,11 @@ def test_elements_of_the_legs_are_as_long_as_end_and_loop_allow(length: float, p
     s = nodes(p) / p.coarse
     for size, a, b in zip(units, s, s[1:], strict=False):
         if size > 1.0 + 1e-9:
-            assert size <= LEG_LENGTHS[-1] + 1e-9
+            assert size <= cells.LEG_LENGTHS[-1] + 1e-9
             from_end = min(a, length / p.coarse - b)
             to_loop = first - b if b <= first + 1e-9 else a - (length / p.coarse - last)
             assert size <= from_end + 1e-6
-            assert GRADING * (size - 1) <= to_loop + 1e-6
+            assert cells.GRADING * (size - 1) <= to_loop + 1e-6
             assert p.coarse * size**2 <= growth * (to_loop + 1e-6)
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
+from conftest import Capture, Patch
 from end_paths import NO_LIMITS
 from exports import export_stand_in
 from fmpy.build import build_platform_binary
@@ -118,7 +119,7 @@ def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_ref
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.setattr(build, "cache_folder", lambda: tmp_path / "cache")
     tokens = set()
     for length in (120.0, 130.0):
@@ -136,7 +137,7 @@ def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkey
 
 
 @pytest.fixture
-def no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+def no_compiler(monkeypatch: Patch, tmp_path: Path) -> Path:
     monkeypatch.setattr(build, "_PACKAGE", tmp_path)
     monkeypatch.setattr(build, "_compilable", lambda: set[str]())
     monkeypatch.setattr(build, "find_compiler", lambda: None)
@@ -213,9 +214,7 @@ def test_the_wide_form_is_taken_where_the_processor_has_it() -> None:
         assert bool(made.processor_has_avx2()) == ("avx2" in flags.read_text(encoding="utf-8").split())
 
 
-def test_start_values_are_set_on_the_command_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_start_values_are_set_on_the_command_line(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
     path = tmp_path / "rope.fmu"
     options = ["export", "--native", "--platform", "host", "--out", str(path)]
@@ -241,7 +240,7 @@ def test_start_values_are_set_on_the_command_line(
     ],
 )
 def test_an_export_that_cannot_be_meant_is_refused_before_anything_is_built(
-    options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    options: list[str], words: str, tmp_path: Path, monkeypatch: Patch, capsys: Capture
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Chain, portable_system, straight
+from conftest import Array, Chain, portable_system, straight
 from numpy.testing import assert_allclose
 from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
@@ -20,8 +20,6 @@ from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.stepping.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
-
-Array = np.ndarray
 
 G = 9.81
 ROPE = Rope()
@@ -83,8 +81,6 @@ def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
     # linear theta errs by (pi k/n)^2/24 < 3e-4
     assert_allclose(speeds, [1201.93, 1201.93, 1201.93, 3906.39], rtol=3e-4)
 
-
-# the hanging loop
 
 #: element lengths of half a loop, from the end down: short where the clamp and the loop bend the rope
 END, LEG, LOOP = np.geomspace(0.1, 1.6, 9), 1.6, np.geomspace(1.6, 0.125, 10)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import Array
 from contact_scenes import crossing, force_error
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import hung, wound
@@ -16,7 +17,6 @@ from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.contact import ONSET
 from rope_model.simulation.contact.self_contact import RopeTouches, touches_of
 
-Array = np.ndarray
 D, K = Rope().diameter, 1e6
 
 
@@ -166,8 +166,6 @@ def test_conjugate_gradients_solve_the_coupled_system_in_as_many_steps_as_its_ra
     assert_allclose(x, -np.linalg.solve(J + C, R), atol=1e-6 * np.abs(x).max())
     assert len(solved) <= rank + 3  # rounding costs one or two
 
-
-# whole ropes
 
 STEP = 0.01
 

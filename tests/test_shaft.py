@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import Array
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
@@ -28,7 +29,6 @@ from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_turns, shape
 from rope_model.simulation.rope_system import arc_lengths
 
-Array = np.ndarray
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision
 EXACT = 1e-10
 RECTANGLE, CIRCLE = Lining(6.0, 4.0, 0.5, 1.0, -1.0), Lining(6.0, 6.0, 1.0)

@@ -1,7 +1,5 @@
 """The loop turned about the vertical by a full turn, and ropes in any pose: they find their rest, and it is stable."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
