@@ -19,6 +19,7 @@ CHECKED_HEAP = {"MALLOC_PERTURB_": "165", "MALLOC_CHECK_": "3", "LD_PRELOAD": "l
 #: platform -> what runs its programs here
 RUNNERS = {
     host_platform(): (),
+    "counted": (),
     "valgrind": ("valgrind", "--quiet", "--leak-check=full", "--error-exitcode=99"),
     "aarch64-linux": ("qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu"),
     "x86_64-windows": ("wine",),
@@ -41,7 +42,7 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     runner = RUNNERS[way]
     if runner and shutil.which(runner[0]) is None:
         pytest.skip(f"needs {runner[0]}")
-    name = host_platform() if way in ("valgrind", "sanitizers") else way
+    name = way if way in PLATFORMS else host_platform()
     compiler = ["cc", *(SANITIZED if way == "sanitizers" else ())]
     if name != host_platform():
         compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target.replace("2.17", "2.31")]
@@ -57,9 +58,17 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
         files = map(str, sorted((unzipped / "sources").glob("*.c")))
         shared = ["-DHAS_WIDE_FORM=0", "-fPIC", "-shared", "-fvisibility=hidden", "-o", str(binary)]
         subprocess.run([*compiler, "-std=gnu99", *shared, *files, "-lm"], check=True)
-    command = [*runner, str(program), str(binary), fmpy.read_model_description(str(fmu)).guid]
+    description = fmpy.read_model_description(str(fmu))
+    references = {v.name: str(v.valueReference) for v in description.modelVariables}
+    given = [references[f"{side}.{name}"] for side in ("left", "right") for name in ("y", "vy", "ay")]
+    command = [*runner, str(program), str(binary), description.guid, *given, references["status.warning"]]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
     environment |= CHECKED_HEAP if way == host_platform() else {}
+    if way == "counted":
+        counted = folder / "counted.so"
+        source = ROOT / "tests" / "native" / "counted.c"
+        subprocess.run(["cc", "-shared", "-fPIC", "-O1", str(source), "-o", str(counted)], check=True)
+        environment["LD_PRELOAD"] = str(counted)
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-3000:]
     return [int(line) for line in done.stdout.split()]

@@ -4,6 +4,8 @@ import csv
 import io
 import math
 import os
+import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -18,17 +20,18 @@ from exports import FLAVOURS
 from native_host import Host
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, smooth_trip
-from stand_in import RUNNERS, live
+from stand_in import ROOT, RUNNERS, live
 
 from docs.variables import interface_page
 from fmu_src.export import export_fmu
-from fmu_src.native.build import available_platforms, host_platform
+from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from rope_model import RopeSimulator, Swivel, balance_rope, rope_120
 from rope_model.simulation.outputs.sensitivity import LOADS
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
 
 H, HERE = 0.01, (host_platform(),)
+LIVES = (*HERE, "counted")
 #: steps as long as the host's
 EVEN = {"inputs_at_step_end": True, "solver.step_max": H, "solver.tolerance": 1e6}
 COMPARED = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
@@ -169,16 +172,39 @@ def test_directional_derivatives_are_those_of_a_step(host: Host, at_step_end: bo
         assert_allclose(analytic, difference, atol=0.05 * np.abs(difference).max(), err_msg=name)
 
 
-@pytest.mark.parametrize("way", [pytest.param(x, marks=[pytest.mark.slow] * (x != HERE[0])) for x in RUNNERS])
+@pytest.mark.parametrize(
+    "way", [pytest.param(x, marks=[pytest.mark.slow] * (x not in (*HERE, "counted"))) for x in RUNNERS]
+)
 def test_a_whole_life_with_failed_calls_is_clean_and_takes_no_memory_while_stepping(
     tmp_path: Path, way: str, fmu_of: Callable[[str], Path]
 ) -> None:
-    platform = host_platform() if way in ("valgrind", "sanitizers") else way
+    platform = way if way in PLATFORMS else host_platform()
     if platform not in available_platforms():
         pytest.skip("needs ziglang")
     here = platform == host_platform()
     fmu = fmu_of("native-2") if here else export_native(tmp_path / "rope.fmu", platforms=(platform,))
     assert live(fmu, tmp_path, way) == [0, 0]
+
+
+@pytest.mark.skipif(sys.platform != "linux" or shutil.which("nm") is None, reason="needs Linux and nm")
+@pytest.mark.parametrize(
+    ("kind", "memory", "unused"), [("native-2", set(), []), ("native-3", {"calloc", "free"}, ["strncpy"])]
+)
+def test_the_library_needs_of_libc_what_the_page_lists(
+    kind: str, memory: set[str], unused: list[str], unpacked: Unpacked
+) -> None:
+    page = (ROOT / "docs" / "howto" / "accuracy.md").read_text(encoding="utf-8")
+    listed = {name for line in page.splitlines() if line.startswith("- of `") for name in re.findall(r"`(\w+)`", line)}
+    folder = Path(unpacked(kind)[1])
+    library = next((folder / "binaries").rglob("BalanceRope.so"))
+    told = subprocess.run(["nm", "-D", "-u", library], capture_output=True, text=True, check=True).stdout
+    # compilers write some of them in other words
+    words = {"bcmp": ["memcmp"], "sincos": ["sin", "cos"], "strtol": ["atoi"]}
+    names = [re.sub(r"^__isoc\d+_|@.*", "", name) for name in re.findall(r"\bU (\S+)", told)]
+    needed = {each for name in names for each in words.get(name, [name])}
+    assert needed - listed == memory
+    text = "".join(path.read_text(encoding="utf-8") for path in (folder / "sources").glob("*.[chi]*"))
+    assert [name for name in sorted(listed) if not re.search(rf"\b{name}\(", text)] == unused
 
 
 @pytest.mark.slow

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes import Trip, hung, recorded, wound
-from test_native import bounce
+from scenes import Motion, Trip, hung, past_each_other, recorded, wound
+from test_native import SHORT, SWIVEL, bounce
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
@@ -20,6 +20,7 @@ STOP = Trip("rope-240", "emergency stop", "draft", 0.01)
 READ = ("count.newton", "status.given_up", "status.given_up_since", "left.fy", "right.fy", "loop.yaw")
 NEWTON, GIVEN_UP, SINCE, FORCES = 0, 1, 2, slice(3, 5)
 BOUND = 48
+SOON = replace(SWIVEL, release_time=0.1)
 
 
 def work(values: NDArray[np.float64]) -> float:
@@ -61,12 +62,21 @@ def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: NDArray[np.float6
     assert far[-1, GIVEN_UP] == 0.0
 
 
-def test_both_forms_give_up_the_same_steps_and_warn_of_it() -> None:
-    rope = Rope(length=60.0)
-    scene = Scene(rope=rope, solver=Solver(work_max=24))
-    ropes = [wound(form(scene), bounce, 35, 0.02) for form in (RopeSimulator, NativeRope)]
+@pytest.mark.parametrize(
+    ("scene", "motion", "h", "steps", "events"),
+    [
+        (Scene(rope=Rope(length=60.0), solver=Solver(work_max=24)), bounce, 0.02, 35, False),
+        # swivels switch at the ends of steps
+        (Scene(rope=SHORT, left=SOON, right=SOON, solver=Solver(work_max=12)), past_each_other, 0.005, 109, True),
+    ],
+)
+def test_both_forms_give_up_the_same_steps_and_warn_of_it(
+    scene: Scene, motion: Motion, h: float, steps: int, events: bool
+) -> None:
+    ropes = [wound(form(scene), motion, steps, h) for form in (RopeSimulator, NativeRope)]
     (a, b), (said, same) = (each.state for each in ropes), (each.warnings() for each in ropes)
     assert a.counts == b.counts
+    assert bool(a.counts.transformations and a.counts.swivel_events) == events
     assert a.counts.given_up > 0
     assert a.given_up_since == b.given_up_since
     assert said == same

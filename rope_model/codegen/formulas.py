@@ -172,6 +172,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
     "most_work(interval, step_max)": stepping.most_work,
     "parts_of(way, step_next, left)": accuracy.parts_of,
+    "newton_may_leave(newton_tolerance, work_max, hasty)": accuracy.newton_may_leave,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
     "with_contact_at_ends(error, ContactSums sums, time, force)": contact_error.with_contact_at_ends,
@@ -217,7 +218,7 @@ STRUCTURES: dict[str, type[Any]] = {
 } | {"Path": EndPath}
 #: numbers of the formulas and of the control flow: what their names in C have before those in Python, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
-    ("", accuracy, "ACCEPT_BELOW"),
+    ("", accuracy, "ACCEPT_BELOW STEP_WORK HASTY_STEP HASTY_MESH"),
     ("", adaptation, "RELAXATION_TIME"),
     ("", contact, "LOOK_AHEAD OWN_LENGTH"),
     ("", diagnostics, "PIECES FINE OUTLINE"),
@@ -233,7 +234,6 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
     ("", simulator, "FARTHEST_START MOST_STEPS"),
     ("", statics, "SETTLED BALANCED REST_TOLERANCE"),
-    ("", stepping, "STEP_WORK"),
     ("", switching, "EVENT_WIDTH"),
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_places, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),

@@ -127,9 +127,9 @@ typedef struct {
     /* J x = M a with the J that solve was left with, work as it left it */
     void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
                     const double *known, double *x);
-    /* J x = -R on the free degrees of freedom */
+    /* J x = -R on the free degrees of freedom; factorized: J is as the latest call left it */
     void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
-                        const double *known, const double c[3], double *x, double *R);
+                        const double *known, const double c[3], int factorized, double *x, double *R);
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
                      double balance[BALANCE]);
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);

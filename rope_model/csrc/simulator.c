@@ -70,14 +70,6 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     return 1;
 }
 
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part) {
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(&rope->scene) ? part : 1, sense = side ? 1 : -1;
-        const EndMotion placed = partly_placed(&rope->scene, &ends[side], &ends[!side], sense, now);
-        state->paths[side] = path_resting(state->t, &placed);
-    }
-}
-
 /* the ends at rest at t where the rope is hung up; points: where they are; 0 when they cannot be */
 static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], double points[2][3]) {
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -267,7 +259,7 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
     newton_coefficients(&method, state->last_interval, c);
     for (int k = 0; k < 2; k++) {
         s.forces = k == 0 ? NULL : forces;
-        chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, answers[k], rope->trial.v);
+        chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, k, answers[k], rope->trial.v);
     }
     Pushed at = {0};
     for (int number = 0; number < forces->number; number++) {

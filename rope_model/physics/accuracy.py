@@ -48,6 +48,10 @@ ACCEPT_BELOW = 2.0
 #: the step grows after errors below this part of the allowed one for the time of calm_needed
 GROW_BELOW = 0.05
 TINY = 1e-300
+#: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
+STEP_WORK = 12
+#: m and rad: errors that Newton's method may leave in a step, and on a new mesh, where work is bounded to one step
+HASTY_STEP, HASTY_MESH = 1e-4, 1e-3
 #: part of the share that is left when all is used up
 LEAST_LEFT = 0.1
 #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
@@ -237,3 +241,9 @@ def parts_of(way: Any, step_next: Any, left: Any) -> Any:
     """
     parts = larger(ceil(way / step_next - 1e-9), 1.0)
     return smaller(parts, larger(left, ceil(0.5 * parts)))
+
+
+def newton_may_leave(newton_tolerance: Any, work_max: Any, hasty: Any) -> Any:
+    """Error (m and rad) that Newton's method may leave, ``hasty`` where work is bounded to one step."""
+    bounded = both(work_max > 0.0, work_max < 2.0 * STEP_WORK)
+    return where(bounded, larger(newton_tolerance, hasty), newton_tolerance)

@@ -10,7 +10,7 @@ import numpy as np
 
 from rope_model.numerics import generalized_alpha as alpha
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import add_errors, step_error, step_limits
+from rope_model.physics.accuracy import HASTY_STEP, add_errors, newton_may_leave, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
@@ -107,7 +107,9 @@ class RopeModel:
 
     def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
-        return alpha.step(self.pushed(system, old.t + h), old, h, self.method, self.scene.solver.newton_tolerance)
+        solver = self.scene.solver
+        tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, HASTY_STEP))
+        return alpha.step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Arc length (m) of the loop's lowest point by the ends' heights alone."""

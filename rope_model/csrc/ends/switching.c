@@ -59,6 +59,10 @@ int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const Arrays m = state_arrays(state);
     /* the step to the event, and one from there on, come after the trials */
     Search search = {rope, state, 0, rope->work_end - state->counts.newton - 2 * STEP_WORK};
+    if (search.work <= 0) { /* the step's end will do */
+        state->counts.given_up += 1;
+        return 1;
+    }
     double at_start = excess(rope, state, state->t, &m);
     if (at_start >= 0) /* a slip that has just begun has no rate yet */
         at_start = -1e-12;
@@ -91,10 +95,17 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
 void switch_swivels(Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     SwivelState swivels[2];
+    int switches[2], restarted = 0;
     memcpy(swivels, state->swivels, sizeof swivels);
     for (int side = LEFT; side <= RIGHT; side++) {
-        if (excess_of(rope, state, side, state->t, &m) < 0) continue;
+        switches[side] = excess_of(rope, state, side, state->t, &m) >= 0;
+        if (!switches[side]) continue;
         swivels[side] = next_phase(rope, state, swivels, side);
+        restarted = swivels[side].phase == STICK; /* as the spare was, to see whether it holds */
+    }
+    if (restarted) state_copy(rope, state, rope->spare);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        if (!switches[side]) continue;
         memmove(state->switchings + 1, state->switchings, sizeof(double) * (CHATTER_EVENTS - 1));
         state->switchings[0] = state->t;
         if (state->switched < CHATTER_EVENTS) state->switched += 1;
@@ -102,6 +113,7 @@ void switch_swivels(Simulator *rope, State *state) {
         const int slips = swivels[side].sign > 0 ? SLIPS_FORWARD : SLIPS_BACK;
         record_event(state, swivels[side].phase == STICK ? STICKS : slips, side, 0, 0);
     }
+    if (restarted) return;
     memcpy(state->swivels, swivels, sizeof swivels);
     model_restart(rope, state);
 }

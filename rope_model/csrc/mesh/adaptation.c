@@ -44,13 +44,15 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     rope_system_refer(rope, state, m.q);
     const Solver *solver = &rope->scene.solver;
+    const double tolerance = newton_may_leave(solver->newton_tolerance, solver->work_max, HASTY_MESH);
     double time = RELAXATION_TIME;
     int status;
-    while ((status = dynamic_equilibrium(rope, state, time, solver->newton_tolerance)) != CONVERGED) {
+    while ((status = dynamic_equilibrium(rope, state, time, tolerance)) != CONVERGED) {
         if (time <= solver->step_min) return status;
         time = fmax(0.5 * time, solver->step_min);
         state->counts.rejections += 1;
     }
+    state->counts.given_up += tolerance > solver->newton_tolerance;
     with_energy_change(rope, state);
     return CONVERGED;
 }

@@ -43,8 +43,10 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
     s->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(rope, state);
-    result.newton = chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
-                                 rope->scene.solver.newton_tolerance, result.balance);
+    const Solver *solver = &rope->scene.solver;
+    result.newton =
+        chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
+                     newton_may_leave(solver->newton_tolerance, solver->work_max, HASTY_STEP), result.balance);
     for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
     if (result.newton.status == CONVERGED && !isfinite(sum)) result.newton.status = NOT_FINITE;
     result.reached = result.newton.status == CONVERGED;
@@ -69,7 +71,7 @@ void generalized_alpha_restart(Simulator *rope, State *state, const System *s) {
     rope_system_prescribed_motion(rope, state, s, state->t, 3, (double *[]){m.q, m.v, m.a});
     for (int again = 0; again < 2; again++) { /* the second time with friction from the right reactions */
         memcpy(known, m.reaction, sizeof(double) * size);
-        chain_of(rope, state)->newton_step(s, rope->work, m.q, m.v, m.a, known, c, rope->x, m.reaction);
+        chain_of(rope, state)->newton_step(s, rope->work, m.q, m.v, m.a, known, c, again, rope->x, m.reaction);
         for (size_t i = 0; i < size; i++) m.a[i] += rope->x[i];
     }
     memcpy(known, m.reaction, sizeof(double) * size);

@@ -11,7 +11,7 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
     const System s = rope_system(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     newton_coefficients(&method, state->last_interval, c);
-    chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->trial.q, rope->trial.v);
+    chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, 0, rope->trial.q, rope->trial.v);
 }
 
 /* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
@@ -34,7 +34,7 @@ static void answer(Simulator *rope, int side, int dof, const double d[3], const 
         for (int k = 0; k < 9; k++) of_end[k / 3][SLOPE + k % 3] = (side ? -1 : 1) * n[k / 3][k % 3];
     }
     double *R = rope->trial.a, balance[BALANCE];
-    chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, rope->x, R);
+    chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, 0, rope->x, R);
     for (size_t i = 0; i < size; i++) {
         const double y = rope->x[i] - rope->trial.q[i];
         m.q[i] += y;

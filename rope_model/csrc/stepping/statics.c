@@ -38,7 +38,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
     for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {
         rope->corrections++;
         const double c[3] = {1, 0, pow(tau, -2)};
-        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, x, now);
+        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, 0, x, now);
         previous = imbalance(&s, now);
         const double move = rope_system_norm(&s, x, 1),
                      norm = rope_system_norm(&s, x, s.shortest); /* x is 0 where it is held */

@@ -69,7 +69,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
     }
     const NextStep then = next_step(solver, h, next, trial->relative, rejected, trial->t, state->calm_since);
     state->calm_since = then.calm_since;
-    state->counts.given_up += (int64_t)then.given_up;
+    state->counts.given_up += then.given_up > 0 || trial->newton.error > solver->newton_tolerance;
     *step_next = then.length;
     *reaches = parts == 1;
     return 1;
@@ -105,27 +105,27 @@ int step_towards(Simulator *rope, State *state, double t_end, char *message) {
         return say_transformation_fails(message, rope->scene.solver.step_min, ENDED[transformed]);
     release_swivels(rope, state);
     const double stop = next_stop(rope, state, t_end);
-    double step_next;
+    double step_next, end;
     int reaches, switching;
     StepResult trial;
     for (;;) {
         if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message)) return 0;
-        const double whole = trial.t - state->t;
+        end = trial.t;
         switching = switching_step(rope, state, &trial);
         if (switching >= 0) break;
         /* a shorter one may not reach the event, or find it more easily */
-        state->step_next = fmax(0.5 * whole, rope->scene.solver.step_min);
-        if (state->step_next > 0.75 * whole) return say_step_to_event_fails(message, ENDED[trial.newton.status]);
+        state->step_next = fmax(0.5 * (end - state->t), rope->scene.solver.step_min);
+        if (state->step_next > 0.75 * (end - state->t))
+            return say_step_to_event_fails(message, ENDED[trial.newton.status]);
         state->counts.rejections += 1;
     }
     model_commit(rope, state, &trial);
     state->step_next = step_next;
     state->counts.steps += 1;
+    if (reaches && trial.t == end) state->t = stop; /* to the bit, not to rounding */
     if (switching) {
         switch_swivels(rope, state);
         if (chatters(state)) return say_swivel_chatters(message);
-    } else if (reaches) {
-        state->t = stop; /* to the bit, not to rounding */
     }
     with_loop_yaw(state);
     return 1;

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Solution
+from rope_model.physics.accuracy import HASTY_MESH, newton_may_leave
 from rope_model.simulation.ends.ends import right_offset
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.fidelity import lowest_sufficient
@@ -52,20 +53,23 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     reaction[[0, -1]] = m.reaction[[0, -1]]
     z = carry(state.hysteresis, state.partition.lengths, new.lengths)
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
-    time, step_min = RELAXATION_TIME, model.scene.solver.step_min
-    while not (solution := _dynamic_equilibrium(model, moved, time)).newton.converged:
+    solver = model.scene.solver
+    time, step_min = RELAXATION_TIME, solver.step_min
+    tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, HASTY_MESH))
+    while not (solution := _dynamic_equilibrium(model, moved, time, tolerance)).newton.converged:
         log.debug("t = %.6f s: transformation within %.3g s rejected: %s", m.t, time, solution.newton.status.text)
         if time <= step_min:
             return messages.transformation_fails(step_min, solution.newton.status.text)
         time = max(0.5 * time, step_min)
         moved = moved._replace(counts=moved.counts.plus(rejections=1))
+    moved = moved._replace(counts=moved.counts.plus(given_up=int(tolerance > solver.newton_tolerance)))
     system = model.system(moved)
     z = system.slip(solution.q).z
     moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
     return _with_energy_change(model, moved)
 
 
-def _dynamic_equilibrium(model: RopeModel, state: RopeState, time: float) -> Solution[Evaluation]:
+def _dynamic_equilibrium(model: RopeModel, state: RopeState, time: float, tolerance: float) -> Solution[Evaluation]:
     """The state in equilibrium with its accelerations.
 
     Where elements became fewer, the new cubic is a little too short or too long, which the stiffness would turn into a
@@ -73,7 +77,7 @@ def _dynamic_equilibrium(model: RopeModel, state: RopeState, time: float) -> Sol
     """
     m = state.motion
     c = np.array([1.0, 0.0, time**-2])
-    return model.system(state).solve(m.q, m.v, m.a, m.reaction, c, model.scene.solver.newton_tolerance)
+    return model.system(state).solve(m.q, m.v, m.a, m.reaction, c, tolerance)
 
 
 def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from rope_model.numerics.generalized_alpha import StepResult
-from rope_model.physics.accuracy import ACCEPT_BELOW, next_step, parts_of
+from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_WORK, next_step, parts_of
 from rope_model.physics.elementary import larger
 from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
@@ -22,8 +22,6 @@ from rope_model.simulation.stepping.statics import StaticsError
 
 log = logging.getLogger(__name__)
 
-#: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
-STEP_WORK = 12
 #: Newton iterations of a communication step of up to so many s: over 6 times the most of 120 drawn trips
 MOST_WORK, WORK_INTERVAL = 5_000.0, 0.05
 
@@ -52,29 +50,32 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
         result, state, reaches_stop = accepted
         counts = state.counts
         assert result.motion is not None
-        whole = result.motion.t - state.motion.t
+        end = result.motion.t
         # the step to the event, and one from there on, come after the trials
         work = work_end - counts.newton - 2 * STEP_WORK
         if (event := switching.switching_step(model, system, state, result, work)) is None:
             break
         h, iterations = event
+        counts = counts.plus(newton=iterations, given_up=int(iterations >= work))
+        if work <= 0:  # the step's end will do
+            break
         result = model.trial(system, state.motion, h)
-        counts = counts.plus(newton=iterations + result.newton.iterations, given_up=int(iterations >= work))
+        counts = counts.plus(newton=result.newton.iterations)
         if result.motion is not None:
             break
         # a shorter one may not reach the event, or find it more easily
-        shorter = max(0.5 * whole, model.scene.solver.step_min)
-        if shorter > 0.75 * whole:
+        shorter = max(0.5 * (end - state.motion.t), model.scene.solver.step_min)
+        if shorter > 0.75 * (end - state.motion.t):
             return messages.step_to_event_fails(result.newton.status.text)
         log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
         state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
     after = model.commit(state, system, result)._replace(counts=counts.plus(steps=1))
+    if reaches_stop and after.motion.t == end:
+        after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
     if event is not None:
         after = switching.switch_swivels(model, after)
         if switching.chatters(after):
             return messages.swivel_chatters()
-    elif reaches_stop:
-        after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
     return with_loop_yaw(after)
 
 
@@ -123,7 +124,8 @@ def _accepted_step(
         h = max(0.5 * h, solver.step_min)
         parts, step_next = 2, h
     then = next_step(solver, h, step_next, error, bool(cause), t + h, state.calm_since)
-    counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=int(then.given_up))
+    given_up = int(then.given_up or result.newton.error > solver.newton_tolerance)
+    counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=given_up)
     return result, state._replace(step_next=then.length, calm_since=then.calm_since, counts=counts), parts == 1
 
 
