@@ -120,7 +120,7 @@ def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_ref
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: Patch) -> None:
-    monkeypatch.setattr(build, "cache_folder", lambda: tmp_path / "cache")
+    monkeypatch.setattr(build.kernels, "cache_folder", lambda: tmp_path / "cache")
     tokens = set()
     for length in (120.0, 130.0):
         path = tmp_path / f"{length}.fmu"
@@ -140,7 +140,7 @@ def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkey
 def no_compiler(monkeypatch: Patch, tmp_path: Path) -> Path:
     monkeypatch.setattr(build, "_PACKAGE", tmp_path)
     monkeypatch.setattr(build, "_compilable", lambda: set[str]())
-    monkeypatch.setattr(build, "find_compiler", lambda: None)
+    monkeypatch.setattr(build.kernels, "find_compiler", lambda: None)
     return tmp_path
 
 

@@ -84,14 +84,14 @@ def test_the_closed_form_of_a_plectoneme_is_where_its_energy_is_least(tension: f
     assert all(0.0 < more < 1e-4 * tension for more in around)
 
 
-CASES = [
+LINEAR = [
     pytest.param(name, at, id=f"{name}-{at}", marks=[] if (name, at) == ("rope-120", 0.3) else [pytest.mark.slow])
     for name in ("rope-120", "monopol-1000")
     for at in (0.0, 0.3, 0.9)
 ]
 
 
-@pytest.mark.parametrize(("name", "at"), CASES)
+@pytest.mark.parametrize(("name", "at"), LINEAR)
 def test_linear_models_at_rest_answer_as_the_co_simulation_does(name: str, at: float) -> None:
     case = smooth(find_case(name))
     s = GRID[::6]
