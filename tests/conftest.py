@@ -20,16 +20,16 @@ from hypothesis import settings
 from native_host import Host
 from native_parts import parts as parts
 from numpy.typing import NDArray
-from stand_in import VERSIONS, stand_in
+from stand_in import VERSIONS
 
-from fmu_src.native.build import host_platform
-from fmu_src.native.export import export_native
-from fmu_src.profile import FULL
 from rope_model.numerics.kernels import find_compiler, make_once
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
 
 Array = NDArray[np.float64]
+Capture, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
+#: gives the FMU of a kind, and the folder into which it is unpacked
+Unpacked = Callable[[str], tuple[Path, str]]
 
 # processes that tests start run this checkout, too
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH"))))
@@ -74,32 +74,12 @@ def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 
 @pytest.fixture(scope="session")
-def unpacked(
-    tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
-) -> Callable[[str], tuple[Path, str]]:
-    """The FMU of a kind, and the folder into which it is unpacked."""
-
+def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Unpacked:
     @cache
     def found(kind: str) -> tuple[Path, str]:
         return fmu_of(kind), fmpy.extract(str(fmu_of(kind)), str(tmp_path_factory.mktemp(kind)))
 
     return found
-
-
-@pytest.fixture(scope="session")
-def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
-    """Native FMUs of both versions with the stand-in for the rope."""
-    folder = tmp_path_factory.mktemp("native")
-    here = (host_platform(),)
-    return {
-        fmi: export_native(folder / f"{fmi}.fmu", fmi=fmi, platforms=here, rope=stand_in(), profile=FULL)
-        for fmi in VERSIONS
-    }
-
-
-@pytest.fixture(scope="session")
-def folders(fmus: dict[int, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[int, str]:
-    return {fmi: fmpy.extract(str(path), str(tmp_path_factory.mktemp("unzipped"))) for fmi, path in fmus.items()}
 
 
 @pytest.fixture
@@ -114,8 +94,8 @@ def fmi(request: pytest.FixtureRequest) -> int:
 
 
 @pytest.fixture
-def host(fmi: int, fmus: dict[int, Path], folders: dict[int, str]) -> Iterator[Host]:
-    made = Host(fmus[fmi], folders[fmi])
+def host(fmi: int, unpacked: Unpacked) -> Iterator[Host]:
+    made = Host(*unpacked(f"stand-in-{fmi}"))
     yield made
     made.free()
 

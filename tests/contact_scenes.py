@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from scenes import hung
 
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Neighbours, Rope, Scene, Solver, balance_rope
 from rope_model.physics.contact import ONSET
@@ -19,6 +20,8 @@ SCENE = Scene(
     solver=Solver(step_max=0.01, tolerance=1e5),
     shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS)),
 )
+#: m, where two hang that swing against each other
+FACING = [(0.0, 0.0, -0.5 * GAP), (0.0, 0.0, 0.5 * GAP)]
 #: s that two swing against each other, the middle of each at 1 m/s
 TIME = 0.3
 
@@ -78,11 +81,12 @@ class Alone:
         pass
 
 
+Group = tuple[Neighbours, list[BalanceRope], list[Alone]]
+
+
 def swinging(scene: Scene, speed: float) -> BalanceRope:
     """A rope at rest, the middle of which moves out of plane."""
-    rope = balance_rope(scene, "native")
-    status = rope.initialize(0.0, EndMotion(), EndMotion())
-    assert status.valid, status.message
+    rope = hung(balance_rope(scene, "native"))
     state = rope.state
     v, x = state.motion.v.copy(), math.pi * state.partition.nodes_s / scene.rope.length
     v[:, 2], v[:, 5] = speed * np.sin(x) ** 2, speed * np.sin(2.0 * x) * math.pi / scene.rope.length
@@ -91,13 +95,18 @@ def swinging(scene: Scene, speed: float) -> BalanceRope:
     return rope
 
 
+def begun(scenes: list[Scene], speeds: tuple[float, ...], places: list[tuple[float, float, float]]) -> Group:
+    """Ropes at these places, whose middles move out of plane, and themselves as partners."""
+    ropes = [swinging(scene, speed) for scene, speed in zip(scenes, speeds, strict=True)]
+    neighbours = Neighbours(scenes, places)
+    neighbours.begin(0.0, ropes)
+    return neighbours, ropes, [Alone(rope) for rope in ropes]
+
+
 def striking(h: float, **law: float) -> tuple[Neighbours, list[BalanceRope]]:
     """Two equal ropes that have swung against each other, in steps of ``h`` (s) of their host."""
     scene = SCENE.with_(shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS, **law)))
-    ropes = [swinging(scene, speed) for speed in (1.0, -1.0)]
-    neighbours = Neighbours([scene, scene], [(0.0, 0.0, -0.5 * GAP), (0.0, 0.0, 0.5 * GAP)])
-    neighbours.begin(0.0, ropes)
-    partners = [Alone(rope) for rope in ropes]
+    neighbours, ropes, partners = begun([scene, scene], (1.0, -1.0), FACING)
     assert all(neighbours.step(k * h, h, partners) for k in range(round(TIME / h)))
     return neighbours, ropes
 
@@ -113,9 +122,3 @@ def against_a_wall(h: float, **law: float) -> BalanceRope:
     for k in range(1, round(TIME / h) + 1):
         assert rope.advance_to(k * h, EndMotion(), EndMotion()).valid
     return rope
-
-
-def off_the_wall(h: float) -> float:
-    """Distance of the nodes from those at the wall, of how far they went; without friction."""
-    z, wall = (rope.rows()[:, 3] for rope in (striking(h, friction=0.0)[1][0], against_a_wall(h, friction=0.0)))
-    return float(np.abs(z - wall).max() / np.abs(z).max())

@@ -1,7 +1,5 @@
 """Paths of the rope's ends for tests: to a motion at once, and behind the motions that a host gives."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cache
 

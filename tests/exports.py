@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from stand_in import VERSIONS, stand_in
+
 from fmu_src.export import export_fmu
 from fmu_src.native.build import available_platforms, host_platform
 from fmu_src.native.export import export_model, export_native
@@ -50,6 +52,11 @@ def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),
     return export_model(destination, platforms, fmi, **vars(drive_model(find_case("rope-120"))))
 
 
+def export_stand_in(destination: Path, fmi: int) -> Path:
+    """The native FMU with the stand-in for the rope."""
+    return export_native(destination, fmi=fmi, platforms=(host_platform(),), rope=stand_in(), profile=FULL)
+
+
 #: every kind of archive that is exported, for this platform
 ARCHIVES: dict[str, Callable[[Path], Path]] = {
     "python": python(),
@@ -69,5 +76,6 @@ ARCHIVES_EVERYWHERE: dict[str, Callable[[Path], Path]] = {
     "drive-2 everywhere": partial(export_drive, platforms=available_platforms(), fmi=2),
     "drive-3 everywhere": partial(export_drive, platforms=available_platforms(), fmi=3),
 }
-#: what the tests share: these, and the FMU of the draft level
+#: what the tests share: these, the FMU of the draft level, and those with the stand-in
 EXPORTS = {**ARCHIVES, **ARCHIVES_EVERYWHERE, "draft": native(2, (host_platform(),), level="draft")}
+EXPORTS |= {f"stand-in-{fmi}": partial(export_stand_in, fmi=fmi) for fmi in VERSIONS}

@@ -63,15 +63,3 @@ class Weight:
 
     def save(self) -> Any:
         return None
-
-    def restore(self, snapshot: Any) -> None:
-        raise AssertionError
-
-    def to_bytes(self, snapshot: Any) -> bytes:
-        raise AssertionError
-
-    def from_bytes(self, data: bytes) -> Any:
-        raise AssertionError
-
-    def close(self) -> None:
-        raise AssertionError

@@ -1,9 +1,12 @@
 """Scenes and prescribed motions that several tests wind."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
@@ -12,6 +15,9 @@ from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swiv
 from rope_model.simulation.fidelity import Fidelity
 
 Ends = tuple[EndMotion, EndMotion]
+Motion = Callable[[float], Ends]
+AnyRope = TypeVar("AnyRope", bound=BalanceRope)
+REST = EndMotion()
 
 
 def fixed_steps(h: float) -> Solver:
@@ -60,15 +66,34 @@ def turn(angle: float, duration: float, t: float) -> Ends:
     return left, right
 
 
-def wound(rope: BalanceRope, motion, steps: int, step: float = 0.01, first: int = 0) -> BalanceRope:
+def hung(rope: AnyRope, left: EndMotion = REST, right: EndMotion = REST, t: float = 0.0) -> AnyRope:
+    """The rope at rest between these ends."""
+    status = rope.initialize(t, left, right)
+    assert status.valid, status.message
+    return rope
+
+
+def wound(rope: AnyRope, motion: Motion, steps: int, step: float = 0.01, first: int = 0) -> AnyRope:
     """The rope after it has followed ``motion(t)``; initialised if it begins at step 0."""
     if first == 0:
-        status = rope.initialize(0.0, *motion(0.0))
-        assert status.valid, status.message
+        hung(rope, *motion(0.0))
     for k in range(first + 1, first + steps + 1):
         status = rope.advance_to(k * step, *motion(k * step))
         assert status.valid, status.message
     return rope
+
+
+def recorded(
+    rope: BalanceRope, motion: Motion, steps: int, names: Sequence[str], step: float = 0.01, late: int = 0
+) -> np.ndarray:
+    """(steps, names): signals after each step from rest; motions are those of ``late`` steps before its end."""
+    hung(rope, *motion(0.0))
+    read, rows = rope.reader(names), []
+    for k in range(1, steps + 1):
+        status = rope.advance_to(k * step, *motion((k - late) * step), (k - late) * step)
+        assert status.valid, status.message
+        rows.append(read())
+    return np.array(rows)
 
 
 def passed(scene: Scene, steps: int, step: float = 0.01) -> BalanceRope:
@@ -100,12 +125,18 @@ class Trip:
     H: float
 
     @cached_property
-    def motions(self) -> list[Ends]:
-        """Motions of both ends at 0, H, 2 H ... and for 5 s more."""
+    def reference(self) -> Trajectory:
         plain = replace(find_case(self.scene).winding, start_delay=0.0)
         stop = 0.6 * s_curve(plain).duration if self.trip == "emergency stop" else None
-        reference = s_curve(replace(plain, emergency_at=stop))
-        return [ends_at(reference, plain.travel, k * self.H) for k in range(round((reference.duration + 5.0) / self.H))]
+        return s_curve(replace(plain, emergency_at=stop))
+
+    @property
+    def steps(self) -> int:
+        """Of the trip and 5 s more."""
+        return round((self.reference.duration + 5.0) / self.H) - 1
+
+    def ends(self, t: float) -> Ends:
+        return ends_at(self.reference, find_case(self.scene).winding.travel, t)
 
 
 P120, P240 = rope_120(), rope_240()

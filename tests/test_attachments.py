@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from scenes import Ends, fixed_steps, wound
+from scenes import Ends, fixed_steps, hung, wound
 from scipy.integrate import solve_bvp
 from test_native_derivatives import native_derivative
 
@@ -75,17 +75,10 @@ def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | 
     assert_allclose(-found["loop.y"], depth, atol=1e-5)
 
 
-def hung(rope: BalanceRope, left: EndMotion, right: EndMotion) -> None:
-    status = rope.initialize(0.0, left, right)
-    assert status.valid, status.message
-
-
 def test_a_plane_across_is_as_good_as_that_of_the_loop() -> None:
-    rope, across = balance_rope(scene(), "native"), balance_rope(scene(), "native")
-    hung(rope, *LEVEL)
-    side = 0.5 * SPAN
-    hung(
-        across,
+    rope, side = hung(balance_rope(scene(), "native"), *LEVEL), 0.5 * SPAN
+    across = hung(
+        balance_rope(scene(), "native"),
         EndMotion(x=side, z=-side, yaw=-0.5 * math.pi, lean_z=0.5 * math.pi),
         EndMotion(x=-side, z=side, yaw=-0.5 * math.pi, lean_z=-0.5 * math.pi),
     )

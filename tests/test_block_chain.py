@@ -9,13 +9,11 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from conftest import Array
 
 from rope_model.numerics import kernels
 from rope_model.physics.element import NODE_DOF, element_functions
 from rope_model.simulation.rope_kernels import RopeKernels
-
-Array = NDArray[np.float64]
 
 needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to compare with")
 #: the arguments of ``evaluate``

@@ -86,6 +86,12 @@ def assert_alike(one: Result, other: Result) -> None:
         assert_allclose(one.recording[name], values, rtol=0.0, atol=1e-9 * largest, err_msg=name)
 
 
+@pytest.mark.parametrize("kind", ["native-2", "native-3", pytest.param("python", marks=pytest.mark.slow)])
+def test_an_fmu_is_wound_in_c(kind: str, fmu_of: Callable[[str], Path], in_c: list[int]) -> None:
+    wound = Wound(fmu=fmu_of(kind), winding=replace(TRIP, travel=0.5, settle=0.2))
+    test_a_trip_in_c_has_the_numbers_of_python(wound, in_c)
+
+
 @pytest.mark.parametrize(
     "wound",
     [
@@ -101,14 +107,6 @@ def test_a_trip_in_c_has_the_numbers_of_python(wound: Wound, in_c: list[int]) ->
     assert sum(in_c) == whole.recording.time.size - 1
     assert_alike(whole, wound.run(python=True))
     assert sum(in_c) == whole.recording.time.size - 1
-
-
-@pytest.mark.parametrize("kind", ["native-2", "native-3", pytest.param("python", marks=pytest.mark.slow)])
-def test_an_fmu_is_wound_in_c(kind: str, fmu_of: Callable[[str], Path], in_c: list[int]) -> None:
-    wound = Wound(fmu=fmu_of(kind), winding=replace(TRIP, travel=0.5, settle=0.2))
-    whole = wound.run()
-    assert sum(in_c) == whole.recording.time.size - 1
-    assert_alike(whole, wound.run(python=True))
 
 
 def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> None:

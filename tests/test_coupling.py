@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from drives import Plant, PlantInput, PlantInputPath
 from numpy.testing import assert_allclose, assert_array_equal
 from rope_groups import rope_in_process
 from scipy.linalg import expm
@@ -22,19 +21,15 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.run_state import Result
+from hoist_demo.cosimulation.schemes import explicit
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
-from hoist_demo.cosimulation.schemes.explicit import (
-    GaussSeidel,
-    ImpulsePreserving,
-    SemiImplicit,
-    extrapolation_coefficients,
-)
+from hoist_demo.cosimulation.schemes.explicit import GaussSeidel, ImpulsePreserving, SemiImplicit
 from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Load, Memory, Pair, Reader, Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
 from hoist_demo.parameters import Coupling, Hoist, Winding
-from rope_model import ROPE_CASES, EndMotion, Solver, Status
+from rope_model import EndMotion, Solver, Status
 
 # two masses split in two: the smallest co-simulation with an exact solution, on which schemes show their order
 #
@@ -253,7 +248,7 @@ def test_extrapolation_reproduces_polynomials_of_its_order_on_uneven_samples(deg
         return np.array([1.0 + 2.0 * (degree > 0) * t - 3.0 * (degree > 1) * t * t])
 
     samples = [Sample(t, f(t), f(t), f(t)) for t in (-0.5, -0.2, 0.1)]
-    c0, c1, c2 = extrapolation_coefficients(samples, "force", degree, 0.3)
+    c0, c1, c2 = explicit.extrapolation_coefficients(samples, "force", degree, 0.3)
     for s in (0.0, 0.4, 1.0):
         assert_allclose(c0 + s * (c1 + s * c2), f(0.1 + 0.3 * s), rtol=1e-12)
 
@@ -287,28 +282,8 @@ def test_the_growth_is_one_at_the_limit_of_theory(degree: int, impedance: np.nda
     assert_allclose(growth(GaussSeidel(degree), impedance, 1.0 / limit), 1.0, rtol=1e-9)
 
 
-def test_the_drive_integrates_a_changing_load_as_many_short_held_ones() -> None:
-    plant = Plant(Hoist())
-    state = plant.equilibrium(0.0, 90.0, -1200.0, -8200.0)
-    held, rise, bend = (float(state.x[0]) + 1e4, -1200.0, -8200.0), (0.0, -500.0, 300.0), (0.0, 200.0, 100.0)
-    path = PlantInputPath(*(PlantInput(*values) for values in (held, rise, bend)), (400.0, 300.0))
-    whole, off = plant.step(state, 0.04, path).state, []
-    for n in (100, 200):
-        parts = state
-        for i in range(n):
-            # the force of each part is that for the acceleration at its start: of first order
-            parts = plant.step(parts, 0.04 / n, plant.loads_at(parts, path, (i + 0.5) / n)).state
-        off.append(parts.x - whole.x)
-    assert_allclose(off[1][4:], 0.5 * off[0][4:], rtol=0.1)
-    assert_allclose(off[1][4:], 0.0, atol=2e-6)
-
-
-def rope(level: Any = "draft") -> InProcessRope:
-    return InProcessRope(ROPE_CASES["rope-120"](level).scene)
-
-
 def wind(scheme: str, **options: Any) -> Result:
-    return Host(rope(), Hoist(), TRIP, Coupling(scheme=scheme)).run(**options)
+    return Host(rope_in_process("rope-120", "draft"), Hoist(), TRIP, Coupling(scheme=scheme)).run(**options)
 
 
 @pytest.mark.parametrize("name", ["gauss-seidel-2", "semi-implicit-1", "iterative-jacobian", "energy-controlled"])
@@ -328,7 +303,7 @@ def test_schemes_agree_with_the_iterated_exchange_on_the_hoist() -> None:
 
 def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pytest.LogCaptureFixture) -> None:
     light = Hoist(conveyance_mass=300.0, payload_left=0.0)
-    host = Host(rope(), light, TRIP, Coupling(step=0.02, scheme="gauss-seidel-2"))
+    host = Host(rope_in_process("rope-120", "draft"), light, TRIP, Coupling(step=0.02, scheme="gauss-seidel-2"))
     with caplog.at_level(logging.WARNING):
         result = host.run(lambda fraction, t: False)
     assert host.stability is not None
@@ -389,7 +364,7 @@ def test_a_run_may_resume_with_another_scheme_but_not_as_another_trip(tmp_path: 
     assert stopped.checkpoint is not None
     assert wind("iterative-secant", resume=stopped.checkpoint).completed
     with pytest.raises(ValueError, match="must be of the same hoist"):
-        Host(rope(), Hoist(), replace(TRIP, travel=0.003)).run(resume=stopped.checkpoint)
+        Host(rope_in_process("rope-120", "draft"), Hoist(), replace(TRIP, travel=0.003)).run(resume=stopped.checkpoint)
 
 
 def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:

@@ -1,16 +1,28 @@
-"""The drive's FMU against the drive in process."""
+"""The drive's FMU against the drive in process, and on other platforms in emulators."""
 
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from drives import Plant, PlantInput
-from exports import FLAVOURS
+from exports import FLAVOURS, export_drive
 from native_host import OK, H, Host
 from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from stand_in import ROOT, RUNNERS
 
+from fmu_src.native.build import PLATFORMS, host_platform
+from fmu_src.native.export import header_folder
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
@@ -160,3 +172,55 @@ def test_what_a_system_cannot_hold_is_told_and_can_be_left_out() -> None:
         assert len(told) == 1
         assert not {*told} & {*obstacles(leave_out(case, [name]))}
     assert drive_model(leave_out(case, OMISSIONS)).duration > 10.0
+
+
+STEPS = 1000
+OUTPUTS = ("left.y", "left.vy", "left.ay", "drive.torque")
+
+
+def run(fmu: Path, platform: str) -> NDArray[np.float64]:
+    """Outputs (STEPS, outputs) of the library for ``platform`` in the first 10 s of the 120 m winding."""
+    with tempfile.TemporaryDirectory() as name, zipfile.ZipFile(fmu) as archive:
+        folder, target = Path(name), PLATFORMS[platform]
+        described = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        path = f"binaries/{target.folder2}/{described.find('CoSimulation').get('modelIdentifier')}{target.suffix}"
+        library = folder / Path(path).name
+        library.write_bytes(archive.read(path))
+        command = [*RUNNERS[platform], _compile(folder, platform), f"./{library.name}", described.get("guid")]
+        # wine keeps its settings in the folder as well
+        where = {**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
+        options = {"input": script(described), "capture_output": True, "text": True, "check": False}
+        done = subprocess.run(list(map(str, command)), cwd=folder, env=where, **options)
+    assert done.returncode == 0, done.stderr[-500:]
+    return np.array([float.fromhex(line) for line in done.stdout.split()]).reshape(STEPS, -1)
+
+
+def script(described: ElementTree.Element) -> str:
+    """Commands for foreign_host: the drive runs under the forces at the start."""
+    references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
+    lines = ["i"]
+    for k in range(STEPS):
+        lines += [f"s {k * H!r} {H!r}", *(f"g {references[name]}" for name in OUTPUTS)]
+    return "\n".join(lines) + "\n"
+
+
+def _compile(folder: Path, platform: str) -> Path:
+    host = folder / ("host.exe" if platform.endswith("windows") else "host")
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]
+    source = ROOT / "tests" / "native" / "foreign_host.c"
+    libraries = [] if platform.endswith("windows") else ["-ldl"]
+    subprocess.run([*compiler, f"-I{header_folder()}", str(source), "-o", str(host), *libraries], check=True)
+    return host
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("platform", ["aarch64-linux", "x86_64-windows"])
+def test_library_in_the_emulator_gives_the_values_of_this_platform(platform: str, tmp_path: Path) -> None:
+    if importlib.util.find_spec("ziglang") is None:
+        pytest.skip("ziglang is not installed: pip install ziglang")
+    if shutil.which(RUNNERS[platform][0]) is None:
+        pytest.skip(f"no emulator for {platform}: apt-get install qemu-user-static libc6-arm64-cross, or wine")
+    drive = export_drive(tmp_path / "drive.fmu", (host_platform(), platform))
+    expected, found = run(drive, host_platform()), run(drive, platform)
+    # only tanh may round otherwise, in another C library
+    assert_allclose(found, expected, rtol=0, atol=1e-14 * np.maximum(np.abs(expected).max(axis=0), 1e-12))

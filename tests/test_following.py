@@ -1,7 +1,5 @@
 """Motions that do not fit: how the ends follow them, and what the rope says of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,6 +9,7 @@ import numpy as np
 import pytest
 from end_paths import Follower, usual_manner
 from numpy.testing import assert_allclose
+from scenes import Ends, hung, recorded
 
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
@@ -62,14 +61,11 @@ def other_end(end: EndMotion) -> EndMotion:
 
 def wind(rope: BalanceRope, given: Given, at_end: bool = True, until: float = 6.0, h: float = H) -> np.ndarray:
     """(steps, 2): vertical end forces, N."""
-    start = EndMotion(y=given(0.0).y)
-    assert rope.initialize(0.0, start, other_end(start)).valid
-    found = []
-    for k in range(1, round(until / h) + 1):
-        t = (k if at_end else k - 1) * h
-        assert rope.advance_to(k * h, given(t), other_end(given(t)), t).valid
-        found.append([*rope.signals(["left.fy", "right.fy"]).values()])
-    return np.array(found)
+
+    def both(t: float) -> Ends:
+        return given(t), other_end(given(t))
+
+    return recorded(rope, both, round(until / h), ["left.fy", "right.fy"], h, late=int(not at_end))
 
 
 def told_error(rope: BalanceRope) -> float:
@@ -280,9 +276,7 @@ def test_the_energy_books_close_with_the_motion_that_is_followed() -> None:
 
 
 def jump(scene: Scene, end: EndMotion) -> Status:
-    rope = balance_rope(scene)
-    assert rope.initialize(0.0, EndMotion(), EndMotion(y=90.0)).valid
-    return rope.advance_to(H, end, EndMotion(y=90.0))
+    return hung(balance_rope(scene), right=EndMotion(y=90.0)).advance_to(H, end, EndMotion(y=90.0))
 
 
 def test_the_bounds_on_refusals_are_parameters() -> None:
@@ -294,9 +288,7 @@ def test_the_bounds_on_refusals_are_parameters() -> None:
 
 
 def test_a_signal_that_stands_still_is_refused() -> None:
-    rope = balance_rope(SCENE)
-    assert rope.initialize(0.0, EndMotion(), EndMotion(y=90.0)).valid
-    k = 1
+    rope, k = hung(balance_rope(SCENE), right=EndMotion(y=90.0)), 1
     while (status := rope.advance_to(k * H, EndMotion(vy=0.4, y=0.004), other_end(EndMotion()))).valid:
         k += 1
     assert "have not changed for" in status.message

@@ -9,14 +9,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from conftest import Array
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from rope_model.numerics.generalized_alpha import LARGEST_GROWTH, Coefficients, Motion, Solution, restart, step
 from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progress, judge, newton, report
-
-Array = NDArray[np.float64]
 
 
 def verdict_on(norms: Iterator[float], tolerance: float, most: int) -> NewtonReport:
@@ -249,19 +247,6 @@ def test_newton_returns_its_verdict(norms: list[float], status: NewtonStatus, it
     verdict = verdict_on(iter(norms), 2e-8, 10)
     assert (verdict.status, verdict.iterations) == (status, iterations)
     assert verdict.converged == (status is NewtonStatus.CONVERGED)
-
-
-def test_newtons_estimate_bounds_what_is_left_of_a_linear_contraction() -> None:
-    rate, x = 0.3, [1.0]
-
-    def corrections() -> Iterator[float]:
-        while True:
-            x.append(rate * x[-1])
-            yield x[-2] - x[-1]
-
-    verdict = verdict_on(corrections(), 1e-6, 50)
-    assert_allclose(verdict.error, x[-1], rtol=1e-6)
-    assert x[-1] <= 1e-6 < x[-2]
 
 
 @pytest.mark.parametrize(("tolerance", "reached", "corrections"), [(0.05, 1.04, 2), (0.03, 1.008, 3)])

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from scenes import stations
+from scenes import going_aside, hung, wound
 
 from rope_model import EndMotion, Guard, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Sump, balance_rope
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
@@ -60,8 +60,7 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
     rope = balance_rope(soft, form)  # type: ignore[arg-type]
     rests = []
     for left, right in ((0.0, 0.0), (10.0, 30.0), (0.0, 40.0)):
-        assert rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)).valid
-        assert rope.signals(["loop.rise"])["loop.rise"] == 0.0
+        assert hung(rope, EndMotion(y=left), EndMotion(y=right)).signals(["loop.rise"])["loop.rise"] == 0.0
         rests.append(rope.state.guard.rest)
     # the legs stretch by 0.18 m and by 0.45 m in sum; their longer loop, and the bend at the ends, are left out
     assert_allclose(rests, rests[0], atol=0.01)
@@ -73,7 +72,9 @@ def test_both_forms_trip_alike() -> None:
     cases |= {"turns": Guard(turns=1e-4, turns_delay=0.1)}
     for cause, guard in cases.items():
         scene = guarded(guard, SHORT.with_(shaft=Shaft(sump=Sump(-11.9))))
-        python, native = ([*stations(make, 30)][-1].state.guard for make in (RopeSimulator(scene), balance_rope(scene)))
+        python, native = (
+            wound(make, going_aside, 30).state.guard for make in (RopeSimulator(scene), balance_rope(scene))
+        )
         assert python.cause == CAUSES.index(cause) + 1
         assert (python.cause, python.time) == (native.cause, native.time)
 
@@ -102,8 +103,7 @@ EACH = {
 def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(form, fidelity, blind):
     told = {}
     for name, guard in EACH.items():
-        rope = balance_rope(guarded(guard).with_(model=Model(fidelity)), form)  # type: ignore[arg-type]
-        assert rope.initialize(0.0, EndMotion(), EndMotion(y=6.0)).valid
+        rope = hung(balance_rope(guarded(guard).with_(model=Model(fidelity)), form), right=EndMotion(y=6.0))
         told[name] = rope.warnings().get("blind_guards", "")
     assert tuple(name for name, text in told.items() if text) == blind
     for name in blind:
@@ -115,7 +115,7 @@ def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(form
 
 def test_guards_change_nothing_in_the_motion() -> None:
     scenes = guarded(Guard(torque=1e-3, rise=1e-6)), SHORT
-    watched, alone = ([*stations(balance_rope(scene, "native"), 30)][-1] for scene in scenes)
+    watched, alone = (wound(balance_rope(scene, "native"), going_aside, 30) for scene in scenes)
     assert watched.signals(["guard.tripped"]) == {"guard.tripped": 1.0}
     assert alone.signals(["guard.tripped"]) == {"guard.tripped": 0.0}
     assert_array_equal(watched.state.motion.q, alone.state.motion.q)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drives import Plant, PlantInput, PlantOutput, energy_residual
+from drives import Plant, PlantInput, PlantOutput, energy_residual, state_with
 from rope_groups import rope_in_process
 
 from hoist_demo.cases.table import find_case
@@ -33,9 +33,7 @@ def thrown(hoist: Hoist, speed: float, seconds: float) -> tuple[list[PlantOutput
     plant = Plant(hoist)
     state = plant.equilibrium(45.0, 45.0, 0.0, 0.0)
     u = PlantInput(float(state.x[0]), 0.0, 0.0)
-    x = state.x.copy()
-    x[plant.state_names.index("v_left")] = speed
-    states = plant.run(state._replace(x=x), H, u, round(seconds / H))
+    states = plant.run(state_with(plant, state, v_left=speed), H, u, round(seconds / H))
     return [plant.outputs(s, u) for s in states], states
 
 
@@ -126,9 +124,7 @@ LINING = LOSS_NAMES.index("lining")
 def running(plant: Plant, speed: float) -> PlantState:
     """In the middle of the shaft, the left conveyance rising."""
     state = plant.equilibrium(45.0, 45.0, PULL, PULL)
-    x = state.x.copy()
-    x[4:7] = speed / plant.hoist.sheave_radius, speed, -speed
-    return state._replace(x=x)
+    return state_with(plant, state, phi_rate=speed / plant.hoist.sheave_radius, v_left=speed, v_right=-speed)
 
 
 def braked(plant: Plant, state: PlantState, seconds: float, h: float = 0.01) -> list[PlantState]:

@@ -61,12 +61,10 @@ class Filtered:
         return Command(self._holding_torque + self._hoist.sheave_radius * wanted, False, state)
 
 
-def wind(
-    controller: Callable[[Hoist, float], Controller],
-    stop_at: float = math.inf,
-    coupling: Coupling | None = None,
-    **options: Any,
-) -> Result:
+Made = Callable[[Hoist, float], Controller]
+
+
+def wind(controller: Made, stop_at: float = math.inf, coupling: Coupling | None = None, **options: Any) -> Result:
     """A short trip with the draft rope, until `stop_at` [s]."""
     host = Host(rope_in_process("rope-120", level="draft"), Hoist(), TRIP, coupling, controller=controller)
     return host.run(lambda fraction, t: t < stop_at, **options)

@@ -1,26 +1,35 @@
-"""What a report says of a run: the rope it was made with, what its fidelity leaves out, and what to be warned of."""
+"""What a run leaves: a report with its rope and its warnings, packed numbers, what each place went through."""
 
+import base64
 import hashlib
 import os
 import signal
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from conftest import Capture, Patch
 from exports import FLAVOURS
+from numpy.testing import assert_allclose
 
 from balance_rope import main
 from hoist_demo.command_line import results
 from hoist_demo.command_line.results import hear_hang_ups, interruption
+from hoist_demo.cosimulation.host import Host
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.recording import exposure as exposures
 from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
 from hoist_demo.recording.incidents import SIDES, Stop, stops
-from hoist_demo.recording.time_series import Recording
+from hoist_demo.recording.time_series import TIME, Recording
+from hoist_demo.report.html import packing
 from hoist_demo.report.verdict import judge
+from hoist_demo.study.run import build
 from rope_model import neglected_text
 
 ROOT = Path(__file__).parents[1]
@@ -118,7 +127,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
     "name", ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.skipif(os.name == "nt", reason="none"))]
 )
 def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
-    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    name: str, capsys: Capture, monkeypatch: Patch
 ) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(results, "silence", lambda: None)
@@ -130,3 +139,141 @@ def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
     assert interrupted()
     assert "writing" in capsys.readouterr().err
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def unpack(packed: dict) -> np.ndarray:
+    raw = base64.b64decode(packed["data"])
+    if packed["kind"] == "f32":
+        return np.frombuffer(raw, "<f4").astype(float)
+    codes = np.frombuffer(raw, {"u8": "<u1", "u16": "<u2"}[packed["kind"]]).astype(float)
+    top = packing.CODES[packed["kind"]]
+    return np.where(codes > top, np.nan, packed["lo"] + (packed["hi"] - packed["lo"]) * codes / top)
+
+
+@pytest.mark.parametrize("kind", ["u8", "u16"])
+def test_packing_errs_by_half_a_quantum_at_most_and_keeps_what_is_missing(kind: str) -> None:
+    values = np.random.default_rng(1).normal(3.0, 40.0, 500)
+    values[[7, 100]] = np.nan, np.inf
+    there = np.isfinite(values)
+    back = unpack(packing.pack(values, kind))
+    assert np.isnan(back[~there]).all()
+    # 1e-9: rounding of the few operations themselves
+    allowed = np.ptp(values[there]) / packing.CODES[kind] / 2.0 * (1.0 + 1e-9)
+    assert np.max(np.abs(back[there] - values[there])) <= allowed
+
+
+def test_numbers_that_16_bits_do_not_resolve_are_packed_as_floats() -> None:
+    assert packing.pack_to(np.linspace(0.0, 100.0, 9), 1e-2)["kind"] == "u16"
+    assert packing.pack_to(np.linspace(0.0, 100.0, 9), 1e-4)["kind"] == "f32"
+
+
+def test_thinning_keeps_a_peak_of_one_row_near_its_instant() -> None:
+    t = np.linspace(0.0, 10.0, 5001)
+    values = np.zeros(5001)
+    values[3217] = 5.0
+    thin, times = packing.thin(values, 400), packing.thin_times(t, 400)
+    assert len(thin) == len(times) <= 400
+    # two points per interval: at most an interval away
+    assert abs(times[np.argmax(thin)] - t[3217]) < packing.interval(5001, 400) * 0.002
+    assert np.max(thin) == 5.0
+    assert np.all(np.diff(times) > 0.0)
+
+
+@pytest.mark.parametrize(("count", "most"), [(1, 5), (2, 5), (5, 5), (6, 5), (1000, 7)])
+def test_frames_hold_the_first_and_the_last_row(count: int, most: int) -> None:
+    rows = packing.frames(count, most)
+    assert (rows[0], rows[-1]) == (0, count - 1)
+    assert len(rows) <= most
+
+
+def test_each_part_of_the_length_shows_the_largest_value_in_it() -> None:
+    # a peak of one point, 0.1 m wide, in parts of 1 m; the rope moves on by 40 m between the frames
+    place = np.linspace(0.0, packing.ROPE_ROWS, 10 * packing.ROPE_ROWS + 1)
+    values = np.zeros((2, place.size))
+    values[0, 404] = values[1, 804] = 7.0
+    picture = packing.over_length(values, [place, place], float(packing.ROPE_ROWS))
+    assert picture[40, 0] == picture[80, 1] == 7.0
+    assert np.count_nonzero(picture) == 2
+
+
+def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
+    picture = packing.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
+    upper_ends = 2.0 + 8.0 * np.arange(1, packing.ROPE_ROWS + 1) / packing.ROPE_ROWS
+    np.testing.assert_allclose(picture[:, 0], upper_ends, rtol=1e-12)
+
+
+WHERE = {"station.first": 0.0, "station.last": 1.0, "rope.length": 120.0}
+
+
+def record(*columns: list[float]) -> Recording:
+    """A record of stations with these values, one per second, of all quantities alike."""
+    signals = {TIME: np.arange(float(len(columns[0])))}
+    signals |= {f"station.{name}[{k + 1}]": np.array(x) for name in exposures.QUANTITIES for k, x in enumerate(columns)}
+    return Recording(signals, dict.fromkeys(signals, "1"))
+
+
+@cache
+def winding() -> tuple[Recording, Recording]:
+    """The 120 m rope wound by 90 m: what was recorded, and its table."""
+    run = build("rope-120", {})
+    read = {*exposures.STATION_SIGNALS, "left.fy", "right.fy", "loop.y"}
+    rope = InProcessRope(rope_data(run.fmu, "draft"), read)
+    recording = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run().recording
+    found = exposures.exposure(recording, rope.data().parameters)
+    return recording, found
+
+
+def test_cycles_are_those_of_the_example_of_astm_e1049() -> None:
+    # figure 6 of the standard: cycles of 3 (a half), 4 (one and a half), 6 (a half), 8 (one) and 9 (a half), of which
+    # those below a quarter of 9 are left out: none
+    found = exposures.exposure(record([-2, 1, -3, 5, -1, 3, -4, 4, -2], [0.0] * 9), WHERE)
+    assert_allclose(found["tension.range"], [9.0, 0.0])
+    assert_allclose(found["tension.cycles"], [4.0, 0.0])
+    extremes = [found[f"tension.{name}"][0] for name in ("least", "largest", "least_at", "largest_at")]
+    assert_allclose(extremes, [-4.0, 5.0, 6.0, 3.0])
+    # by bins of their range: 3 and 4 from 2 on; 6, 8 and 9 from 5 on
+    binned = {name: found[name][0] for name in exposures.bin_columns("torque") if found[name][0]}
+    assert binned == {"torque.from_2": 2.0, "torque.from_5": 2.0}
+
+
+def test_time_in_the_bend_is_that_above_half_the_sharpest() -> None:
+    found = exposures.exposure(record([0, 0.6, 1, 0.4, 0], [0, 0, 0.4, 0, 0]), WHERE)
+    assert_allclose(found["bent"], [2.0, 0.0])
+
+
+def test_trips_to_and_fro_add_up_to_whole_cycles() -> None:
+    up, down = (exposures.exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, 4], [4, 2, 0]))
+    assert_allclose(up["torque.cycles"], [0.5, 0.0])
+    both = exposures.together([up, down, up, down])
+    names = "torque.cycles", "torque.range", "s", "torque.from_2"
+    assert_allclose([both[name] for name in names], [[2.0, 0.0], [4.0, 0.0], [0.0, 120.0], [2.0, 0.0]])
+
+
+def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
+    t = np.arange(0.0, 40.0, 0.01)
+    trip = 5000.0 * np.sin(np.pi * t / 40.0) ** 2
+    columns = np.column_stack((trip + 7.0 * np.sin(2 * np.pi * 1.85 * t), trip, 0.0 * t))
+    frequency, amplitude = exposures.strongest(exposures.spectra(t, columns))
+    assert_allclose(frequency, [1.85, np.nan, np.nan])  # the line lies on one of the spectrum
+    assert_allclose(amplitude, [7.0, 0.0, 0.0], rtol=1e-3)
+
+
+def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -> None:
+    _, found = winding()
+    # the loop's lowest point lies at (L - H) / 2 of the left end, H from 90 m to -90 m, and bends 1.5 m to either side
+    s, cycles = found["s"], found["curvature.cycles"]
+    assert_allclose(cycles[(s > 17.5) & (s < 102.5)], 1.0)
+    assert_allclose(cycles[(s < 11.0) | (s > 109.0)], 0.0)
+
+
+@pytest.mark.parametrize("station", [21, 41, 61])
+def test_ranges_at_a_place_are_those_counted_by_hand(station: int) -> None:
+    recording, found = winding()
+    curvature, k = recording[f"station.curvature[{station}]"], station - 1
+    # straight, bent once, straight again: the cycle is all that there is between its least and largest value
+    assert_allclose(found["curvature.range"][k], curvature.max() - curvature.min(), rtol=1e-3)
+    # the time above half the sharpest of all, sample by sample
+    sharpest = max(float(recording[name].max()) for name in recording.signals if "curvature" in name)
+    assert_allclose(found["bent"][k], 0.01 * np.count_nonzero(curvature > 0.5 * sharpest), rtol=1e-9)
+    # the bend, of some 2.4 m above half its curvature, passes at the speed of the conveyances: more than half of 8 m/s
+    assert 2.0 / 8.0 < found["bent"][k] < 3.0 / 4.0 + 0.2

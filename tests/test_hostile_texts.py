@@ -1,7 +1,5 @@
 """The same hostile texts through every key of a file that takes a text, and into every kind of file we write."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Chain, difference, rotation
+from conftest import Array, Chain, difference, rotation
 from numpy.testing import assert_allclose
-from scenes import passed
+from scenes import hung, passed
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
-from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, Scene, Solver, balance_rope
+from rope_model import EndMotion, Mesh, Model, Rope, Scene, Solver, balance_rope
 from rope_model.physics.curved_element import curved_functions
 from rope_model.physics.element import element_functions
 from rope_model.physics.initial_curvature import START, directors
@@ -20,7 +20,6 @@ from rope_model.simulation.rope_kernels import CURVED, RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium
 
-Array = np.ndarray[Any, Any]
 BENT, ELEMENT = curved_functions(), element_functions()
 K0, EI, ANGLE = 0.3, 1.7, 0.7
 
@@ -202,19 +201,13 @@ def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
 
 
-def hung(of: Scene, form: Any = "native", height: float = 0.0) -> BalanceRope:
-    rope = balance_rope(of, form)
-    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=height)).valid
-    return rope
-
-
 def uncoupled(angle: float, k0: float = K0) -> Scene:
     return scene(Qb=0.0, Qc=0.0, initial_curvature=k0, initial_curvature_angle=angle).with_(model=Model("torsional"))
 
 
 def test_in_its_plane_a_clamped_rope_only_takes_the_moment() -> None:
     """The work of a uniform moment goes with the turn from end to end, which clamps fix."""
-    straight, curved = hung(uncoupled(0.0, 0.0)), hung(uncoupled(0.0))
+    straight, curved = hung(balance_rope(uncoupled(0.0, 0.0))), hung(balance_rope(uncoupled(0.0)))
     # three Gauss points integrate the curvature of elements of 1 m to 1e-5 of the turn
     assert_allclose(curved.state.motion.q, straight.state.motion.q, atol=2e-5)
     now, before = curved.signals(), straight.signals()
@@ -225,10 +218,9 @@ def test_in_its_plane_a_clamped_rope_only_takes_the_moment() -> None:
 
 def test_a_direction_is_a_turn_of_both_ends() -> None:
     """The section at the left end, and with it the whole rope, turned about the tangent."""
-    turned = balance_rope(uncoupled(0.0))
     # about Y: against the left tangent, along the right one
-    assert turned.initialize(0.0, EndMotion(y=0.0, yaw=-1.0), EndMotion(y=2.0, yaw=1.0)).valid
-    laid = hung(uncoupled(1.0), height=2.0)
+    turned = hung(balance_rope(uncoupled(0.0)), EndMotion(yaw=-1.0), EndMotion(y=2.0, yaw=1.0))
+    laid = hung(balance_rope(uncoupled(1.0), "native"), right=EndMotion(y=2.0))
     assert_allclose(turned.state.motion.q[:, :6], laid.state.motion.q[:, :6], atol=1e-7)
 
 

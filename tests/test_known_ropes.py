@@ -11,19 +11,11 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from balance_rope import _with_rope, main
+from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
-from hoist_demo.calibration.measurements import (
-    AtRest,
-    Bench,
-    LoopWidth,
-    Mass,
-    SampleExtension,
-    SampleTorque,
-    Swept,
-    Track,
-)
+from hoist_demo.calibration.measurements import Bench
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.files.reading import FileError, read
@@ -94,11 +86,11 @@ def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
 def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
     bench = Bench(rope("34x7", diameter=0.046, length=120.0), Scene())
     plan = [
-        Mass(value=1.0, sigma=0.01),
-        LoopWidth(value=1.0, sigma=0.01),
-        SampleTorque(value=[0.0] * 2, sigma=0.1, load=1e4, twist=[0.0, 0.05]),
-        SampleExtension(value=1.0, sigma=1e-5, load=5e4, length=10.0),
-        AtRest(value=0.0, sigma=0.01, left_y=0.0, right_y=0.0, signal="loop.yaw"),
+        measurements.Mass(value=1.0, sigma=0.01),
+        measurements.LoopWidth(value=1.0, sigma=0.01),
+        measurements.SampleTorque(value=[0.0] * 2, sigma=0.1, load=1e4, twist=[0.0, 0.05]),
+        measurements.SampleExtension(value=1.0, sigma=1e-5, load=5e4, length=10.0),
+        measurements.AtRest(value=0.0, sigma=0.01, left_y=0.0, right_y=0.0, signal="loop.yaw"),
     ]
     truth = np.array([0.3, 0.6, 0.7, 0.55, 0.4])
     _, sigmas = stacked(plan)
@@ -111,7 +103,8 @@ def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
     bench = Bench(rope("34x7", diameter=0.046, length=30.0), Scene())
     where: Any = {"left_y": 0.0, "right_y": 4.0, "travel": 4.0, "speed": 2.0, "signal": "loop.x", "sigma": 1.0}
     times = tuple(np.linspace(3.0, 5.0, 21))
-    plan = [Track(value=[0.0] * 21, t=times, **where), Swept(value=0.0, t=3.0, until=5.0, **where)]
+    plan = [measurements.Track(value=[0.0] * 21, t=times, **where)]
+    plan.append(measurements.Swept(value=0.0, t=3.0, until=5.0, **where))
     *places, swept = bench.predict(np.full(5, 0.5), plan)
     assert swept > 0.05
     assert_allclose(swept, np.ptp(places))

@@ -1,12 +1,7 @@
 """Steps as masters take them: rests of rounding size, short steps after long ones, steps taken back.
 
-Inputs at the start of a step are extrapolated with constant accelerations.  Where the motion's jerk is at most j (take
-0.1 m/s^3 if it is less) and no step in which it has a jerk is longer than H, what the path of an end misses of it stays
-within 0.27 j H^3, 0.62 j H^2 and 3.4 j H in position, speed and acceleration, whatever the steps; even steps of H miss
-0.258, 0.509 and 2.94 (a quintic that leaves (1/6, 1/2, 1) j (H^3, H^2, H) behind the motion and is to join what is
-extrapolated anew).  Steps at rest or at constant acceleration may be of any length: extrapolation is exact there.  The
-end force errs by the mass of the rope's leg times the acceleration's error, at most twice that, since the leg answers
-as an undamped bar.
+What the path of an end misses of a motion with a jerk, docs/reference/variables.md states; extrapolation is exact at
+constant acceleration.
 """
 
 import itertools

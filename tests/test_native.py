@@ -13,30 +13,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scenes import ends_at, fixed_steps, smooth_step, turn
+from scenes import ends_at, fixed_steps, hung, smooth_step, turn, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
-from rope_model import (
-    SIGNALS,
-    Air,
-    BalanceRope,
-    Contact,
-    EndMotion,
-    Form,
-    Lining,
-    PointForces,
-    RopeSimulator,
-    RopeState,
-    Shaft,
-    balance_rope,
-)
+from rope_model import SIGNALS, BalanceRope, EndMotion, Form, PointForces, RopeSimulator, RopeState, balance_rope
 from rope_model.codegen.build import sources
 from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import FLAGS, cache_folder, compile_objects, find_compiler, object_files
 from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
 
 States = Iterator[tuple[RopeState, ...]]
 Motions = Callable[[float], tuple[EndMotion, EndMotion]]
@@ -87,7 +75,7 @@ MEETS["stick and slip"] = {"left swivel slips -", "left swivel sticks"}
 def together(ropes: Sequence[BalanceRope], motions: Sequence[Motions], duration: float, h: float) -> States:
     """The states of all ropes at the start and after each step, each rope moved in its own way."""
     for rope, ends in zip(ropes, motions, strict=True):
-        assert rope.initialize(0.0, *ends(0.0)).valid
+        hung(rope, *ends(0.0))
     yield tuple(rope.state for rope in ropes)
     for k in range(1, round(duration / h) + 1):
         for rope, ends in zip(ropes, motions, strict=True):
@@ -168,10 +156,7 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
 
 def test_states_go_from_one_to_the_other() -> None:
     scene, motions, _, h = CASES["winding"]
-    native, reference = NativeRope(scene), RopeSimulator(scene)
-    native.initialize(0.0, *motions(0.0))
-    for k in range(1, 101):
-        native.advance_to(k * h, *motions(k * h))
+    native, reference = wound(NativeRope(scene), motions, 100, h), RopeSimulator(scene)
     reference.restore(native.save())
     for rope in (native, reference):
         assert rope.advance_to(1.05, *motions(1.05)).valid
@@ -185,8 +170,7 @@ def test_states_go_from_one_to_the_other() -> None:
 
 def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
     scene, motions, _, h = CASES["stick and slip"]
-    rope = NativeRope(scene)
-    rope.initialize(0.0, *motions(0.0))
+    rope = hung(NativeRope(scene), *motions(0.0))
     happened: set[str] = set()
     for k in range(1, 331):
         saved = rope.native_state()
@@ -205,9 +189,9 @@ def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter
     released = Swivel(mode="coulomb", release_time=10.0)
     even = Solver(tolerance=1e6, newton_tolerance=1e-7)  # no step is rejected for its error
     scene = rope_data(find_case("kiruna-710").rope).with_(left=released, right=released, solver=even)
-    rope = NativeRope(scene.with_(rope=replace(scene.rope, installed_twist=9.0), model=Model("torsional")))
+    twisted = scene.with_(rope=replace(scene.rope, installed_twist=9.0), model=Model("torsional"))
     step, ends = scene.solver.step_max, winding(400.0, 16.0)
-    assert rope.initialize(0.0, *ends(0.0)).valid
+    rope = hung(NativeRope(twisted), *ends(0.0))
     for k in range(1, round(13.2 / step) + 1):
         assert rope.advance_to(k * step, *ends(k * step)).valid
         assert k * step > 10.0 or rope.signals(("count.rejections",))["count.rejections"] == 0
@@ -219,9 +203,7 @@ def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter
 def test_a_transformation_without_equilibrium_gets_less_time_and_is_refused_at_the_least(form: Form) -> None:
     motions, h = winding(45.0, 8.0), 0.02
     scene = Scene(rope=PLAIN, solver=fixed_steps(h))
-    rope = balance_rope(scene, form)
-    assert rope.initialize(0.0, *motions(0.0)).valid
-    k = 0
+    rope, k = hung(balance_rope(scene, form), *motions(0.0)), 0
     while not rope.state.counts.transformations:  # due where the last step began
         before, k = rope.save(), k + 1
         assert rope.advance_to(k * h, *motions(k * h)).valid
@@ -278,8 +260,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> type[NativeRope]:
 def test_both_forms_have_the_same_bits(plain: type[NativeRope], name: str) -> None:
     told = []
     for form in (NativeRope, plain):
-        rope = form(WIDE[name])
-        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+        rope = hung(form(WIDE[name]))
         told.append([rope.signals()])
         for k in range(1, 21):
             t = 0.01 * k

@@ -2,7 +2,6 @@
 
 import ctypes
 import math
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -118,9 +117,9 @@ def test_a_state_that_is_none_is_refused_and_not_followed(host: Host) -> None:
     assert host.step(0.0) == ""
 
 
-def test_instance_with_a_wrong_token_is_refused(fmi: int, fmus: dict[int, Path], folders: dict[int, str]) -> None:
+def test_instance_with_a_wrong_token_is_refused(fmi: int, unpacked: Any) -> None:
     with pytest.raises(AssertionError, match="is not that of this FMU"):
-        Host(fmus[fmi], folders[fmi], token="{0}")
+        Host(*unpacked(f"stand-in-{fmi}"), token="{0}")
 
 
 @pytest.mark.parametrize("at_step_end", [True, False])

@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
+from conftest import Array
 from end_paths import NO_LIMITS, Follower, led
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -30,7 +31,6 @@ from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import StaticsError
 
-Array = np.ndarray
 Ends = tuple[EndMotion, EndMotion]
 
 MESSAGE, ROUNDING = 512, 1e-12

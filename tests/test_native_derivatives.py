@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scenes import Ends, wound
 
 from rope_model import EndMotion, RopeSimulator
 from rope_model.engine import NativeRope
@@ -27,13 +28,9 @@ def test_derivatives_are_those_of_the_inputs_that_are_trusted(trusted: Trusted, 
     """Of an ideal step that ends with the input changed, by differences in both forms; others have none."""
     exact = Solver(tolerance=1e6, newton_tolerance=3e-10)
     scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), inputs=Inputs(trusted), solver=exact)
-    h, ends, loads = 0.01, [EndMotion(), EndMotion()], ("left.fx", "left.fy", "left.my", "right.fy")
+    h, ends, loads = 0.01, (EndMotion(), EndMotion()), ("left.fx", "left.fy", "left.my", "right.fy")
     places = [LOADS.index(load) for load in loads]
-    ropes = NativeRope(scene), RopeSimulator(scene)
-    for rope in ropes:
-        assert rope.initialize(0.0, *ends).valid
-        assert rope.advance_to(h, *ends).valid
-    native, python = ropes
+    native, python = (wound(form(scene), lambda _: ends, 1, h) for form in (NativeRope, RopeSimulator))
     state = native.save()
     for name in ("x", "y", "vy", "ay", "yaw", "yaw_rate"):
         found = np.array(native_derivative(native, 0, name, at_step_end))
@@ -62,13 +59,11 @@ def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityC
     # derivatives are those of a whole step, and what Newton's method leaves would show in the differences
     exact = Solver(tolerance=1e6, newton_tolerance=1e-9)
     scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(fidelity), solver=exact)
-    ropes = RopeSimulator(scene), NativeRope(scene)
-    for rope in ropes:
-        assert rope.initialize(0.0, EndMotion(), EndMotion(y=10.0)).valid
-        for k in range(1, 4):
-            t = 0.01 * k
-            lowered = EndMotion(y=10.0 - 0.5 * t**3, vy=-1.5 * t**2, ay=-3.0 * t)
-            assert rope.advance_to(t, EndMotion(), lowered).valid
+
+    def lowered(t: float) -> Ends:
+        return EndMotion(), EndMotion(y=10.0 - 0.5 * t**3, vy=-1.5 * t**2, ay=-3.0 * t)
+
+    ropes = [wound(form(scene), lowered, 3) for form in (RopeSimulator, NativeRope)]
     for name in EndMotion.__dataclass_fields__:
         found, expected = load_derivative(ropes[0], side, name), np.array(native_derivative(ropes[1], side, name))
         # forces are rounded to some EA / l times the rounding of places, 1e-6 N; a difference over 1e-7 m, 1e-5 m/s ...
@@ -81,9 +76,8 @@ def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityC
 
 def test_added_mass_is_the_derivative_along_an_acceleration_held_over_the_last_step() -> None:
     # of y, vy and ay together, as docs/reference/variables.md says
-    rope, h = NativeRope(Scene(rope=Rope(length=60.0))), 0.01
-    rope.initialize(0.0, EndMotion(), EndMotion())
-    assert rope.advance_to(h, EndMotion(), EndMotion()).valid
+    h = 0.01
+    rope = wound(NativeRope(Scene(rope=Rope(length=60.0))), lambda _: (EndMotion(), EndMotion()), 1, h)
     for side, mass in enumerate(rope.added_mass()):
         by_y, by_vy, by_ay = (native_derivative(rope, side, name)[6 * side + 1] for name in ("y", "vy", "ay"))
         assert_allclose(-(by_ay + h * by_vy + 0.5 * h**2 * by_y), mass, rtol=1e-4)

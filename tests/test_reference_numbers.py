@@ -6,21 +6,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Chain, portable_system, straight
+from conftest import Array, Chain, portable_system, straight
 from numpy.testing import assert_allclose
 from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
 
-from rope_model.parameters import Rope
+from rope_model.parameters import Mesh, Rope
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import end_moment
+from rope_model.simulation.mesh.partition import partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.stepping.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
-
-Array = np.ndarray
 
 G = 9.81
 ROPE = Rope()
@@ -83,8 +82,6 @@ def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
     assert_allclose(speeds, [1201.93, 1201.93, 1201.93, 3906.39], rtol=3e-4)
 
 
-# the hanging loop
-
 #: element lengths of half a loop, from the end down: short where the clamp and the loop bend the rope
 END, LEG, LOOP = np.geomspace(0.1, 1.6, 9), 1.6, np.geomspace(1.6, 0.125, 10)
 
@@ -123,26 +120,6 @@ def hung(system: RopeSystem) -> Equilibrium:
 @cache
 def hanging_loop(rope: Rope, height: float, theta: str, torque: float = 0.0) -> Equilibrium:
     return hung(loop_system(rope, height, theta, torque))
-
-
-def test_a_free_loop_has_its_natural_width_and_curvature() -> None:
-    scale = (ROPE.EI / (ROPE.mass_per_length * G)) ** (1 / 3)
-    n = 161  # odd: the lowest point is the middle of an element
-    s = np.linspace(0.0, 32.0, n + 1)
-    l = s[1]
-    ends = np.array([[-1.5, 0.0, 0.0], [1.5, 0.0, 0.0]])
-    q = hanging_guess(s, *ends)
-    chain = Chain.unloaded(q)
-    chain.held[[0, -1]] = True
-    chain.held[[0, -1], 4] = chain.held[-1, 0] = False  # the right end slides sideways
-    system = portable_system(np.diff(s), parameter_vector(UNCOUPLED, G), chain)
-    q = find_equilibrium(system, q).q
-    a, b = q[n // 2], q[n // 2 + 1]
-    slope = 1.5 * (b[POSITION] - a[POSITION]) / l - 0.25 * (a[SLOPE] + b[SLOPE])
-    curvature = np.linalg.norm(np.cross(slope, (b[SLOPE] - a[SLOPE]) / l)) / (slope @ slope)
-    # l = 0.13 of the width scale; the theory asks for 0.5 %
-    assert_allclose((q[-1, 0] - q[0, 0]) / scale, 2.54307, rtol=5e-3)
-    assert_allclose(curvature * scale, 1.09661, rtol=5e-3)
 
 
 OUT = {0.0: (0.06518, 0.07751, 0.17880, 0.18815), 80.0: (0.05267, 0.13533, 0.13791, 0.22317)}
@@ -304,18 +281,13 @@ def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
 COUPLING = 2.336e5
 
 
-def tmn_lengths(height: float) -> Array:
-    fine = np.repeat([1.0, 0.5, 0.25, 0.5, 1.0], [2, 4, 40, 4, 2])
-    left = round((60 + height / 2 - fine.sum() / 2) / 2)
-    return np.concatenate((np.full(left, 2.0), fine, np.full(round((120 - fine.sum()) / 2) - left, 2.0)))
-
-
 @pytest.mark.parametrize("coupling", [0.0, COUPLING])
 @pytest.mark.parametrize("height", [0.0, 80.0])
 @pytest.mark.parametrize(("EI", "spacing"), [(50.0, 1.5), (50.0, 3.0), (300.0, 2.0), (1000.0, 1.5), (1000.0, 3.0)])
 def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, coupling: float) -> None:
     rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
-    system = loop_system(rope, height, "held", 0.0, tmn_lengths(height), spacing)
+    mesh = Mesh("tmn", coarse_length=2.0, counts=(2, 4, 40, 4, 2), end_levels=0)
+    system = loop_system(rope, height, "held", 0.0, partition(mesh, 120.0, 60.0 + height / 2).lengths, spacing)
     e = hung(system)
     weight = rope.mass_per_length * G * rope.length
     # the theory's bound; measured 1e-10

@@ -4,7 +4,7 @@ import math
 import random
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from exports import FLAVOURS
 from native_host import WARNING, Host
-from scenes import ends_at
+from scenes import ends_at, hung, recorded
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
@@ -31,6 +31,7 @@ from rope_model.simulation.state import Crossing, RopeState
 OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
 WITHOUT_TORQUE = {"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}
 DEEP = {"rope.length": 690.0, "rope.mass_per_length": 8.2, "rope.EI": 450.0, "layout.spacing": 1.8, "right.y": 650.0}
+AT_90_M = EndMotion(y=0.0), EndMotion(y=90.0)
 #: name -> parameters, and communication steps
 RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     "plain": ({}, (0.01, 0.02)),
@@ -91,8 +92,7 @@ def warnings_at_rest(run: str) -> list[str]:
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
     ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
     rope = balance_rope(rope_data({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)}))
-    assert rope.initialize(0.0, EndMotion(**ends[0]), EndMotion(**ends[1])).valid
-    return [*rope.warnings().values()]
+    return [*hung(rope, EndMotion(**ends[0]), EndMotion(**ends[1])).warnings().values()]
 
 
 @each("plain", "planar without torque", "large step_max, no step yet")
@@ -131,8 +131,7 @@ def test_an_fmu_says_of_a_turned_loop_what_the_rope_says(results: dict[str, Any]
 @pytest.mark.parametrize(("twist", "said"), [(1.5, False), (2.1, True)])
 def test_thirty_degrees_at_rest_are_the_bound(twist: float, said: bool) -> None:
     scene = rope_120().scene
-    rope = balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=twist)))
-    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
+    rope = hung(balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=twist))), *AT_90_M)
     assert (rope.state.loop_yaw > math.radians(30.0)) == said == bool(rope.warnings())
 
 
@@ -163,8 +162,7 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
     rope = balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=1.0)))
     x, z = 1.0 - math.cos(turn), math.sin(turn)
     left, right = EndMotion(x=x, y=0.0, z=z, yaw=turn), EndMotion(x=-x, y=90.0, z=-z, yaw=turn)
-    assert rope.initialize(0.0, left, right).valid
-    assert rope.state.loop_yaw > math.pi
+    assert hung(rope, left, right).state.loop_yaw > math.pi
     assert rope.warnings() == {}
 
 
@@ -214,8 +212,7 @@ def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
     mesh = Mesh(kind="eem", elements=16)
     parts: Any = {"mesh": mesh, "model": Model(fidelity="torsional"), "shaft": Shaft(air=Air(buffet=0.1, vz=2.0))}
     scene = rope_120().scene.with_(rope=ROPES[name], **parts)
-    rope = NativeRope(scene)
-    assert rope.initialize(0.0, EndMotion(y=0.0), EndMotion(y=90.0)).valid
+    rope = hung(NativeRope(scene), *AT_90_M)
     seen, yawed = set(), set()
     for state in islice(altered_states(rope.state, random.Random(name)), 200):
         rope.restore(state)
@@ -230,12 +227,11 @@ def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
 @pytest.mark.parametrize("start", [0.0, 1.7e9])
 def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
     """Between instants in s since 1970 it is 2e-7 s longer or shorter."""
-    rope, ends = NativeRope(rope_120("draft").scene), (EndMotion(y=0.0), EndMotion(y=90.0))
-    assert rope.initialize(start, *ends).valid
+    rope = hung(NativeRope(rope_120("draft").scene), *AT_90_M, start)
     for k in range(1, 11):
-        assert rope.advance_to(start + k * LONGEST_EXTRAPOLATION, *ends).valid
+        assert rope.advance_to(start + k * LONGEST_EXTRAPOLATION, *AT_90_M).valid
         assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state) == ""
-    assert rope.advance_to(rope.state.motion.t + 0.021, *ends).valid
+    assert rope.advance_to(rope.state.motion.t + 0.021, *AT_90_M).valid
     assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state)
 
 
@@ -255,10 +251,5 @@ def test_forces_of_extrapolated_motions_are_off_as_is_said(stop: float | None, m
 
 def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:
     """(steps, 2), N: vertical end forces of the 120 m rope after each step ``h`` of the first 14 s of a winding."""
-    reference, rope, found = s_curve(trip), NativeRope(rope_120().scene), []
-    assert rope.initialize(0.0, *ends_at(reference, trip.travel, 0.0)).valid
-    for k in range(round(14.0 / h)):
-        given_at = (k if extrapolated else k + 1) * h
-        assert rope.advance_to((k + 1) * h, *ends_at(reference, trip.travel, given_at), given_at).valid
-        found.append([*rope.signals(["left.fy", "right.fy"]).values()])
-    return np.array(found)
+    rope, motion = NativeRope(rope_120().scene), partial(ends_at, s_curve(trip), trip.travel)
+    return recorded(rope, motion, round(14.0 / h), ["left.fy", "right.fy"], h, late=int(extrapolated))

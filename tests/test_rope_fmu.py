@@ -16,7 +16,7 @@ import pytest
 from exports import FLAVOURS
 from native_host import Host
 from numpy.testing import assert_allclose
-from scenes import fixed_steps, smooth_trip
+from scenes import fixed_steps, hung, smooth_trip
 from stand_in import ROOT, RUNNERS, live
 
 from docs.variables import interface_page
@@ -66,7 +66,7 @@ def test_swivels_of_each_flavour_start_where_they_do_in_process(host: Host) -> N
     host.start(**{"left.swivel.mode": 2, "right.swivel.mode": 2})
     healthy = Swivel(mode="coulomb")
     rope = balance_rope(rope_120().scene.with_(left=healthy, right=healthy))
-    assert rope.initialize(0.0, *smooth_trip(0.0, 20.0, 5.0, 90.0)).valid
+    hung(rope, *smooth_trip(0.0, 20.0, 5.0, 90.0))
     assert abs(rope.signals()["left.swivel.angle"]) > 0.1
     assert_allclose(host.get(*names), [*rope.signals(names).values()], rtol=0, atol=1e-7)
 

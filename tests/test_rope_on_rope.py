@@ -6,16 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import Array
 from contact_scenes import crossing, force_error
 from numpy.testing import assert_allclose, assert_array_equal
+from scenes import hung, wound
 
-from rope_model import BalanceRope, Contact, EndMotion, Shaft, Status, balance_rope
+from rope_model import Contact, EndMotion, Shaft, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
 from rope_model.physics.contact import ONSET
 from rope_model.simulation.contact.self_contact import RopeTouches, touches_of
 
-Array = np.ndarray
 D, K = Rope().diameter, 1e6
 
 
@@ -76,7 +77,7 @@ def test_both_forms_find_the_same_strands() -> None:
     scene = tangled(11.0, 11)
     found = []
     for form in ("python", "native"):
-        rope = begun(scene, form)
+        rope = hung(balance_rope(scene, form))
         rope.restore(rope.state._replace(motion=replace(rope.state.motion, q=bundle((0, 1, 2)))))
         found.append(rope.signals(["contact.rope"])["contact.rope"])
     assert found[0] > 3.0 * 2.5 * K * 0.15 * THIN  # all three pairs, nearly along their whole length
@@ -87,7 +88,7 @@ COILS, CIRCUMFERENCE, RISE = 9, 1.5, 0.1 * THIN
 
 
 def test_no_touch_is_left_out_of_strands_that_lie_in_each_other() -> None:
-    rope = begun(tangled(COILS * CIRCUMFERENCE, 4 * COILS), "native")
+    rope = hung(balance_rope(tangled(COILS * CIRCUMFERENCE, 4 * COILS), "native"))
     # so many turns of one circle, four elements each, each turn lying in those before it
     turn, radius = np.linspace(0.0, COILS, 4 * COILS + 1), CIRCUMFERENCE / (2.0 * math.pi)
     angle, q = 2.0 * math.pi * turn, np.zeros((turn.size, 7))
@@ -166,8 +167,6 @@ def test_conjugate_gradients_solve_the_coupled_system_in_as_many_steps_as_its_ra
     assert len(solved) <= rank + 3  # rounding costs one or two
 
 
-# whole ropes
-
 STEP = 0.01
 
 
@@ -184,26 +183,9 @@ def end(t: float, turns: float, time: float) -> EndMotion:
     return EndMotion(yaw=turn * s**3 * (10 - 15 * s + 6 * s * s), yaw_rate=turn * 30 * (s * (1 - s)) ** 2 / time)
 
 
-def wind(rope: BalanceRope, start: int, steps: int, turns: float = 1.5, time: float = 2.0) -> BalanceRope:
-    for k in range(start + 1, start + steps + 1):
-        at = end(k * STEP, turns, time)
-        valid(rope.advance_to(k * STEP, at, at))
-    return rope
-
-
-def valid(status: Status) -> None:
-    assert status.valid, status.message
-
-
-def begun(scene: Scene, form: Any) -> BalanceRope:
-    rope = balance_rope(scene, form)
-    valid(rope.initialize(0.0, EndMotion(), EndMotion()))
-    return rope
-
-
 @pytest.mark.parametrize("form", ["python", "native"])
 def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: Any) -> None:
-    one, other = (wind(begun(twisted(stiffness), form), 0, 20).state for stiffness in (0.0, K))
+    one, other = (wound(balance_rope(twisted(x), form), lambda t: (end(t, 1.5, 2.0),) * 2, 20).state for x in (0.0, K))
     assert_array_equal(one.motion.q, other.motion.q)
     assert_array_equal(one.motion.reaction[[0, -1]], other.motion.reaction[[0, -1]])
     assert one.counts == other.counts
@@ -212,7 +194,8 @@ def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: A
 def test_legs_that_turn_about_each_other_lie_against_each_other_and_keep_the_balances() -> None:
     rope = Rope(length=10.0, EI=200.0)
     scene = twisted(1e7, rope=rope, layout=Layout(0.5), mesh=Mesh("eem", elements=40), solver=Solver())
-    held, passing = (wind(begun(x, "native"), 0, 350, 4.0, 10.0) for x in (scene, scene.with_(shaft=Shaft())))
+    ropes = [balance_rope(x, "native") for x in (scene, scene.with_(shaft=Shaft()))]
+    held, passing = (wound(x, lambda t: (end(t, 4.0, 10.0),) * 2, 350) for x in ropes)
     energy, audit = held.state.energy_balance, held.state.audit
     assert energy.dissipated_contact > 5.0
     assert abs(energy.residual) < 1e-3 * energy.work_ends

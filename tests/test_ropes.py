@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import Capture
 from numpy.testing import assert_allclose, assert_array_equal
 from rope_groups import CASE, KNOWN, Weight, rope, ropes_in
 
@@ -220,9 +221,7 @@ length = 118.8
 """
 
 
-def test_several_ropes_have_the_verdict_and_the_report_of_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_several_ropes_have_the_verdict_and_the_report_of_one(tmp_path: Path, capsys: Capture) -> None:
     path = tmp_path / "ropes.toml"
     path.write_text(ROPES.replace("0.25", "0.05", 1), encoding="utf-8")
     assert main(["wind", str(path), "--out", str(tmp_path), "--signals", "left.fy", "two.loop.y"]) == 0
@@ -245,14 +244,14 @@ def test_several_ropes_have_the_verdict_and_the_report_of_one(
 
 @pytest.mark.parametrize(("option", "value"), [("--fmu", "rope.fmu"), ("--resume", "last_good.npz")])
 def test_options_for_one_rope_are_refused_with_several(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str, value: str
+    tmp_path: Path, capsys: Capture, option: str, value: str
 ) -> None:
     (path := tmp_path / "ropes.toml").write_text(ROPES, encoding="utf-8")
     assert main(["wind", str(path), option, value]) == 2
     assert f"{option} {value} is for a hoist with one [[rope]]: leave it out" in capsys.readouterr().err
 
 
-def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: Capture) -> None:
     path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
     path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
     assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
@@ -275,7 +274,7 @@ def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsy
 
 
 @pytest.mark.slow
-def test_of_a_rope_that_breaks_what_was_before_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_of_a_rope_that_breaks_what_was_before_is_told(tmp_path: Path, capsys: Capture) -> None:
     path = tmp_path / "ropes.toml"
     path.write_text(ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 2.0\nbreaks_s = 30'), encoding="utf-8")
     assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
@@ -318,9 +317,3 @@ def test_ropes_that_cannot_be_are_refused_with_the_cure(tmp_path: Path, wrong: s
 def test_a_break_beyond_the_rope_is_refused() -> None:
     with pytest.raises(ValueError, match=r"breaks_s = 130 m must be within 0 and rope.length = 120 m"):
         BreakingRope(Weight({}), 8.0, 120.0, Break(1.0, 130.0))
-
-
-def test_the_four_ropes_of_the_documents_can_be_wound() -> None:
-    ropes = ropes_in(Path(__file__).parents[1] / "docs" / "hoists" / "four_ropes.toml")
-    assert [one.name for one in ropes.ropes] == ["sound", "short", "lively", "breaking"]
-    assert ropes.hoist.tail_mass == 32.0

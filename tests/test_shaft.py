@@ -7,16 +7,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import Array
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from scenes import ends_at, stations
+from scenes import Ends, ends_at, going_aside, hung, stations, wound
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.passages import PASSAGE_SIGNALS, passages
 from hoist_demo.recording.time_series import Recording
-from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, Scene, balance_rope, rope_120
+from rope_model import EndMotion, Layout, Mesh, Model, Rope, Scene, balance_rope, rope_120
 from rope_model.physics import shaft as physics
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
@@ -28,7 +29,6 @@ from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_turns, shape
 from rope_model.simulation.rope_system import arc_lengths
 
-Array = np.ndarray
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision
 EXACT = 1e-10
 RECTANGLE, CIRCLE = Lining(6.0, 4.0, 0.5, 1.0, -1.0), Lining(6.0, 6.0, 1.0)
@@ -168,10 +168,6 @@ NOW, SO_FAR = ([name.format(kind) for kind in KINDS] for name in ("clearance.{}"
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16), shaft=EVERYTHING)
 
 
-def wound(rope: BalanceRope) -> BalanceRope:
-    return [*stations(rope, 25)][-1]
-
-
 def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
     ropes = stations(balance_rope(SHORT, "native"), 25)
     seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for rope in ropes])
@@ -179,13 +175,19 @@ def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
     least = np.minimum.accumulate(now, axis=0)
     assert np.all(so_far <= least + RESOLUTION)
     assert np.all(so_far >= least - RESOLUTION)
-    times = wound(balance_rope(SHORT, "native")).signals([f"nearest.{kind}.time" for kind in KINDS]).values()
+    times = (
+        wound(balance_rope(SHORT, "native"), going_aside, 25)
+        .signals([f"nearest.{kind}.time" for kind in KINDS])
+        .values()
+    )
     assert 0.0 in times  # what moves away
     assert 0.0 < max(times) <= 0.25
 
 
 def test_bodies_do_not_change_the_motion_by_a_bit() -> None:
-    with_them, without = (wound(balance_rope(scene, "native")) for scene in (SHORT, SHORT.with_(shaft=Shaft())))
+    with_them, without = (
+        wound(balance_rope(scene, "native"), going_aside, 25) for scene in (SHORT, SHORT.with_(shaft=Shaft()))
+    )
     assert_array_equal(with_them.state.motion.q, without.state.motion.q)
 
 
@@ -196,11 +198,12 @@ MEETING = Scene(Rope(length=15.0), mesh=Mesh("eem", elements=16))
 def test_legs_that_have_touched_without_any_yaw_are_told_ever_after(form: Any, stiffness: float) -> None:
     """They hang from ends that are half a diameter apart, which then part."""
     scene = MEETING.with_(shaft=Shaft(contact=Contact(rope_stiffness=stiffness)))
-    rope, near = balance_rope(scene, form), scene.layout.spacing - 0.5 * scene.rope.diameter
-    assert rope.initialize(0.0, EndMotion(x=near), EndMotion()).valid
-    for k in range(1, 11):
-        t = 0.1 * k
-        assert rope.advance_to(t, EndMotion(x=near - t**3, vx=-3 * t**2, ax=-6 * t), EndMotion()).valid
+    near = scene.layout.spacing - 0.5 * scene.rope.diameter
+
+    def parting(t: float) -> Ends:
+        return EndMotion(x=near - t**3, vx=-3 * t**2, ax=-6 * t), EndMotion()
+
+    rope = wound(balance_rope(scene, form), parting, 10, 0.1)
     seen = rope.signals(PASSAGE_SIGNALS | {"loop.yaw", "loop.clearance"})
     assert abs(seen["loop.yaw"]) < 0.1
     assert seen["loop.clearance"] > 0.2
@@ -215,8 +218,7 @@ def test_legs_that_have_touched_without_any_yaw_are_told_ever_after(form: Any, s
 
 def test_legs_that_pass_through_each_other_without_any_yaw_are_counted() -> None:
     """The left leg bulges beyond the right one, in front of it, then lower down behind it, and is straight again."""
-    rope = balance_rope(MEETING, "python")
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    rope = hung(balance_rope(MEETING, "python"))
     seen, counted = rope.state, []
     for x, upper, lower in ((3.0, 0.2, 0.2), (3.0, 0.2, -0.2), (0.0, 0.0, 0.0)):
         q = rope.state.motion.q.copy()
@@ -232,8 +234,7 @@ def test_legs_that_pass_through_each_other_without_any_yaw_are_counted() -> None
 @pytest.mark.parametrize("fidelity", ["planar", "rigid"])
 def test_a_rope_whose_right_end_hangs_left_of_its_left_end_has_passed_through_nothing(form: Any, fidelity: Any) -> None:
     rope = balance_rope(Scene(Rope(length=15.0, Qb=0.0, Qc=0.0), model=Model(fidelity)), form)
-    assert rope.initialize(0.0, EndMotion(x=4.0), EndMotion()).valid
-    seen = rope.signals(("loop.yaw", "loop.turns", "loop.crossings"))
+    seen = hung(rope, EndMotion(x=4.0)).signals(("loop.yaw", "loop.turns", "loop.crossings"))
     assert [*seen.values()] == [math.pi, 0.0, 0.0]
 
 
@@ -241,8 +242,9 @@ def test_turns_are_the_yaw_but_for_what_passed_through() -> None:
     # it hangs into a divider where the loop of 120 m between ends at 0 and 90 m has its bottom
     shaft = Shaft(divider_3=Divider(0.5, -14.0), contact=PASSED)
     rope = balance_rope(Scene(Rope(installed_twist=12.0), shaft=shaft), "native")
-    assert rope.initialize(1.5, EndMotion(), EndMotion(y=90.0)).valid
-    values = rope.signals(("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at"))
+    values = hung(rope, right=EndMotion(y=90.0), t=1.5).signals(
+        ("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at")
+    )
     assert values["loop.crossings"] == 1.0
     assert values["loop.crossed_at"] == 1.5
     assert_allclose(values["loop.yaw"] / (2 * math.pi) - values["loop.turns"], 1.0, atol=1e-9)
@@ -314,7 +316,7 @@ def test_contact_holds_what_would_come_through(name: str, stiffness: float) -> N
     scene, trip = STRUCK[name]
     scene = scene.with_(shaft=replace(scene.shaft, contact=Contact(stiffness=stiffness)))
     rope, reference, lines = balance_rope(scene), s_curve(trip), []
-    assert rope.initialize(0.0, *ends_at(reference, trip.travel, 0.0)).valid
+    hung(rope, *ends_at(reference, trip.travel, 0.0))
     for k in range(1, round((reference.duration + 2.0) / 0.01) + 1):
         assert rope.advance_to(0.01 * k, *ends_at(reference, trip.travel, 0.01 * k)).valid
         if k % 5 == 0:

@@ -97,19 +97,19 @@ def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
     assert found["left_starting_torque"] == pytest.approx(6.0, abs=0.05)
 
 
-def test_cycle_time_waits_for_the_swing() -> None:
-    result, hoist, winding = invent_trip(swing=0.01)
-    found = measure(result, hoist, winding, Arrival(speed_band=0.03, position_band=0.1))
-    # speed amplitude 0.005 * 2 pi 1.5 e^(-0.1 t) = 0.047 m/s falls below 0.03 m/s after 4.5 s, within half a period
-    wait = math.log(0.005 * 2 * math.pi * 1.5 / 0.03) / 0.1
-    assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(wait, abs=0.4)
-
-
-def test_cycle_time_waits_for_the_creep_that_is_no_swing() -> None:
-    result, hoist, winding = invent_trip(swing=0.0, creep=0.1)
-    found = measure(result, hoist, winding, Arrival(position_band=0.01, speed_band=0.05))
-    assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(math.log(10.0), abs=0.03)
-    assert found["swing_right"] < 1e-12
+@pytest.mark.parametrize(
+    ("swing", "creep", "arrival", "wait", "within"),
+    [
+        # speed amplitude 0.005 * 2 pi 1.5 e^(-0.1 t) = 0.047 m/s falls below 0.03 m/s after 4.5 s, within half a period
+        (0.01, 0.0, Arrival(speed_band=0.03, position_band=0.1), 10 * math.log(0.005 * 2 * math.pi * 1.5 / 0.03), 0.4),
+        (0.0, 0.1, Arrival(speed_band=0.05, position_band=0.01), math.log(10.0), 0.03),
+    ],
+)
+def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, creep, arrival, wait, within) -> None:
+    result, hoist, winding = invent_trip(swing, creep)
+    found = measure(result, hoist, winding, arrival)
+    assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(wait, abs=within)
+    assert (found["swing_right"] < 1e-12) == (swing == 0.0)
 
 
 def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[Sample]], list[str]]:
@@ -287,7 +287,9 @@ def test_a_strike_at_the_lowest_speed_only_is_remarked_on(read: Read) -> None:
 SHAPED, OPTIMISED = (f"[fixed]\ncontroller = '{x}'\n" for x in ("input-shaping", "optimised-trajectory"))
 LOW = "study.minimise = 'cycle_time'\n"
 RANGE, TUNE = "[vary]\nrope.EI = { low = 1, high = 2 }\n", "[sample]\nmethod = 'tune'\n"
+FOUR, PAYLOAD = "sample = { method = 'latin-hypercube', runs = 4 }\n", "hoist.payload_left = { low = 0, high = 9 }"
 JAMMED = "study.hoist = 'jammed-conveyance'\n[fixed]\n"
+TWO = "name = 'two'\nlike = 'rope-120'\n[[rope]]\n[[rope]]\nz = 1.0\n"
 
 BAD = {
     "unknown table": ("[vry]\nrope.EI = [1]", "vry", "did you mean vary?"),
@@ -311,14 +313,7 @@ BAD = {
     "bound in another unit": (LOW + "study.subject_to.sway = { below = 3, unit = 'kg' }", "'kg'", "convert"),
     "search for nothing": (TUNE + RANGE, "sample: method = 'tune'", "minimise"),
     "more searches than points": (LOW + TUNE + "points = 1\n" + RANGE, "searches = 2", "at most points = 1"),
-    "luckiest payload": (
-        LOW
-        + "sample = { method = 'latin-hypercube', runs = 4 }\n"
-        + RANGE
-        + "hoist.payload_left = { low = 0, high = 9 }",
-        "over = ['hoist.payload_left']",
-        "over = []",
-    ),
+    "luckiest payload": (LOW + FOUR + RANGE + PAYLOAD, "over = ['hoist.payload_left']", "over = []"),
     "designed trip that stops": (SHAPED + "winding.emergency_at = 5", "emergency_at = 5", "pi-feed-forward"),
     "optimised trip creeps": (OPTIMISED + "winding.creep_distance = 3", "creep_distance = 3 m", "another controller"),
     "two best runs": (LOW + "study.maximise = 'slip_safety'", "cycle_time", "keep one"),
@@ -332,9 +327,7 @@ BAD = {
 def test_bad_file_is_refused_with_file_key_value_and_cure(
     read: Read, tmp_path: Path, text: str, value: str, cure: str
 ) -> None:
-    (tmp_path / "TWO.toml").write_text(
-        "name = 'two'\nlike = 'rope-120'\n[[rope]]\n[[rope]]\nz = 1.0\n", encoding="utf-8"
-    )
+    (tmp_path / "TWO.toml").write_text(TWO, encoding="utf-8")
     with pytest.raises(FileError) as refused:
         read(text)
     assert len(refused.value.problems) == 1, refused.value.problems
@@ -345,9 +338,7 @@ def test_bad_file_is_refused_with_file_key_value_and_cure(
 
 def test_all_errors_are_told_at_once_and_need_no_fmu(read: Read, tmp_path: Path) -> None:
     with pytest.raises(FileError) as refused:
-        read(
-            "study.sene = 3\n[fixed]\nwinding.sped = 8\ncontroller = 'pid'\n[vary]\nrope.EI = [-1]", tmp_path / "no.fmu"
-        )
+        read("study.sene = 3\n[fixed]\nwinding.sped = 8\ncontroller = 'pid'\n[vary]\nrope.EI = [-1]", tmp_path / "no")
     told = "\n".join(refused.value.problems)
     assert [name in told for name in ("sene", "winding.sped", "pid", "rope.EI = -1")] == [True] * 4
 

@@ -141,11 +141,8 @@ def test_a_folder_of_pickled_lists_is_fitted_and_judged(
     motion, grippers, ways = example("measured_motion"), camera().grippers, camera().ways
     monkeypatch.setattr(motion, "RATE", 1.0 / camera().FRAME)
     held = [grippers[:, 0] - 0.02 * ways[0].T, *grippers.swapaxes(0, 1), grippers[:, 1] - 0.02 * ways[1].T]
-    vertices = np.stack([*held[:2], *markers().swapaxes(0, 1), *held[2:]], axis=2)[:, [0, 2, 1]] * [
-        [1.0],
-        [-1.0],
-        [1.0],
-    ]
+    vertices = np.stack([*held[:2], *markers().swapaxes(0, 1), *held[2:]], axis=2)[:, [0, 2, 1]]
+    vertices[:, 1] *= -1.0
     for kind in ("train", "eval"):
         (tmp_path / kind).mkdir()
         (tmp_path / kind / "1.pkl").write_bytes(pickle.dumps(vertices.tolist()))

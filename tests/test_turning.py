@@ -1,7 +1,5 @@
 """The loop turned about the vertical by a full turn, and ropes in any pose: they find their rest, and it is stable."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -9,21 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scenes import fixed_steps, turn, wound
+from scenes import fixed_steps, hung, turn, wound
 
-from rope_model import (
-    BalanceRope,
-    EndMotion,
-    Form,
-    Layout,
-    Mesh,
-    Model,
-    Rope,
-    RopeSimulator,
-    Scene,
-    balance_rope,
-    rope_120,
-)
+from rope_model import BalanceRope, EndMotion, Form, RopeSimulator, balance_rope
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.stepping.statics import find_equilibrium
 
@@ -38,8 +25,7 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
     assert rope.state.loop_yaw > 1.5 * math.pi
     # the ends are back where they were, and so are shape and torque at rest: theta counts on as the frame is carried
     # along.  What is left is the quadrature of the frame's turn, on elements of 0.75 m
-    first = RopeSimulator(SCENE)
-    assert first.initialize(0.0, EndMotion(), EndMotion()).valid
+    first = hung(RopeSimulator(SCENE))
     motion = rope.state.motion
     rest = find_equilibrium(rope.system, motion.q, motion.t)
     before = first.ends.moment(0, first.state.motion.reaction)
@@ -51,8 +37,7 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
 def test_installed_twist_turns_the_loop_over_on_any_mesh() -> None:
     yaws = []
     for mesh in (Mesh("auto"), Mesh(coarse_length=1.0)):
-        rope = RopeSimulator(Scene(rope=Rope(length=60.0, installed_twist=7.0), mesh=mesh))
-        assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+        rope = hung(RopeSimulator(Scene(rope=Rope(length=60.0, installed_twist=7.0), mesh=mesh)))
         assert natural_modes(rope.system, rope.state.motion.q, 2).frequencies[0] > 0  # stable, or it raises
         yaws.append(rope.state.loop_yaw)
     assert min(yaws) > math.pi  # past the plane again, legs crossed
@@ -87,9 +72,7 @@ def test_turns_put_in_at_once_turn_the_loop_and_leave_the_torque() -> None:
 
 
 def at_rest(left: EndMotion, right: EndMotion) -> dict[str, float]:
-    rope = balance_rope(rope_120().scene)
-    assert rope.initialize(0.0, replace(left, **STILL), replace(right, **STILL)).valid
-    return rope.signals()
+    return hung(balance_rope(rope_120().scene), replace(left, **STILL), replace(right, **STILL)).signals()
 
 
 # ropes in poses from a seed, kind by kind: the first hangs as drawings show it, the last has everything at once; nearly
@@ -202,9 +185,7 @@ SOFT = replace(rope_120().scene.rope, length=118.0, Qd=2000.0, Qb=2.0e5, Qc=1.6e
 
 
 def twisted(form: Form, twist: float) -> BalanceRope:
-    rope = balance_rope(rope_120().scene.with_(rope=replace(SOFT, installed_twist=twist)), form)
-    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
-    return rope
+    return hung(balance_rope(rope_120().scene.with_(rope=replace(SOFT, installed_twist=twist)), form))
 
 
 @pytest.mark.parametrize("twist", [5.0, pytest.param(7.0, marks=pytest.mark.slow)])

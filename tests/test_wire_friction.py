@@ -2,11 +2,10 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
-from conftest import difference
+from conftest import Array, difference
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import passed
 
@@ -21,7 +20,6 @@ from rope_model.simulation.wires import carry, history
 K0 = 0.02
 #: a rope with k0 = K0, whatever its tension
 ROPE = Rope(length=10.0, EI=300.0, EI_stick=1300.0, slip_moment=20.0, slip_factor=0.0)
-Array = np.ndarray[Any, Any]
 
 
 def bent(z: float, before: float, after: float) -> Slid:

@@ -1,12 +1,11 @@
 """The bound on a communication step's work: what it holds and gives up; and when steps become longer again."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes import Trip, past_each_other
+from scenes import Motion, Trip, hung, past_each_other, recorded, wound
 from test_native import SHORT, SWIVEL, bounce
 
 from hoist_demo.cases.table import find_case
@@ -33,13 +32,7 @@ def wind(work_max: int) -> NDArray[np.float64]:
     """Outputs (steps, READ) after each communication step."""
     scene = rope_data(find_case(STOP.scene).rope, STOP.level)
     rope = NativeRope(scene.with_(solver=replace(scene.solver, work_max=work_max)))
-    read, motions = rope.reader(READ), STOP.motions
-    assert rope.initialize(0.0, *motions[0]).valid
-    values = []
-    for k, ends in enumerate(motions[1:], start=1):
-        assert rope.advance_to(k * STOP.H, *ends).valid
-        values.append(read())
-    return np.array(values)
+    return recorded(rope, STOP.ends, STOP.steps, READ, STOP.H)
 
 
 @pytest.fixture(scope="module")
@@ -72,18 +65,15 @@ def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: NDArray[np.float6
 @pytest.mark.parametrize(
     ("scene", "motion", "h", "steps", "events"),
     [
-        (Scene(rope=Rope(length=60.0), solver=Solver(work_max=24)), bounce, 0.02, 36, False),
+        (Scene(rope=Rope(length=60.0), solver=Solver(work_max=24)), bounce, 0.02, 35, False),
         # swivels switch at the ends of steps
-        (Scene(rope=SHORT, left=SOON, right=SOON, solver=Solver(work_max=12)), past_each_other, 0.005, 110, True),
+        (Scene(rope=SHORT, left=SOON, right=SOON, solver=Solver(work_max=12)), past_each_other, 0.005, 109, True),
     ],
 )
 def test_both_forms_give_up_the_same_steps_and_warn_of_it(
-    scene: Scene, motion: Callable[[float], tuple[EndMotion, EndMotion]], h: float, steps: int, events: bool
+    scene: Scene, motion: Motion, h: float, steps: int, events: bool
 ) -> None:
-    ropes = [form(scene) for form in (RopeSimulator, NativeRope)]
-    for k in range(steps):
-        for each in ropes:
-            assert each.advance_to(h * k, *motion(h * k)) if k else each.initialize(0.0, *motion(0.0)).valid
+    ropes = [wound(form(scene), motion, steps, h) for form in (RopeSimulator, NativeRope)]
     (a, b), (said, same) = (each.state for each in ropes), (each.warnings() for each in ropes)
     assert a.counts == b.counts
     assert bool(a.counts.transformations and a.counts.swivel_events) == events
@@ -115,12 +105,11 @@ def test_steps_grow_after_as_many(
     form: type[BalanceRope], step: float, host: float, expected: int, start: float
 ) -> None:
     scene = Scene(rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=10))
-    rope, still = form(scene.with_(solver=Solver(tolerance=1e6, step_max=step))), (EndMotion(), EndMotion())
-    assert rope.initialize(start, *still).valid
+    rope = hung(form(scene.with_(solver=Solver(tolerance=1e6, step_max=step))), t=start)
     rope.retune(scene.with_(solver=replace(rope.scene.solver, step_max=0.02)))
     steps = 0
     while rope.state.step_next == step:
         steps += 1
         assert steps <= 2 * expected
-        assert rope.advance_to(start + steps * host, *still).valid
+        assert rope.advance_to(start + steps * host, EndMotion(), EndMotion()).valid
     assert steps == expected

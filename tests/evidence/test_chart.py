@@ -1,7 +1,5 @@
 """Accuracy and speed: arithmetic of the fronts, and what the recorded data say of levels, depth and Exudyn."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

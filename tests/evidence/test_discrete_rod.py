@@ -3,8 +3,6 @@
 The rod itself is checked first, by what it must obey whatever its mesh.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 
@@ -130,13 +128,6 @@ def test_the_rope_at_rest_yaws_as_the_discrete_rod_does() -> None:
 
 def test_the_rope_vibrates_in_and_out_of_plane_as_the_discrete_rod_does() -> None:
     assert len(judge(replace(UNCOUPLED, ours_on=(300, 600), rod_on=(100, 200)))) == 8
-
-
-@pytest.mark.slow
-def test_the_rope_is_wound_like_the_discrete_rod() -> None:
-    times = np.linspace(0.0, 3.0, 31)
-    ours, rod = (partial(wind, times=times) for wind in (cases.winding_ours, cases.winding_rod))
-    judge(Case("winding", ours, rod, (1, 2), (40, 80)))
 
 
 def test_a_swivel_lets_the_rope_go_as_it_does_the_discrete_rod() -> None:

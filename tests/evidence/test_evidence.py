@@ -1,7 +1,5 @@
 """Pages of evidence: what the recorded data make of the templates; claims of stability and coupling."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

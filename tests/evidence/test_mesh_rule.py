@@ -1,7 +1,5 @@
 """Constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, those against the rope, a sine stop."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -22,23 +20,13 @@ from evidence.rendering import DOCS
 from evidence.tables import read, rows, table
 from hoist_demo.parameters import Winding
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Layout, Rope, Scene
+from rope_model.parameters import Accuracy, Layout, Rope, Scene
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.mesh.mesh_fit import (
-    LEG_GRADING,
-    LEG_WAVES,
-    LOCKING_SHARE,
-    NATURAL_RADIUS,
-    PUMPED_LEG,
-    pumped_grading,
-)
+from rope_model.simulation.mesh.mesh_fit import LEG_GRADING, LEG_WAVES, LOCKING_SHARE, PUMPED_LEG, pumped_grading
 from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)
-
-
-# constants and recorded data
 
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
@@ -87,6 +75,16 @@ def test_on_ropes_whose_longitudinal_waves_fade_before_that_they_need_none(lengt
     assert pumped_grading(scene) > fit_mesh(scene).grading_length
 
 
+def pumped_errors(sample: Sample, asked: Accuracy, coarser: float) -> list[tuple[float, float]]:
+    """Errors of end forces and loop of the mesh by the rule and of one with legs that much coarser."""
+    mesh = fit_mesh(sample.scene.with_(accuracy=asked))
+    finer, *found = (
+        wind(sample, sample.interval, accuracy=asked, mesh=replace(mesh, grading_length=share * mesh.grading_length))
+        for share in (0.4, 1.0, coarser)
+    )
+    return [errors(one, finer) for one in found]
+
+
 @pytest.mark.slow
 def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rope_right() -> None:
     rope = Rope(
@@ -98,30 +96,15 @@ def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rop
         emergency_deceleration=4.9024,
     )  # fmt: skip
     sample = Sample(0, Scene(rope, Layout(2.6084)), trip, 0.01)
-    mesh = fit_mesh(sample.scene)
-    rule, finer, coarser = (
-        wind(sample, sample.interval, mesh=replace(mesh, grading_length=share * mesh.grading_length))
-        for share in (1.0, 0.4, 3.3)
-    )
-    assert errors(rule, finer)[0] < 0.5 * sample.scene.accuracy.end_force
-    assert errors(coarser, finer)[0] > sample.scene.accuracy.end_force
+    by_rule, coarser = pumped_errors(sample, sample.scene.accuracy, 3.3)
+    assert by_rule[0] < 0.5 * sample.scene.accuracy.end_force < 0.5 * coarser[0]
 
 
 @pytest.mark.slow
 def test_pumped_waves_leave_the_loop_right_where_a_tenth_of_the_default_error_is_asked_for() -> None:
     sample = next(islice(samples(733, 27), 26, None))  # 356 m, an emergency stop
-    tight = REQUESTS["tight"]
-    mesh = fit_mesh(sample.scene.with_(accuracy=tight))
-    rule, finer, coarser = (
-        wind(sample, sample.interval, accuracy=tight, mesh=replace(mesh, grading_length=share * mesh.grading_length))
-        for share in (1.0, 0.4, 10**0.5)
-    )
-    assert errors(rule, finer)[1] < 0.5 * tight.loop
-    assert errors(coarser, finer)[1] > tight.loop
-
-
-def test_the_smallest_radius_of_a_free_loop_is_the_elastica_s() -> None:
-    assert_allclose(NATURAL_RADIUS, 1 / 1.09661, atol=5e-4)  # three digits
+    by_rule, coarser = pumped_errors(sample, REQUESTS["tight"], 10**0.5)
+    assert by_rule[1] < 0.5 * REQUESTS["tight"].loop < 0.5 * coarser[1]
 
 
 @pytest.mark.parametrize("place", [0.0, 0.03, 1.0])
@@ -132,9 +115,6 @@ def test_a_fitted_mesh_follows_the_loop_to_the_end_of_the_rope(place: float) -> 
             cells = partition(mesh, length, place * length)
             # the outermost element stays, and of IV the half and less than another such length
             assert abs(cells.centre - place * length) < 2 * cells.coarse
-
-
-# the record and the rope
 
 
 @pytest.mark.skipif(not find_compiler(), reason="slow without a C compiler")

@@ -1,7 +1,5 @@
 """The evaluation's verdicts: made from the committed data, written on the page, and fresh runs give the same data."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,9 +47,6 @@ def test_the_committed_data_decide_every_claim(claim: Claim) -> None:
 def test_files_are_there_and_small(folder: Path, names: set[str], largest: float) -> None:
     assert {path.stem for path in folder.iterdir()} == names
     assert max(path.stat().st_size for path in folder.iterdir()) < largest
-
-
-# the logic
 
 
 def test_tables_are_read_as_they_are_written(tmp_path: Path) -> None:
