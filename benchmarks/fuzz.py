@@ -6,8 +6,6 @@ many lines of the sources the kept inputs run (llvm-cov; the elements' generated
 The corpus is kept beside the build and goes on growing.  Debian: apt-get install clang llvm libclang-rt-14-dev.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import json

@@ -6,8 +6,6 @@ motion, steps, and reads the end forces.  The forms take turns; medians over the
 simulated time over processor time.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 import time

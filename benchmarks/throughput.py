@@ -5,8 +5,6 @@ rope.  Takes ten minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--
 both in turns for the ratio of the two.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import tempfile

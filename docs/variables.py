@@ -1,7 +1,5 @@
 """The page of the FMU's variables: ``python -m docs.variables > docs/reference/variables.md``."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence

@@ -5,8 +5,6 @@ anew before that, ``--measure chart:depth`` a part of it; the exit code is 1 whe
 The texts are the templates *.md.j2 of the rooms.  ``python -m evidence.promise`` is apart.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from importlib import import_module

@@ -1,7 +1,5 @@
 """Numbers and the claims about them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import astuple, dataclass, fields
 from typing import Literal

@@ -1,7 +1,5 @@
 """How the figures look: one style, one file per picture, bytes that depend on the data alone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

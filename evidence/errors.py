@@ -1,7 +1,5 @@
 """Errors of a winding against a reference, as every page states them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

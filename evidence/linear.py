@@ -6,8 +6,6 @@ some 1 / SIGMA. The response is half the difference of two runs with opposite pu
 the pulse's square, too.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

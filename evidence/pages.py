@@ -3,8 +3,6 @@
 Text and figures follow from the recorded data alone, so ``publish`` and ``fill`` write them anew without a run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

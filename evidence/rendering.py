@@ -4,8 +4,6 @@ A template is a file *.md.j2 (Jinja2) beside the code that measures; it holds th
 the tables in docs/data.  A name that the data do not have is an error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path

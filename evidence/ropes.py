@@ -1,7 +1,5 @@
 """Ropes at rest and led by their ends, and smooth motions of the ends: what the rooms share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

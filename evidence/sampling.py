@@ -1,7 +1,5 @@
 """Numbers drawn from a seed, and the ropes and trips that they are drawn from: the published case is none of them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 LENGTH, MASS, BENDING, SPACING = (60.0, 1200.0), (3.0, 15.0), (50.0, 3000.0), (1.2, 3.0)  # m, kg/m, N m^2, m

@@ -1,7 +1,5 @@
 """Tables as CSV files: columns by name, numbers to six digits."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

@@ -6,8 +6,6 @@ outermost two on either side. The one [[measured]] of CABLE.toml is as that of d
 those of v2, v3 and so on.
 """
 
-from __future__ import annotations
-
 import pickle
 import re
 import sys

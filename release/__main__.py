@@ -4,8 +4,6 @@ Source distribution and wheel, the FMUs of the 120 m rope in both flavours and t
 materials and SHA256SUMS, which `sha256sum --check` reads.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

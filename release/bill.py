@@ -4,8 +4,6 @@ Inside are the FMI headers, whose licence asks to be named, and what the compile
 needs are named with their bounds, not with versions: pip chooses those where it installs.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.metadata
 import json

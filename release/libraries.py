@@ -3,8 +3,6 @@
 A further library is one more line in ``libraries``.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections.abc import Iterator, Mapping

@@ -5,8 +5,6 @@ empty cache, another folder.  Each step is done and timed; nothing may be compil
 checkout, byte by byte.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

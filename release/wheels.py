@@ -6,8 +6,6 @@ Built in a copy of the packages: a checkout has nothing prebuilt.  SOURCE_DATE_E
 the last commit, so that the same commit makes the same bytes.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import importlib.metadata

@@ -1,7 +1,5 @@
 """Draw the figures into docs/images: ``python -m docs.drawings``; with ``winding`` the animation, from a run, too."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The drawn figures of the README and the theory manual; run by ``python -m docs.drawings``."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -3,8 +3,6 @@
 Coordinates are pixels, x to the right and y down.  Numbers are rounded, so that the same drawing gives the same bytes.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Sequence

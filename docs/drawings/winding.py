@@ -1,7 +1,5 @@
 """The animated winding of the README: the published 240 m rope, wound by 200 m, its swivels released at 20 s."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

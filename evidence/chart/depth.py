@@ -4,8 +4,6 @@ Every rope winds a long way, because the lag of the legs' waves adds up, with th
 the mesh differs.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import product
 from typing import Any, NamedTuple

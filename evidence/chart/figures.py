@@ -1,7 +1,5 @@
 """Work-precision diagrams: error over processor time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple

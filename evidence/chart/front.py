@@ -1,7 +1,5 @@
 """Pareto fronts, and what is read off them."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

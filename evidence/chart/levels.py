@@ -1,7 +1,5 @@
 """The table of levels, on the page and in README, where it stands between two marks."""
 
-from __future__ import annotations
-
 import math
 
 from evidence.chart.reading import FORCE, LOOP, TWIST

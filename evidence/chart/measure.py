@@ -1,7 +1,5 @@
 """Windings of the points, their errors against the reference solution, and their processor times."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Numbers of docs/accuracy.md: fronts, savings, fidelities, and times of single steps."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

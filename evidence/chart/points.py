@@ -1,7 +1,5 @@
 """What is wound: points of the chart in families, each a mesh, a solver and a model for one coupling."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product

@@ -1,7 +1,5 @@
 """What the table of points tells: rows of a family, and how far the reference solution is to be trusted."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.chart.measure import ERRORS

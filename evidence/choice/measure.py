@@ -1,7 +1,5 @@
 """Errors of lower fidelities, and the estimates of them, whose constants are taken from here."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from dataclasses import replace

@@ -3,8 +3,6 @@
 They are measured against step, mesh, stiffness and height.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import NamedTuple

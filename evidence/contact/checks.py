@@ -1,7 +1,5 @@
 """What contact must satisfy, measured."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from functools import partial

@@ -5,8 +5,6 @@ without a divider, against 4 equal elements per metre and steps of 4 ms.  A cons
 errors of the first draw ask for where contact makes most of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor

@@ -1,7 +1,5 @@
 """The checks of contact, and the brushes of a divider: three minutes each."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from tqdm import tqdm

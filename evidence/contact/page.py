@@ -1,7 +1,5 @@
 """What docs/contact.md says, from the recorded checks."""
 
-from __future__ import annotations
-
 from evidence.claims import recorded
 from evidence.contact import wall
 from evidence.contact.brush import FINEST, HEIGHTS, MESHES, STIFFNESS, orders, past

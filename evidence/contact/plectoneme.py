@@ -22,8 +22,6 @@ lies there comes down by l / 2, and T is less by half of the weight of it all.
 Source: N. Clauvelin, B. Audoly, S. Neukirch, Macromolecules 41 (2008), for the hard rod.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import NamedTuple

@@ -7,8 +7,6 @@ Without weight the rope's depth p obeys rho p_tt = -s(p) (1 + lambda p_t), so th
 is the same as it comes and as it goes: the rebound depends on the speed alone, not on the spring.
 """
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import NamedTuple

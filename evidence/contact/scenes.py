@@ -1,7 +1,5 @@
 """Ropes that lie on a floor, fall on it, are pulled around a divider, or are let down on all: what is exact of each."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -9,8 +9,6 @@ the vertical force in each is n, and no moment about their axis comes from below
 Source: Thompson, van der Heijden and Neukirch, Proc. R. Soc. A 458 (2002), for the ply.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ The reference iterates every exchange to convergence on the rope's own steps: bo
 at every step of the rope, which is the monolithic solution of that time integration.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Tables of the coupling schemes, from docs/data/coupling."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@ codes' own convergence tells: a third of what the finest mesh of each changed, t
 lies between 2 and 4 and shows only once its mesh is fine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import partial

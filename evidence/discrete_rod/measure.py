@@ -1,7 +1,5 @@
 """Both codes on their meshes: a history where it is largest, and its largest differences (two minutes)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

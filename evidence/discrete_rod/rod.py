@@ -32,8 +32,6 @@ Source of the discrete curvature and twist: M. Bergou, M. Wardetzky, S. Robinson
 Elastic Rods, ACM Transactions on Graphics 27 (2008); coupling, clamps, damping and gyroscopic couple are derived here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple

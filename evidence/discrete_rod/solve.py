@@ -11,8 +11,6 @@ A swivel holds or slips, without regularisation: it slips off when |moment| pass
 comes to zero and the static limit allows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The tables of docs/howto/rope_data.md, from the catalogue itself."""
 
-from __future__ import annotations
-
 from evidence.rendering import markdown, number
 from rope_model import BEARINGS, CONSTRUCTIONS, Datum
 from rope_model.catalogue import PROPERTIES

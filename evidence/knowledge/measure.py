@@ -6,8 +6,6 @@ that the fit states, and, to tell the interval from the luck of the draw, in how
 it: those in which the best linear estimate about the truth, J^+ e, is off by at most 1.645 standard errors.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """docs/assumed_data.md from docs/data/knowledge."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.knowledge.measure import SCENES

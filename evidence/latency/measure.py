@@ -14,8 +14,6 @@ Measure on a quiet machine: nothing else runs, and the clock does not change (Li
 performance`), one core kept for it (`taskset -c 1`).
 """
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import shutil

@@ -1,7 +1,5 @@
 """Times of single communication steps, from docs/data/latency."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Print the fitted laws of the mesh and the shares that the rule's constants take; ``--measure``: 8 minutes."""
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

@@ -5,8 +5,6 @@ Prints the largest error of its place over the law of the loop, and of its yaw o
 the nodes: on ropes of the seed that the constants of physics.accuracy come from, and of the judge's.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple

@@ -15,8 +15,6 @@ exp(-2/3 (s/w)^(3/2)).  Ends: a beam under tension T bends within sqrt(EI / T) o
 sqrt(grading_length x) have all waves of one frequency lag by the same angle, and what they lag adds up along the leg.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

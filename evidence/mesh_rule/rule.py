@@ -1,7 +1,5 @@
 """The rule's constants held against the laws, on the ropes that judge it."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

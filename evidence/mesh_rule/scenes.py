@@ -3,8 +3,6 @@
 The published case has none of them.  Lengths, EI and jerk are drawn evenly in their logarithms.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 

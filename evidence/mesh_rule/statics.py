@@ -1,7 +1,5 @@
 """What one length of the mesh does to a rope at rest, all its other lengths fine."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Effect of the mesh on the loop's place during a winding."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Exudyn's planar beam and cable elements, and their nodes' coordinates in terms of ours (r, r', angle)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

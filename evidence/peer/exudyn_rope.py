@@ -7,8 +7,6 @@ same stiffnesses.  The ends move along an S-curve written as a sum of truncated 
 No other module knows Exudyn.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

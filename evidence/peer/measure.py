@@ -1,7 +1,5 @@
 """The planar winding and natural frequencies in Exudyn and in ours: ten minutes on a free machine."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

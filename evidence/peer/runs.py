@@ -1,7 +1,5 @@
 """One run of either code through a winding, and how far it is from a reference."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache

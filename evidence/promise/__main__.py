@@ -4,8 +4,6 @@ Half an hour on two cores that do nothing else.  Each scene's rows are kept in b
 so that a run that was cut goes on.  Cheap scenes come first.  Exits with 1 where a target is missed.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -1,7 +1,5 @@
 """Errors and estimates of the scenes against what was asked."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

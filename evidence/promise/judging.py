@@ -1,7 +1,5 @@
 """Shares and distributions of a table of scenes, and the targets that they are held against."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.claims import Measurement, above, below

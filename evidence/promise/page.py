@@ -1,7 +1,5 @@
 """What docs/promise.md says, computed from the table of scenes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.promise import scenes

@@ -3,8 +3,6 @@
 The published case has none of them.  Lengths, EI, jerk and friction are drawn evenly in their logarithms.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 The speed ends at 0 after T = v0 / (2 A / pi - a0 / 2).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

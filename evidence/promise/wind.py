@@ -1,7 +1,5 @@
 """A scene wound with an accuracy, and its errors against a much finer run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

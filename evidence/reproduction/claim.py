@@ -1,7 +1,5 @@
 """What the source states in words, and the number of ours that decides whether we see it too."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Computation time of the meshes at the source's element counts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.claims import above

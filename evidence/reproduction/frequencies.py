@@ -1,7 +1,5 @@
 """Natural frequencies over the height difference H of the ends, where their curves veer, and what they are."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

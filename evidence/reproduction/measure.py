@@ -1,7 +1,5 @@
 """The runs behind the published evaluation: some ten minutes."""
 
-from __future__ import annotations
-
 from evidence.reproduction import costs, frequencies, release, windings
 from evidence.tables import Measures
 

@@ -1,7 +1,5 @@
 """docs/reproduction.md from the tables: the claims of all sections, and two figures."""
 
-from __future__ import annotations
-
 from evidence.rendering import render, with_unit
 from evidence.reproduction import costs, frequencies, release, winding_claims
 from evidence.reproduction.claim import Claim, Section

@@ -1,7 +1,5 @@
 """The 240 m winding whose swivels are released at t = 20 s, against the same whose swivels stay locked."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """Claims about the 120 m winding: displacement and twist, stress, kinetic energy."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.claims import above, below

@@ -1,7 +1,5 @@
 """The 120 m winding with EEM and TMN-ETM, uncoupled and coupled: what is seen at the samples, and processor times."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import product

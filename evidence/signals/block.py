@@ -1,7 +1,5 @@
 """What docs/howto/motion.md says of signals, and what is claimed of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A trip with each signal against the exact motion at the reference level: five minutes on two cores."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial

@@ -4,8 +4,6 @@ Run as a program it steps one tool: ``python -m evidence.signals.multirate TOOL 
 LD_LIBRARY_PATH.  The force is compared with that of both parts at 5 ms.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import os

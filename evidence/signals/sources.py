@@ -1,7 +1,5 @@
 """What a host sends of a conveyance's motion: exact, from a table, rounded, repeated, late, or with gaps."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """The element with one thing done differently: what the entries' counterexamples are built of."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace

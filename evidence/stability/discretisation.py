@@ -1,7 +1,5 @@
 """Elements and meshes that break: locking, and a loop that leaves its mesh."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a stability entry is, and what it found."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A frame of the cross-section that breaks: Tait-Bryan angles."""
 
-from __future__ import annotations
-
 import math
 
 from evidence.claims import above, below

@@ -1,7 +1,5 @@
 """Run all entries, by chapter; takes some minutes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from tqdm import tqdm

@@ -1,7 +1,5 @@
 """Violent motion: a leg that goes slack, and its snatch."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

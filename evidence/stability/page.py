@@ -1,7 +1,5 @@
 """docs/stability.md from docs/data/stability and docs/data/coupling, and its two figures."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

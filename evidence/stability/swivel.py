@@ -3,8 +3,6 @@
 The scene hangs a 30 m rope and twists it by the left conveyance's yaw; the left end has the swivel.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

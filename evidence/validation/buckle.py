@@ -10,8 +10,6 @@ Sources: J. Coyne, IEEE J. Oceanic Eng. 15 (1990) 72-83; G. van der Heijden and 
 (2000) 71-99.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

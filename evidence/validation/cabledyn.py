@@ -6,8 +6,6 @@ generalized-alpha with the same spectral radius, without damping.  CableDyn's pu
 accelerates half of the first element, which is put in.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -8,8 +8,6 @@ chapter 8; of the largest pull also Wong and Yasui, Am. J. Phys. 74 (2006) 490.
 A hanging chain swings with omega = j/2 sqrt(g/L), j the zeros of the Bessel function J0 (D. Bernoulli).
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -13,8 +13,6 @@ The torque is uniform at rest, and nearly so in motion: CableDyn leaves out the 
 by 0.002 N m (RMS) in this winding.  L stays that at rest.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A dropped end: the free end of a folded rope falls faster than g."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

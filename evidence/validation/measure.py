@@ -1,7 +1,5 @@
 """All rows of the page, and the tables behind them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

@@ -7,8 +7,6 @@ Source: van der Heijden, Neukirch, Goss and Thompson, Int. J. Mech. Sci. 45 (200
 CableDyn's VALIDATION.md prints its values: M/(2 sqrt(EI T)) = 1.0124 at T L^2/EI = 400 and 1.0031 at 1600.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """docs/validation.md: one table of all rows, and the stories of those that disagree."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any, Literal

@@ -10,8 +10,6 @@ with their first on the fixed end, and turned by the smallest rotation until the
 robot's.  Stiffnesses are those of wires.py.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """A line of the page's table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields

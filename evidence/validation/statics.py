@@ -1,7 +1,5 @@
 """Shapes at rest of a rope whose ends are clamped and turned."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from evidence.stability.chain import StaticBoundary

@@ -8,8 +8,6 @@ The stiffnesses are published fits: EI to the shape without twist, GJ to these v
 authors' and, for GJ, in two versions of the file.  They disagree; all of them go through ours.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """A file of measurements, from which a rope is identified; a list of values is a series."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Annotated, Any, Self
 

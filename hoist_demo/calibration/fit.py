@@ -14,8 +14,6 @@ quantile is the normal one.
 A further measurement with the sensitivity j (in its standard errors) leaves (covariance^-1 + j j^T)^-1.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable

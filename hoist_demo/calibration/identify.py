@@ -1,7 +1,5 @@
 """A rope's properties from a file of measurements: values with intervals, what stays open, what to measure next."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

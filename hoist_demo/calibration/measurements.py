@@ -10,8 +10,6 @@ Anywhere           places of markers while the ends move, as cameras have seen t
 Torque and rotation of a sample are positive in the sense of the lay, whichever hand it has.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Result of a fit: as text for the terminal, as a page, and as the parameter file for other commands."""
 
-from __future__ import annotations
-
 import textwrap
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Summary and files of a run of `balance-rope demo`."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The commands `balance-rope new`, `show`, `check` and `rope`."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

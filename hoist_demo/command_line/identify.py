@@ -1,7 +1,5 @@
 """The command `balance-rope identify`."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The commands `balance-rope linearise` and `balance-rope modes`."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 import math

@@ -1,7 +1,5 @@
 """Options of `balance-rope wind`, and values for one run: `NAME=VALUE` and files of parameters."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Folders of results, and interrupts while a command computes or writes."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal

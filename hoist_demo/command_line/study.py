@@ -1,7 +1,5 @@
 """The command `balance-rope study`."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from functools import partial

@@ -1,7 +1,5 @@
 """The command `balance-rope uncertain`."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

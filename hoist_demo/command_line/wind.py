@@ -1,7 +1,5 @@
 """The command `balance-rope wind`, also called `demo`."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Mapping

@@ -6,8 +6,6 @@ input-shaping         with feed-forward, the S-curve shaped so that one swing mo
 optimised-trajectory  with feed-forward, the fastest trip that leaves the ropes at rest
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from hoist_demo.control.controller import Gains

@@ -16,8 +16,6 @@ rest, with p = R phi at the sheave's rim; the heights' deviations are those from
 reference's jerk.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

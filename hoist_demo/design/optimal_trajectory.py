@@ -9,8 +9,6 @@ multiple shooting with the Runge-Kutta method of order 4. v_s is the swing speed
 is again a chain of constant-jerk segments, which the host samples like any S-curve.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any

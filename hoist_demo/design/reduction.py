@@ -19,8 +19,6 @@ The error is measured: largest difference from the sparse model at s = alpha + i
 within some 1/alpha: notches and peaks of sideways modes, narrower than that, are left out of small models.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ Source: N. C. Singer and W. P. Seering, Preshaping command inputs to reduce syst
 Control 112, 1990.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

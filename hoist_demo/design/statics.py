@@ -1,7 +1,5 @@
 """What follows from a hoist's data before anything is wound: pulls, hold on the sheave, and the rope at rest."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

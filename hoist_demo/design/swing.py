@@ -4,8 +4,6 @@ The frequency and damping are fitted to a record by least squares; a, b and c ar
 (variable projection; G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ A trip repeats the one a cycle before when none of REPEATING has changed by more
 duty; what is below its unit's NEGLIGIBLE counts as nothing. The cycle is as many trips as the schedule lists.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Yaw, swing, swivel angles and all that moves are carried over, nothing is laid t
 anew, with the torque that holds the hoist and its present payload.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -4,8 +4,6 @@ Every value is checked for its unit, its type and, one at a time, its bounds: th
 the FMU is asked to initialize with the value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import cache, reduce

@@ -3,8 +3,6 @@
 All rules are ours [assumed]: plausible for a tower hoist with skips, and taken from no installation.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -3,8 +3,6 @@
 text -> tables -> model of that kind of file, which is the typed object
 """
 
-from __future__ import annotations
-
 import difflib
 import re
 import sys

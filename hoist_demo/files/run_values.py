@@ -1,7 +1,5 @@
 """What files of studies, duties, uncertain windings and measurements have in common: a head, and values of runs."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator

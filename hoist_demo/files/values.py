@@ -1,7 +1,5 @@
 """A value as a file gives it: a number in SI, "22 t", or { value, unit, status, source, low, high }."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """Writing of hoists' files: every value with its unit, its meaning and where it comes from."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 

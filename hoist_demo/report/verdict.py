@@ -3,8 +3,6 @@
 Terminal, Markdown and HTML show the rows that are declared here. Rows whose signals were not recorded are left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

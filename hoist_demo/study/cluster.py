@@ -4,8 +4,6 @@ Every worker is handed the FMU's bytes when it joins, also one that replaces a d
 shared. A run whose worker died is given to another; after three deaths the run is recorded as an error.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 import os

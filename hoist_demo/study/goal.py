@@ -4,8 +4,6 @@ A run that failed keeps no bound and has no finite cost. Judging: by the worst r
 of runs that keep the bounds.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ then on. Residual swing is the height of a conveyance against the rope's end at 
 the drive is not counted as swing; it is counted as time.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

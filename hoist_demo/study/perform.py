@@ -1,7 +1,5 @@
 """A study from its file to its table: sample or search, run what is missing, write the results."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence

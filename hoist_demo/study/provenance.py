@@ -5,8 +5,6 @@ the case: ``published`` where the case's source states it, else ``assumed``, whi
 neither is the FMU's, ``exported`` with it.  A ``setting`` is no datum: it says what is computed and how.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@ The key is the hash of everything that decides the result: all data with their d
 version of this package. Equal keys are equal runs, so that a finished run is never repeated.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

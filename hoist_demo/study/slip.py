@@ -1,7 +1,5 @@
 """The head ropes' hold on the sheave: slip safety in each part of a trip, beside what is asked of it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ Along one varied number, all else equal: whether the rope struck, the run failed
 comes and goes; and metrics with an extremum inside, which stands out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial

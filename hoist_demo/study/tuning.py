@@ -3,8 +3,6 @@
 Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979; scipy.stats.qmc draws it.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Spread of results, as text for the terminal, as a table and as a page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 

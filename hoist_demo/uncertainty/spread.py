@@ -8,8 +8,6 @@ causes is judged by ranks, which ask for monotony only: with the standardised ra
 The data vary independently, so that the shares add up to R^2 but for what the sample leaves of correlation.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence

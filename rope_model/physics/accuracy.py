@@ -15,8 +15,6 @@ acceleration in the bend goes with x^2.  Like rho v^2 that part is a false tensi
 / g, held against its weight.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where

@@ -31,8 +31,6 @@ The tangent -df/dv is symmetric: it leaves out that t turns, and that the flow c
 Works on numbers and CasADi expressions; vectors have their components first.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

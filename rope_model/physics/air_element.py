@@ -7,8 +7,6 @@ An element integrates the drag f with the cubic Hermite shapes N of r over the f
 The power that the rope gives to the air is -f . r_t; where the air blows and drives the rope it is negative.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache

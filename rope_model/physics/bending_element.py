@@ -3,8 +3,6 @@
 They follow from q and from numbers that F has behind those of the other element's reference.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

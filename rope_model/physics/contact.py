@@ -16,8 +16,6 @@ The tangent -df/dr, -df/dv is symmetric: it leaves out the effect of pressure on
 Works on numbers and CasADi expressions; vectors have their components first.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import cross, dot, larger, less, smaller, sqrt

@@ -8,8 +8,6 @@ Where the element is near a body, the force per length is integrated along the p
 with the cubic Hermite shapes N of r.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace

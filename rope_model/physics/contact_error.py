@@ -16,8 +16,6 @@ place are in proportion.
 Works on numbers and CasADi expressions.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -13,8 +13,6 @@ law is 0 where the pressure ends, and goes on smoothly elsewhere: the bounds' de
 Works on numbers and CasADi expressions; a and b are the rows r, r' of an element's nodes.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from rope_model.physics.contact import ONSET

@@ -14,8 +14,6 @@ Works on anything with arithmetic: floats, numpy arrays, CasADi expressions.
 Sources: G. A. Costello, Theory of Wire Rope, Springer; R. Verreet, The rotation characteristics of steel wire ropes.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 

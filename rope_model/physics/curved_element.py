@@ -15,8 +15,6 @@ Behind the frame's entries F has numbers of the element in the reference, (13,):
 both nodes, k0 and EI.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any, NamedTuple
 

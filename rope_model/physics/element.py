@@ -33,8 +33,6 @@ The fidelities of the model are this one text with degrees of freedom left out:
     planar      r, r' in X, Y    the same in the plane
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal

@@ -4,8 +4,6 @@ A formula written with these has one text: Python evaluates it, and C is printed
 (codegen.formulas).  Numbers go to the functions of libm, as in C.
 """
 
-from __future__ import annotations
-
 import math
 from functools import reduce
 from typing import Any

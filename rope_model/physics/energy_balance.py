@@ -3,8 +3,6 @@
 ``energy_balance`` has the present energies, and by name those that went in and out since the start.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 

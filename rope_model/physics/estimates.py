@@ -18,8 +18,6 @@ estimate and error.
 ``scene`` gives rope and layout; works on numbers and CasADi expressions.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -16,8 +16,6 @@ The source measures theta from a frame built of Tait-Bryan angles Z-Y-X instead,
 when the loop has yawed 90 degrees.  evidence.stability keeps it, to show it failing there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

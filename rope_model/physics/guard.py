@@ -20,8 +20,6 @@ under their own weight, has its lowest point quasi-statically at
 the constant being that of the loop where the rope was at rest.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import hypot, less, smaller, where

@@ -4,8 +4,6 @@ The half circle is as wide as the suspension, or as four of its elements are lon
 badly; the legs then lean inwards.  Works on numbers, numpy arrays and CasADi expressions.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ A field has the values r1, r2 and the derivatives s1, s2 with respect to arc len
 numbers, numpy arrays and CasADi expressions.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -15,8 +15,6 @@ arc length s from the left end,
 ``rope`` and ``layout`` are those of a scene; works on numbers and CasADi expressions.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -15,8 +15,6 @@ Within an element e1 goes by the smallest rotation from the left node's tangent 
 tangent on the way (physics.frame), which three Gauss points integrate.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

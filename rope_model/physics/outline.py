@@ -3,8 +3,6 @@
 Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """
 
-from __future__ import annotations
-
 import math
 from functools import reduce
 from typing import Any

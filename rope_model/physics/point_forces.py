@@ -1,7 +1,5 @@
 """Forces at places of the rope, which change linearly in time.  Vectors have their components first."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from rope_model.physics.elementary import cross, larger, smaller

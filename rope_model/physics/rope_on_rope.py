@@ -14,8 +14,6 @@ is no torque in the rope.
 Works on numbers and CasADi expressions; vectors have their components first.
 """
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any

@@ -15,8 +15,6 @@ Of all points of an upright box about x, e its half widths in the body's axes, t
 Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import cos, larger, less, sign, sin, smaller, sqrt

@@ -1,7 +1,5 @@
 """Nominal stresses of a wire rope, as in a solid round bar of its diameter; ``rope`` has a scene's data."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

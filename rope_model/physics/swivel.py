@@ -8,8 +8,6 @@ A set-valued law, not a regularised one, for the relative angle b and the moment
 with the tension T at the rope's end.  A bearing does not carry less when the rope pushes: T counts from zero.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from rope_model.physics.elementary import larger

@@ -15,8 +15,6 @@ which is safe where the latest tangent was far off, as it is where there was non
 alike (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999)).
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any, NamedTuple
 

@@ -24,8 +24,6 @@ Struct. Dyn. 14 (1986) for two directions; K. O. Papailiou, IEEE Trans. Power De
 Martinelli, Appl. Math. Modelling 40 (2016), for stiffness and friction moment of strands.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from rope_model.physics import hermite

@@ -11,8 +11,6 @@ with the conveyance's yaw about Y, the swivel's relative angle b, and an offset 
 counted from the left end on along the rope (physics.frame), so the right end's changes as the rope turns in space.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

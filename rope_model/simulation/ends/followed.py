@@ -1,7 +1,5 @@
 """Step of an end that follows its host's motions, in CasADi's virtual machine for the rope in Python."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

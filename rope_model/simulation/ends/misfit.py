@@ -7,8 +7,6 @@ acceleration within a step explain is no misfit: the path has the place and the 
 only in between another speed.
 """
 
-from __future__ import annotations
-
 import math
 from functools import reduce
 from typing import Any

@@ -5,8 +5,6 @@ the sense of the slip while it slips.  The step that would carry it past zero is
 swivel switches and the integrator restarts with consistent accelerations.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 

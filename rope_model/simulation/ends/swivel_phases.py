@@ -4,8 +4,6 @@
 ``rate`` that of the swivel's angle (rad/s).
 """
 
-from __future__ import annotations
-
 import math
 from enum import Enum
 from typing import Any, NamedTuple

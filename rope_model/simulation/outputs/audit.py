@@ -14,8 +14,6 @@ Beside it: by how much the balance of energy changes, how much of an axial perio
 how far the tangent turns in an element.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

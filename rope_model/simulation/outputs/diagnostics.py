@@ -1,7 +1,5 @@
 """Quantities of the rope's shape for hoist engineers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Guarded quantities of the present rope; physics.guard lets them trip."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rope_model.parameters import Scene

@@ -15,8 +15,6 @@ with K at the flowing rope and P x the derivative of x along the rope at the nod
 and the flow is left out of the inertia of spin.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from typing import Any

@@ -3,8 +3,6 @@
 The only module that needs scipy; nothing the FMU runs imports it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 One table for the warnings of both forms of the rope, the reports and the documents.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from rope_model.simulation.fidelity import FIDELITIES, Fidelity

@@ -4,8 +4,6 @@ The rope is linearised about the present state, and one generalized-alpha step a
 rope_load_derivative in rope_model/csrc is its C port.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Protocol
 

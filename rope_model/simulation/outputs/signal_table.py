@@ -3,8 +3,6 @@
 The values are computed by simulation.outputs.signals and by its C.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 

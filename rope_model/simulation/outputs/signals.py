@@ -1,7 +1,5 @@
 """Values of a running rope's outputs, by the names of simulation.outputs.signal_table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

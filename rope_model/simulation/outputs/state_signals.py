@@ -1,7 +1,5 @@
 """Outputs that the state remembers, as formulas of the state: codegen.rules makes the C of them."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 
