@@ -13,6 +13,7 @@ from rope_model.parameters import rope_120
 _SHARED = (
     (re.compile(r"(?<=`)(left|right)(?=\.)"), re.compile(r"\b(left|right)[. ]"), ""),
     (re.compile(r"(?<=`divider_)\d"), re.compile(r"(?!)"), ""),
+    (re.compile(r"(?<=`inputs\.misfit\.)\w+"), re.compile(r"^(largest|RMS)(?= misfit)"), "largest and RMS"),
     (re.compile(r"(?<=`mesh\.counts)\[\d\]"), re.compile(r"segment \w+"), "segments II to VI"),
     (re.compile(r"(?<=`nearest\.)\w+"), re.compile(r"nearest\.\w+\.clearance|clearance\.\w+"), "that clearance"),
     (re.compile(r"(?<=`contact\.)\w+(?=\.impulse)"), re.compile(r"contact\.\w+(?= since)"), "that pressure"),

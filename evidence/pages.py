@@ -3,7 +3,8 @@
 Text and figures follow from the recorded data alone, so ``publish`` and ``fill`` write them anew without a run.
 """
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -76,9 +77,17 @@ class Block:
     text: Callable[[Tables], str]
 
 
+def _both(rows: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Join the rows whose names differ in left and right alone."""
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for name, *cells in rows:
+        alike.setdefault((re.sub("left|right", "", name), *cells), []).append(name)
+    return [(", ".join(names), *cells) for (_, *cells), names in alike.items()]
+
+
 def metrics(tables: Tables) -> str:
     """Return the table of metrics; no data are needed."""
-    return markdown([(f"`{name}`", unit, text) for name, (unit, text) in METRICS.items()], "name", "unit", "")
+    return markdown(_both((f"`{name}`", unit, text) for name, (unit, text) in METRICS.items()), "name", "unit", "")
 
 
 RULED = {rule.key: rule.words for rule in (LENGTH, *RULES)}
@@ -98,7 +107,7 @@ def host(tables: Tables) -> str:
         meaning = ", ".join(filter(None, (p.meaning, " or ".join(p.choices))))
         bounds = "" if p.bounds == ANY else p.bounds.words
         rows.append((f"`{p.name}`", "" if p.unit == "1" else p.unit, start, bounds, meaning))
-    return markdown(rows, "key", "unit", "default", "bounds", "meaning")
+    return markdown(_both(rows), "key", "unit", "default", "bounds", "meaning")
 
 
 BLOCKS = {

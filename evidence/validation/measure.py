@@ -18,17 +18,15 @@ def _wires(t: Table) -> Iterator[Row]:
         source = f"{wire.name} wire of {1e3 * wire.mass:.1f} g/m, {least:.0f} to {most:.0f} deg in five tests"
         for part, gaps, bound in (("a", wires.GAPS, 0.5 * wires.STEP), ("b", (wires.GAP,), math.nan)):
             span = " to ".join(f"{1e3 * gap:.0f}" for gap in dict.fromkeys((gaps[0], gaps[-1])))
-            what = f"turn that throws a loop, outside ours of all stiffnesses, ends {span} mm apart, by"
+            what = f"turn, outside ours of all stiffnesses, ends {span} mm apart, by"
             yield Row(f"W-{k}{part}", "measured", source, what, wires.outside(t, wire.name, gaps), "deg", bound, ALONE)
 
 
 def _poses(t: Table) -> Iterator[Row]:
     for k, pose in enumerate(poses.POSES, 1):
-        source = f"wires of 0.4 m, one end moved and tilted by a robot (pose {k}), then turned by {pose.turn:g} deg"
-        what = "shape, farthest of three wires and all stiffnesses, off by (RMS)"
-        yield Row(
-            f"W-{k + 3}", "measured", source, what, float(np.max(rows(t, pose=k)["apart"])), "mm", math.nan, ALONE
-        )
+        source = f"wires of 0.4 m held by a robot, pose {k}, then turned by {pose.turn:g} deg"
+        what, value = "shape, worst wire and stiffness, off by (RMS)", float(np.max(rows(t, pose=k)["apart"]))
+        yield Row(f"W-{k + 3}", "measured", source, what, value, "mm", math.nan, ALONE)
 
 
 def _pulls(t: Table) -> Iterator[Row]:
@@ -64,7 +62,7 @@ def _winding(t: Table) -> Iterator[Row]:
     """A tenth of what half the step or twice the elements changed in a lift of 40 m in 8 s, which is not this one."""
     ours, theirs = rows(t, code="ours"), rows(t, code="CableDyn")
     rope = "120 m of rope, clamped as a U, twisted by 90 deg"
-    source = f"CableDyn 0.3.0: {rope}, one end raised by 60 m in 10 s, then at rest for 4 s"
+    source = f"CableDyn 0.3.0: {rope}, one end raised by 60 m in 10 s, then 4 s at rest"
     for k, name, what, bound in (
         (1, "moving", "pull of the moving end", 9e-4),
         (2, "held", "pull of the held end", 1.2e-4),
@@ -89,9 +87,7 @@ def _coupled_rest(t: Table) -> Iterator[Row]:
 def _coupled_winding(t: Table) -> Iterator[Row]:
     """What twice the elements and half the step changed in ours, together."""
     ours, theirs = rows(t, code="ours"), rows(t, code="CableDyn")
-    source = (
-        "CableDyn 0.3.0 by equivalence: 120 m of coupled rope, one end raised by 60 m in 10 s, then at rest for 4 s"
-    )
+    source = "CableDyn 0.3.0 by equivalence: 120 m of coupled rope, one end raised by 60 m in 10 s, then 4 s at rest"
     off = {name: np.abs(ours[name] - theirs[name]) for name in ("torque", "moving", "held")}
     value, torque = float(np.sqrt(np.mean(off["torque"] ** 2))), float(np.sqrt(np.mean(theirs["torque"] ** 2)))
     yield Row("D-8", "code", source, f"torque of {torque:.2g} N m (RMS), off by (RMS)", value, "N m", 5e-3, ALONE)

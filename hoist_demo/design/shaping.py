@@ -23,7 +23,7 @@ from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
 class Shaper(Stated):
     """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study) or modelled."""
 
-    kind: Literal["ZV", "ZVD"] = quantity("ZVD", "", "ZV or ZVD")
+    kind: Literal["ZV", "ZVD"] = quantity("ZVD", "")
     frequency: float = quantity(0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", VANISHING)
     damping: float = quantity(0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it"))
 
