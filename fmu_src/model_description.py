@@ -122,9 +122,9 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
         canHandleVariableCommunicationStepSize=True,
         maxOutputDerivativeOrder=0,
         providesIntermediateUpdate=False,
-        mightReturnEarlyFromDoStep=True,
+        mightReturnEarlyFromDoStep=False,
         canReturnEarlyAfterIntermediateUpdate=False,
-        hasEventMode=True,
+        hasEventMode=False,
         providesEvaluateDiscreteStates=False,
     )
     variables = [array.variable for array in gathered]

@@ -22,10 +22,9 @@ from numpy.testing import assert_allclose
 from scenes import ends_at, fixed_steps
 
 from balance_rope import main
-from fmu_src.interface import case_with
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model import EndMotion, RopeSimulator, rope_120
+from rope_model import RopeSimulator, rope_120
 from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import find_compiler
 
@@ -129,39 +128,6 @@ def test_fmpy_meets_the_reference_experiment_inside(exported: tuple[Flavour, Pat
     for name in ("time", *outputs):
         # a hundredth of the relative tolerance: this is the machine that computed the references
         assert_allclose(result[name], expected[name], rtol=0.01 * tolerance, atol=tolerance, err_msg=name)
-
-
-EVENTS = {
-    "solver.step_max": 0.005, "solver.tolerance": 1e6, "rope.installed_twist": 2.0, "sump.level": -14.3,
-    "left.swivel.mode": 2, "left.swivel.start": 0, "left.swivel.release_time": 0.133,
-    "guard.torque": 0.5, "guard.torque_delay": 0.08,
-}  # fmt: skip
-
-
-@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
-def test_fmpy_in_event_mode_is_returned_to_at_each_event_of_the_rope_in_process(fmu_of: Callable[[str], Path]) -> None:
-    """Release, slips and sticks of a swivel, a guard's trip, a strike; over steps that are long beside them."""
-    step, stop = 0.05, 0.5
-    rope, happened = RopeSimulator(case_with("rope-120", "standard", EVENTS).scene), {0.133}
-    for k in range(round(stop / step) + 1):
-        y, vy, t = -((max(k - 1, 0) * step) ** 2), -2.0 * max(k - 1, 0) * step, max(k - 1, 0) * step
-        ends = EndMotion(y=y, vy=vy, ay=-2.0), EndMotion(y=90.0 + y, vy=vy, ay=-2.0)
-        status = rope.advance_to(k * step, *ends, t) if k > 0 else rope.initialize(0.0, *ends)
-        assert status.valid, status.message
-        happened |= {event.t for event in rope.state.events if event.what.startswith(("left", "right"))}
-    happened |= {rope.state.guard.time, *(near.touched_at for near in rope.state.nearest)} - {0.0}
-    fine = np.linspace(0.0, stop, 1001)
-    motion = (-(fine**2), -2.0 * fine, np.full(fine.size, -2.0))
-    signals = np.rec.fromarrays([fine, *motion, 90.0 + motion[0], *motion[1:]], names=["time", *INPUTS])
-    times: dict[str, float] = {"stop_time": stop, "output_interval": step}
-
-    def told(early: bool) -> list[float]:
-        flags: dict[str, bool] = {"use_event_mode": True, "early_return_allowed": early}
-        result = fmpy.simulate_fmu(str(fmu_of("native-3")), start_values=EVENTS, input=signals, **times, **flags)
-        return sorted({t for t in result["time"] if abs(t / step - round(t / step)) > 1e-6})
-
-    assert told(early=False) == []
-    assert_allclose(told(early=True), sorted(happened), rtol=0, atol=1e-4)
 
 
 def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path) -> int:

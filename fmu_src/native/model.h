@@ -61,9 +61,8 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
 void model_destroy(ModelInstance *model); /* NULL: nothing to do */
 /* Consistent at the time t with these inputs; may be called again, with other inputs, before the first step. */
 int model_initialize(ModelInstance *model, double t, const double *values, char *message);
-/* From the model's own time, up to a rounding before t, to t + h; where `event` is not NULL, perhaps only to an event,
-   and *event tells whether it is at one. */
-int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message);
+/* From the model's own time, up to a rounding before t, to t + h. */
+int model_step(ModelInstance *model, double t, double h, const double *values, char *message);
 /* go on with other tunable parameters */
 int model_retune(ModelInstance *model, const double *values, char *message);
 

@@ -190,8 +190,7 @@ static int can_follow(const State *s, char *message) {
     return 1;
 }
 
-int model_step(ModelInstance *m, double t, double h, const double *values, int *event, char *message) {
-    (void)event; /* none */
+int model_step(ModelInstance *m, double t, double h, const double *values, char *message) {
     double stop = t + h, steps, part, x[DRIVE_STATES];
     State *s = &m->next;
     h += t - m->state.t; /* rests of rounding size included */

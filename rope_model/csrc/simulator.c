@@ -173,18 +173,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
     return 1;
 }
 
-/* whether something is to be told that came with the latest step of the state */
-static int has_event(const Simulator *rope, const State *state) {
-    const State *before = rope->state;
-    int found = state->fidelity != RIGID && next_release(rope, state) <= state->t;
-    found |= state->event_count > 0 && state->events[state->event_count - 1].t == state->t;
-    for (int kind = 0; kind < KINDS; kind++)
-        found |= state->nearest[kind].touched_at != before->nearest[kind].touched_at;
-    return found || state->guard.cause != before->guard.cause;
-}
-
-/* to an event, if `event` is not NULL */
-static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
+static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
     State *state = rope->next;
     const double begin = rope->state->t, step_max = rope->scene.solver.step_max;
     const double earliest = begin - rope->scene.inputs.hold_max;
@@ -216,8 +205,6 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
             with_passages(rope, state);
             with_guards(&rope->scene, state);
         }
-        if (event && (*event = has_event(rope, state)))
-            state->paths[LEFT].stop = state->paths[RIGHT].stop = t = state->t;
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -= 0.5 * (state->t - t_before) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
     }
@@ -229,12 +216,7 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
 }
 
 int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
-    return conclude(rope, advance_to(rope, t, ends, given_at, NULL));
-}
-
-int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
-    *event = 0;
-    return conclude(rope, advance_to(rope, t, ends, given_at, event));
+    return conclude(rope, advance_to(rope, t, ends, given_at));
 }
 
 size_t rope_state_bytes(const Simulator *rope) {
