@@ -146,7 +146,10 @@ def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator
     """Tell of ropes side by side that may touch as their loops yaw, more in a trip than at rest [rad]."""
     for one, other in combinations(ropes, 2):
         (x, _, z), (x1, _, z1) = one.place.origin, other.place.origin
-        reach, reach1 = (0.5 * r.scene.layout.spacing * math.sin(YAWS * yaws[r.name]) for r in (one, other))
+        reach, reach1 = (
+            0.5 * r.scene.layout.spacing * math.sin(max(-0.5 * math.pi, min(YAWS * yaws[r.name], 0.5 * math.pi)))
+            for r in (one, other)
+        )
         least = abs(reach - reach1) + 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
         if abs(x - x1) < one.scene.layout.spacing and abs(z - z1) < least:
             angles = " and ".join(f"{math.degrees(yaws[r.name]):.2g}" for r in (one, other))

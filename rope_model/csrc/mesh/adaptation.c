@@ -14,7 +14,7 @@ static void with_energy_change(Simulator *rope, State *state) {
 
 /* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow, into
    trial; the state is as it was where Newton's method does not converge */
-static int dynamic_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
+static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = rope_system(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
@@ -23,11 +23,11 @@ static int dynamic_equilibrium(Simulator *rope, State *state, double time, doubl
     memcpy(now->q, m.q, FIELDS * bytes);
     const Progress newton =
         chain_of(rope, state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
-    if (newton.status != CONVERGED) return newton.status;
+    if (newton.status != CONVERGED) return newton;
     wires_slip(rope, state, now->q);
     with_angles_along(rope, state, now->q, m.v, m.a, m.b);
     memcpy(m.q, now->q, bytes);
-    return CONVERGED;
+    return newton;
 }
 
 /* how Newton's method ended */
@@ -46,13 +46,13 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
     const Solver *solver = &rope->scene.solver;
     const double tolerance = newton_may_leave(solver->newton_tolerance, solver->work_max, HASTY_MESH);
     double time = RELAXATION_TIME;
-    int status;
-    while ((status = dynamic_equilibrium(rope, state, time, tolerance)) != CONVERGED) {
-        if (time <= solver->step_min) return status;
+    Progress newton;
+    while ((newton = dynamic_equilibrium(rope, state, time, tolerance)).status != CONVERGED) {
+        if (time <= solver->step_min) return newton.status;
         time = fmax(0.5 * time, solver->step_min);
         state->counts.rejections += 1;
     }
-    state->counts.given_up += tolerance > solver->newton_tolerance;
+    state->counts.given_up += newton.error > solver->newton_tolerance;
     with_energy_change(rope, state);
     return CONVERGED;
 }
@@ -89,7 +89,7 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
         return 1;
     }
     if (was == RIGID && !flexible_start(rope, state, message)) return 0;
-    if (dynamic_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE) == CONVERGED)
+    if (dynamic_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
         memcpy(m.reaction, rope->trial.reaction, sizeof(double) * (size_t)m.nodes * DOF);
     else
         with_angles_along(rope, state, m.q, m.v, m.a, m.b);

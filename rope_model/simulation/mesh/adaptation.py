@@ -62,7 +62,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
             return messages.transformation_fails(step_min, solution.newton.status.text)
         time = max(0.5 * time, step_min)
         moved = moved._replace(counts=moved.counts.plus(rejections=1))
-    moved = moved._replace(counts=moved.counts.plus(given_up=int(tolerance > solver.newton_tolerance)))
+    moved = moved._replace(counts=moved.counts.plus(given_up=int(solution.newton.error > solver.newton_tolerance)))
     system = model.system(moved)
     z = system.slip(solution.q).z
     moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
