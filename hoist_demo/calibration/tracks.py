@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 REST, FIRST = 25, 5
 #: standard errors from which on a residual counts for less
 ROBUST = 3.0
+#: frames from one with both ends within which the next follows: over longer gaps splines mistake the way of the ends
+GAP = 6
 #: samples of the running median, and standard errors from it that are a leap
 MEDIAN, LEAP = 5, 8.0
 
@@ -52,7 +54,7 @@ class Markers(Table):
     skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
     offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
-    _t: Array = PrivateAttr()  # (n,), s; the file begins at REST
+    _t: Array = PrivateAttr()  # (n,), s from the first of the file; its first frame with both ends is at REST
     _spacing: float = PrivateAttr()  # m, of the ends at the start
     _ends: list[tuple[EndMotion, EndMotion]] = PrivateAttr()  # at these times
     _places: Array = PrivateAttr()  # (n - REST, markers, 3), m; NaN where lost or not compared
@@ -75,7 +77,7 @@ class Markers(Table):
         for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True)):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)
             if not status.valid:
-                raise RuntimeError(f"{self.file} at t = {t:g} s: {status.message}")
+                raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k >= REST:
                 rows = rope.rows()
                 at = elements_at(np.array([*self.places.values()]), np.diff(rows[:, 0]))
@@ -108,12 +110,25 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
             raise ValueError(f"{asked.file} has no column {missing[0]}: its columns are {', '.join(names)}")
         return unit * np.column_stack([columns[one] for one in wanted])
 
+    if taken := [side for side in SIDES if side in asked.places]:
+        raise ValueError(f"places.{taken[0]} has the name of an end of the rope: give the marker another name")
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
         raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
-    if (leaning := "left.dx" in names) and asked.ends != "clamped":
+    if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and asked.ends != "clamped":
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
-    start, end = (np.nanmean(vectors(side)[:FIRST], axis=0) for side in SIDES)
+    held = np.hstack([vectors(side, axis) for side in SIDES for axis in ("", "d")[: 1 + leaning]])
+    if (both := np.flatnonzero(np.isfinite(held).all(axis=1))).size < 2 * FIRST:
+        raise ValueError(f"{asked.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
+    frame, gaps = float(np.median(np.diff(t))), np.diff(t[both])
+    if (gap := float(gaps.max())) > (GAP + 0.5) * frame:
+        raise ValueError(
+            f"{asked.file} has an end or its direction lost for {gap:g} s after t = {t[both[gaps.argmax()]]:.10g} s, and "
+            f"must have both again within {GAP} frames = {GAP * frame:g} s: fill the gap, or give either side as a file"
+        )
+    t, columns = (t - t[0])[both[0] : both[-1] + 1], columns[both[0] : both[-1] + 1]
+    whole = np.isin(np.arange(t.size), both - both[0])
+    start, end = (vectors(side)[whole][:FIRST].mean(axis=0) for side in SIDES)
     if not np.linalg.norm(np.cross(asked.up, end - start)) > 0.0:
         raise ValueError(f"{asked.file}: the ends hang above each other with up = {asked.up}: give the direction of up")
     axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [asked.up, end - start], weights=[np.inf, 1.0])
@@ -124,9 +139,6 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
         across = np.linalg.norm(way[:, ::2], axis=1, keepdims=True)
         paths.append(way[:, ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -way[:, 1:2]))
     seen = np.hstack(paths)
-    whole, frame = np.isfinite(seen).all(axis=1), float(t[1] - t[0])
-    if whole.sum() < 2 * FIRST:
-        raise ValueError(f"{asked.file} has both ends at {whole.sum()} times, needed are {2 * FIRST}: give more")
     resting = np.vstack((np.tile(seen[whole][:FIRST].mean(axis=0), (REST, 1)), seen[whole]))
     all_t, known = np.concatenate((t[0] + np.arange(-REST, 0) * frame, t)), np.concatenate((np.full(REST, True), whole))
     smooth = np.zeros((3, all_t.size, 2, 5))
@@ -138,9 +150,11 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
     motions = np.concatenate((place, speed, acceleration, np.zeros((*place.shape[:2], 2)), smooth[0, ..., 3:]), axis=2)
     ends = [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
     markers = np.stack([axes.apply(vectors(name) - 0.5 * (start + end)) for name in asked.places], axis=1)
-    markers[t < t[0] + asked.skip] = np.nan
+    markers[~whole | (t < asked.skip)] = np.nan
     if not np.isfinite(markers := _masked(markers, asked.sigma)).any():
-        raise ValueError(f"{asked.file} has no place of a marker behind skip = {asked.skip:g} s: lower skip")
+        raise ValueError(
+            f"{asked.file} has no place of a marker behind skip = {asked.skip:g} s with both ends: lower skip"
+        )
     return all_t, spacing, ends, markers
 
 
