@@ -9,6 +9,7 @@ shifts, less the measured one.  Offsets and delay have standard errors and are f
 projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
 """
 
+import math
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -65,9 +66,22 @@ class Markers(Table):
         return self
 
     @property
+    def nuisance(self) -> int:
+        """Number of offsets and delays, each of which is a residual and is found."""
+        return 3 * len(self.places) + 1
+
+    @property
     def values(self) -> Array:
         """Zeros, as the predictions are residuals, of what was seen and then of offsets and delay."""
-        return np.zeros(np.isfinite(self._places).sum() + 3 * len(self.places) + 1)
+        return np.zeros(np.isfinite(self._places).sum() + self.nuisance)
+
+    @property
+    def lengths(self) -> dict[str, float]:
+        """Lengths (m) that are at most the rope's, by what they are."""
+        apart = max(math.dist((a.x, a.y, a.z), (b.x + self._spacing, b.y, b.z)) for a, b in self._ends)
+        return {f"places.{k}": s for k, s in self.places.items()} | {
+            f"{self.file}: largest distance of the ends": apart
+        }
 
     def wind(self, scene: Scene) -> CubicHermiteSpline:
         """Places of the markers by time (markers, 3), on the rope of ``scene`` between these ends."""
@@ -93,7 +107,7 @@ class Markers(Table):
             r = (places - self._places)[seen] / self.sigma
             return np.concatenate((r * np.sqrt(2.0 / (1.0 + np.hypot(1.0, r / ROBUST))), b))
 
-        return np.asarray(self.sigma * least_squares(residuals, np.zeros(3 * len(self.places) + 1), method="lm").fun)
+        return np.asarray(self.sigma * least_squares(residuals, np.zeros(self.nuisance), method="lm").fun)
 
 
 def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotion, EndMotion]], Array]:
@@ -118,16 +132,13 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
     if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and asked.ends != "clamped":
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
     held = np.hstack([vectors(side, axis) for side in SIDES for axis in ("", "d")[: 1 + leaning]])
-    if (both := np.flatnonzero(np.isfinite(held).all(axis=1))).size < 2 * FIRST:
+    if (both := np.flatnonzero(whole := np.isfinite(held).min(axis=1))).size < 2 * FIRST:
         raise ValueError(f"{asked.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
     frame, gaps = float(np.median(np.diff(t))), np.diff(t[both])
-    if (gap := float(gaps.max())) > (GAP + 0.5) * frame:
-        raise ValueError(
-            f"{asked.file} has an end or its direction lost for {gap:g} s after t = {t[both[gaps.argmax()]]:.10g} s, and "
-            f"must have both again within {GAP} frames = {GAP * frame:g} s: fill the gap, or give either side as a file"
-        )
-    t, columns = (t - t[0])[both[0] : both[-1] + 1], columns[both[0] : both[-1] + 1]
-    whole = np.isin(np.arange(t.size), both - both[0])
+    if gaps.max() > (GAP + 0.5) * frame:
+        lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
+        raise ValueError(f"{asked.file} {lost}, over {GAP} frames = {GAP * frame:g} s: fill the gap or end there")
+    t, columns, whole = (t - t[0])[(between := slice(both[0], both[-1] + 1))], columns[between], whole[between]
     start, end = (vectors(side)[whole][:FIRST].mean(axis=0) for side in SIDES)
     if not np.linalg.norm(np.cross(asked.up, end - start)) > 0.0:
         raise ValueError(f"{asked.file}: the ends hang above each other with up = {asked.up}: give the direction of up")
@@ -146,15 +157,12 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
         spline = make_smoothing_spline(all_t[known] / frame, x)
         smooth[..., k // 5, k % 5] = [spline(all_t / frame, order) / frame**order for order in range(3)]
     smooth[1:, 0] = 0.0  # at first the ends rest
-    place, speed, acceleration = smooth[..., :3]
-    motions = np.concatenate((place, speed, acceleration, np.zeros((*place.shape[:2], 2)), smooth[0, ..., 3:]), axis=2)
+    motions = np.concatenate((*smooth[..., :3], np.zeros((*smooth.shape[1:3], 2)), smooth[0, ..., 3:]), axis=2)
     ends = [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
     markers = np.stack([axes.apply(vectors(name) - 0.5 * (start + end)) for name in asked.places], axis=1)
     markers[~whole | (t < asked.skip)] = np.nan
     if not np.isfinite(markers := _masked(markers, asked.sigma)).any():
-        raise ValueError(
-            f"{asked.file} has no place of a marker behind skip = {asked.skip:g} s with both ends: lower skip"
-        )
+        raise ValueError(f"{asked.file} has no marker behind skip = {asked.skip:g} s with both ends: lower skip")
     return all_t, spacing, ends, markers
 
 
