@@ -59,7 +59,7 @@ def main(folder: str, cable: str, out: str = "out/motion") -> None:
         print(f"{name} = {found.value(name):.4g} ({found.data[name].low:.4g} to {found.data[name].high:.4g})")
     trial = found.measured.bench.trial(found.fit.shares)
     for one in judges.measurements:
-        misfit = one.predict(trial)[: -3 * len(one.places) - 1]  # without offsets and delay
+        misfit = one.predict(trial)[: -one.nuisance]  # without offsets and delay
         print(f"{one.file}: {1e3 * np.sqrt(np.mean(np.square(misfit))):.1f} mm")
 
 

@@ -56,8 +56,11 @@ def true_shares(bench: Any) -> Array:
 
 
 def test_the_residuals_of_the_true_rope_are_noise(tmp_path: Path) -> None:
-    """In turned axes and mm, with offsets, a late camera, lost and swapped markers."""
-    measured, asked = track_of(camera().write(tmp_path, markers(), 3))
+    """In turned axes, mm and Unix time, with offsets, a late camera, lost and swapped markers, and a lost end."""
+    track = camera().write(tmp_path, markers(), 3).with_suffix(".csv")
+    text = re.sub(r"(\n0\.9[04]?),[^,]*", r"\1,", track.read_text(encoding="utf-8"))
+    track.write_text(re.sub(r"\n([\d.]+)", lambda t: f"\n{1.7e9 + float(t[1])}", text), encoding="utf-8")
+    measured, asked = track_of(track.with_suffix(".toml"))
     assert [*measured.bench.names] == ["torsional_stiffness", "bending_stiffness", "rope.beta_K"]
     residuals = asked.predict(measured.bench.trial(true_shares(measured.bench))) / asked.sigma
     count = asked.values.size - 13
@@ -113,18 +116,27 @@ def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(
 @pytest.mark.parametrize(
     ("old", "new", "problem"),
     [
+        ("d = 0.8", "left = 0.8", r"places\.left has the name of an end"),
+        (
+            "length = 1.0",
+            "length = 0.3",
+            r"swing.csv: largest distance of the ends = 0\.\d+ m must be from 0 to 0\.3 m",
+        ),
+        (",left.dx,left.dy", ",u,v", r"swing.csv has no column left\.dx"),
+        (r"(\n0\.[234]\d?),[^,]*", r"\1,", r"lacks an end or its direction for 0\.32 s after t = 0\.18 s"),
         ('"swing.csv"', '"none.csv"', "none.csv is no table of numbers"),
         ("d = 0.8", "e = 0.8", r"swing.csv has no column e\.x"),
         ("d = 0.8", "d = 1.8", r"places\.d = 1\.8 m must be from 0 to 1 m"),
         ('"clamped"', '"hinged"', 'ends = "hinged" must be "clamped"'),
-        ("sigma = 1e-3", "sigma = 1e-3\nskip = 9.0", r"no place of a marker behind skip = 9 s"),
+        ("sigma = 1e-3", "sigma = 1e-3\nskip = 9.0", r"no marker behind skip = 9 s"),
         ("axial_stiffness = 2e3", "axial_stiffness = 0.0", r"axial_stiffness = 0\.0 must be"),
         ("torque_factor = 0.0", "", r"without a construction \[known\] torque_factor"),
     ],
 )
 def test_what_is_wrong_with_a_track_is_told(tmp_path: Path, old: str, new: str, problem: str) -> None:
     path = camera().write(tmp_path, markers(), 0)
-    path.write_text(path.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    for one in (path, path.with_suffix(".csv")):
+        one.write_text(re.sub(old, new, one.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(FileError, match=problem):
         read(path, Measured)
 

@@ -78,9 +78,9 @@ class Measured(RopeQuestion):
             if abs(gap) >= length
         ]
         problems += [
-            f"measured {k}: places.{name} = {s:g} m must be from 0 to {length:g} m: measure it from the left"
+            f"measured {k}: {what} = {s:.6g} m must be from 0 to {length:g} m, its length: correct one or the unit"
             for k, one in enumerate(self.measurements, 1)
-            for name, s in (one.places.items() if isinstance(one, Markers) else ())
+            for what, s in (one.lengths.items() if isinstance(one, Markers) else ())
             if not 0.0 <= s <= length
         ]
         if problems:

@@ -60,6 +60,7 @@ class Fit:
     residuals: Array
     sensitivities: Array
     held: Array
+    nuisance: int = 0  # other unknowns, each found by the residuals
 
     @property
     def covariance(self) -> Array:
@@ -95,7 +96,7 @@ class Fit:
     @property
     def likelihood(self) -> float:
         """Probability of residuals at least this large by chance; 1 without more values than what was found."""
-        spare = self.residuals.size - (self.shares.size - len(self.untold()))
+        spare = self.residuals.size - self.nuisance - (self.shares.size - len(self.untold()))
         return float(chdtrc(spare, self.residuals @ self.residuals)) if spare > 0 else 1.0
 
     @property

@@ -19,6 +19,7 @@ from hoist_demo.calibration.measurements import (
     SampleRotation,
     SampleTorque,
 )
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
 from hoist_demo.files.rope_file import following_statuses
@@ -104,7 +105,8 @@ def identify(measured: Measured) -> Identified:
     """Fit, intervals, and candidates for the next measurement."""
     bench = measured.bench
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
-    found = fit(residuals, len(bench.names))
+    nuisance = sum(m.nuisance for m in measured.measurements if isinstance(m, Markers))
+    found = replace(fit(residuals, len(bench.names)), nuisance=nuisance)
     ends = intervals(residuals, found)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)

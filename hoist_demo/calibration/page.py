@@ -53,13 +53,7 @@ def write_page(found: Identified, path: Path) -> Path:
     ]
     residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(found)]
     steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)]
-    head = (
-        "property",
-        f"found, with the interval of {100 * CONFIDENCE:.0f} %",
-        "unit",
-        "known before",
-        "status before",
-    )
+    with_interval = f"found, with the interval of {100 * CONFIDENCE:.0f} %"
     known = [
         (*row, f"{number(factor * datum.low)} to {number(factor * datum.high)}", f"{datum.status}: {datum.source}")
         for row, name in zip(_properties(found), found.names, strict=True)
@@ -75,7 +69,7 @@ def write_page(found: Identified, path: Path) -> Path:
     pairs = _pairs(found)
     notes = [text for text in (misfit(found), *found.warnings) if text]
     parts = [
-        ("", paragraphs(notes) + grid(head, known)),
+        ("", paragraphs(notes) + grid(("property", with_interval, "unit", "known before", "status before"), known)),
         (
             "Values in the ranges known before",
             paragraphs(["Axis: the range known before, from its lower to its upper end. Grey: undetermined."])
@@ -136,7 +130,8 @@ def _values(found: Identified) -> list[tuple[str, float, float, float, str]]:
     predicted, rows = iter(found.predicted), []
     for m in found.measured.measurements:
         if isinstance(m, Markers):
-            rms = (sum(float(next(predicted)) ** 2 for _ in m.values) / len(m.values)) ** 0.5
+            of_places = [float(next(predicted)) ** 2 for _ in m.values][: -m.nuisance]
+            rms = (sum(of_places) / len(of_places)) ** 0.5
             rows.append((f"{m.name or m.file}, RMS", 0.0, rms, m.sigma, "m"))
             continue
         for k, value in enumerate(m.values, 1):

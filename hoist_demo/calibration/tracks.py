@@ -9,6 +9,7 @@ shifts, less the measured one.  Offsets and delay have standard errors and are f
 projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
 """
 
+import math
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -34,6 +35,8 @@ Array = NDArray[np.float64]
 REST, FIRST = 25, 5
 #: standard errors from which on a residual counts for less
 ROBUST = 3.0
+#: frames from one with both ends within which the next follows: over longer gaps splines mistake the way of the ends
+GAP = 6
 #: samples of the running median, and standard errors from it that are a leap
 MEDIAN, LEAP = 5, 8.0
 
@@ -52,7 +55,7 @@ class Markers(Table):
     skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
     offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
-    _t: Array = PrivateAttr()  # (n,), s; the file begins at REST
+    _t: Array = PrivateAttr()  # (n,), s from the first of the file; its first frame with both ends is at REST
     _spacing: float = PrivateAttr()  # m, of the ends at the start
     _ends: list[tuple[EndMotion, EndMotion]] = PrivateAttr()  # at these times
     _places: Array = PrivateAttr()  # (n - REST, markers, 3), m; NaN where lost or not compared
@@ -63,9 +66,22 @@ class Markers(Table):
         return self
 
     @property
+    def nuisance(self) -> int:
+        """Number of offsets and delays, each of which is a residual and is found."""
+        return 3 * len(self.places) + 1
+
+    @property
     def values(self) -> Array:
         """Zeros, as the predictions are residuals, of what was seen and then of offsets and delay."""
-        return np.zeros(np.isfinite(self._places).sum() + 3 * len(self.places) + 1)
+        return np.zeros(np.isfinite(self._places).sum() + self.nuisance)
+
+    @property
+    def lengths(self) -> dict[str, float]:
+        """Lengths (m) that are at most the rope's, by what they are."""
+        apart = max(math.dist((a.x, a.y, a.z), (b.x + self._spacing, b.y, b.z)) for a, b in self._ends)
+        return {f"places.{k}": s for k, s in self.places.items()} | {
+            f"{self.file}: largest distance of the ends": apart
+        }
 
     def wind(self, scene: Scene) -> CubicHermiteSpline:
         """Places of the markers by time (markers, 3), on the rope of ``scene`` between these ends."""
@@ -75,7 +91,7 @@ class Markers(Table):
         for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True)):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)
             if not status.valid:
-                raise RuntimeError(f"{self.file} at t = {t:g} s: {status.message}")
+                raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k >= REST:
                 rows = rope.rows()
                 at = elements_at(np.array([*self.places.values()]), np.diff(rows[:, 0]))
@@ -91,7 +107,7 @@ class Markers(Table):
             r = (places - self._places)[seen] / self.sigma
             return np.concatenate((r * np.sqrt(2.0 / (1.0 + np.hypot(1.0, r / ROBUST))), b))
 
-        return np.asarray(self.sigma * least_squares(residuals, np.zeros(3 * len(self.places) + 1), method="lm").fun)
+        return np.asarray(self.sigma * least_squares(residuals, np.zeros(self.nuisance), method="lm").fun)
 
 
 def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotion, EndMotion]], Array]:
@@ -108,12 +124,22 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
             raise ValueError(f"{asked.file} has no column {missing[0]}: its columns are {', '.join(names)}")
         return unit * np.column_stack([columns[one] for one in wanted])
 
+    if taken := [side for side in SIDES if side in asked.places]:
+        raise ValueError(f"places.{taken[0]} has the name of an end of the rope: give the marker another name")
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
         raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
-    if (leaning := "left.dx" in names) and asked.ends != "clamped":
+    if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and asked.ends != "clamped":
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
-    start, end = (np.nanmean(vectors(side)[:FIRST], axis=0) for side in SIDES)
+    held = np.hstack([vectors(side, axis) for side in SIDES for axis in ("", "d")[: 1 + leaning]])
+    if (both := np.flatnonzero(whole := np.isfinite(held).min(axis=1))).size < 2 * FIRST:
+        raise ValueError(f"{asked.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
+    frame, gaps = float(np.median(np.diff(t))), np.diff(t[both])
+    if gaps.max() > (GAP + 0.5) * frame:
+        lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
+        raise ValueError(f"{asked.file} {lost}, over {GAP} frames = {GAP * frame:g} s: fill the gap or end there")
+    t, columns, whole = (t - t[0])[(between := slice(both[0], both[-1] + 1))], columns[between], whole[between]
+    start, end = (vectors(side)[whole][:FIRST].mean(axis=0) for side in SIDES)
     if not np.linalg.norm(np.cross(asked.up, end - start)) > 0.0:
         raise ValueError(f"{asked.file}: the ends hang above each other with up = {asked.up}: give the direction of up")
     axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [asked.up, end - start], weights=[np.inf, 1.0])
@@ -124,9 +150,6 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
         across = np.linalg.norm(way[:, ::2], axis=1, keepdims=True)
         paths.append(way[:, ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -way[:, 1:2]))
     seen = np.hstack(paths)
-    whole, frame = np.isfinite(seen).all(axis=1), float(t[1] - t[0])
-    if whole.sum() < 2 * FIRST:
-        raise ValueError(f"{asked.file} has both ends at {whole.sum()} times, needed are {2 * FIRST}: give more")
     resting = np.vstack((np.tile(seen[whole][:FIRST].mean(axis=0), (REST, 1)), seen[whole]))
     all_t, known = np.concatenate((t[0] + np.arange(-REST, 0) * frame, t)), np.concatenate((np.full(REST, True), whole))
     smooth = np.zeros((3, all_t.size, 2, 5))
@@ -134,13 +157,12 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
         spline = make_smoothing_spline(all_t[known] / frame, x)
         smooth[..., k // 5, k % 5] = [spline(all_t / frame, order) / frame**order for order in range(3)]
     smooth[1:, 0] = 0.0  # at first the ends rest
-    place, speed, acceleration = smooth[..., :3]
-    motions = np.concatenate((place, speed, acceleration, np.zeros((*place.shape[:2], 2)), smooth[0, ..., 3:]), axis=2)
+    motions = np.concatenate((*smooth[..., :3], np.zeros((*smooth.shape[1:3], 2)), smooth[0, ..., 3:]), axis=2)
     ends = [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
     markers = np.stack([axes.apply(vectors(name) - 0.5 * (start + end)) for name in asked.places], axis=1)
-    markers[t < t[0] + asked.skip] = np.nan
+    markers[~whole | (t < asked.skip)] = np.nan
     if not np.isfinite(markers := _masked(markers, asked.sigma)).any():
-        raise ValueError(f"{asked.file} has no place of a marker behind skip = {asked.skip:g} s: lower skip")
+        raise ValueError(f"{asked.file} has no marker behind skip = {asked.skip:g} s with both ends: lower skip")
     return all_t, spacing, ends, markers
 
 
