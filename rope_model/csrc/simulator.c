@@ -84,7 +84,7 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
         if (fastest > RESTS_BELOW) return say_moves_at_start(rope->message, SIDE_NAMES[side]);
     }
-    paths_at_rest(rope, state, ends, 0);
+    paths_at_rest(rope, state, ends, rope->scene.model.fidelity == RIGID); /* a rigid rope is at its place at once */
     const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
     suspension_points(&rope->scene.layout, &first[LEFT], &first[RIGHT], points);
     return 1;
