@@ -69,7 +69,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Manner follow_manner(scene, trusted)": following.follow_manner,
     "Following follow_sample(Following now, manner, given_at, h, EndMotion end)": following.follow_sample,
     "Path follow_path(path, Following now, stop, bandwidth)": following.follow_path,
-    "void follow_limits(path, Following now, limits[3][4])": following.follow_limits,
+    "void follow_limits(path, Following now, limits[14])": following.follow_limits,
     "Following follow_account(Following now, path, manner, rope, leg)": misfit.follow_account,
     "void lean_moves(h, lean, moved[3])": following.lean_moves,
     "void sample_moves(manner, h, ahead, sample[3], moved[3])": following.sample_moves,

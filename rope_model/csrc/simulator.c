@@ -76,7 +76,7 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
         const EndMotion *end = &ends[side];
         const Path path = path_resting(state->t, end);
         state->following[side] = following_resting(state->t, end);
-        double limits[3][4];
+        double limits[14];
         follow_limits(&path, &state->following[side], limits);
         ends_refusal(&rope->scene, end, limits, side, rope->message);
         if (rope->message[0]) return 0;
@@ -151,7 +151,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         const Path *before = &rope->state->paths[side];
         const Following now = follow_sample(&state->following[side], &manner, given_at, t - before->stop, &ends[side]);
         const Path path = follow_path(before, &now, t, manner.observer);
-        double limits[3][4];
+        double limits[14];
         follow_limits(&path, &now, limits);
         ends_refusal(scene, &ends[side], limits, side, rope->message);
         if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);

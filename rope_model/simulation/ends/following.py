@@ -308,9 +308,9 @@ def _explained(misfit: Any, most: Any) -> Any:
 
 
 class Limits(NamedTuple):
-    """Limits of an end's path: largest sampled accelerations, and misfit of place and speed at its end, by PATH."""
+    """Limits of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH."""
 
-    peaks: Four
+    peaks: tuple[float, ...]
     place: Four
     speed: Four
 
