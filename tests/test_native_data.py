@@ -106,8 +106,7 @@ def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, nam
 
 def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> None:
     limits = NO_LIMITS._replace(peaks=(0.0, 1.0, 5.0, 5.0, 5.0, 100.1))
-    assert "lean_z and" in (said := assert_same_refusal(native, EndMotion(), limits))
-    assert "inputs.acceleration_max = 100" in said
+    assert "left.lean_z and its derivatives" in assert_same_refusal(native, EndMotion(), limits)
 
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:

@@ -71,7 +71,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Path follow_path(path, Following now, stop, bandwidth)": following.follow_path,
     "void follow_limits(path, Following now, limits[14])": following.follow_limits,
     "Following follow_account(Following now, path, manner, rope, leg)": misfit.follow_account,
-    "void lean_moves(h, lean, moved[3])": following.lean_moves,
+    "void lean_moves(h, ahead, lean, moved[3])": following.lean_moves,
     "void sample_moves(manner, h, ahead, sample[3], moved[3])": following.sample_moves,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(path, t)": EndPath.at,
