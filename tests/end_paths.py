@@ -10,7 +10,7 @@ from rope_model.simulation.ends.followed import Followed, follow, follow_program
 from rope_model.simulation.ends.following import Following, Limits, Manner, manner_of
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 
-NO_LIMITS = Limits((0.0,) * 4, (0.0,) * 4, (0.0,) * 4)
+NO_LIMITS = Limits((0.0,) * 6, (0.0,) * 4, (0.0,) * 4)
 
 
 def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:

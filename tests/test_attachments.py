@@ -1,6 +1,7 @@
 """Ends that are clamped as an input says, or hinged: against the elastica, beams, symmetries and rigid rotations."""
 
 import math
+import re
 from dataclasses import replace
 from typing import Any, cast
 
@@ -14,6 +15,7 @@ from test_native_derivatives import native_derivative
 
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
 from rope_model.engine import NativeRope
+from rope_model.parameters import Model
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 
@@ -193,4 +195,8 @@ def test_only_a_clamp_leans(form: Any) -> None:
     rope = balance_rope(scene("hinged", 12), form)
     assert "left.swivel.attachment = clamped" in rope.initialize(0.0, EndMotion(lean=0.1), EndMotion()).message
     hung(rope, EndMotion(), EndMotion())
+    rigid = hung(balance_rope(scene("hinged", 12).with_(model=Model("rigid")), form))
+    assert_allclose(rigid.state.motion.q[[0, -1], 0], (-0.5 * SPAN, 0.5 * SPAN))
     assert "right.lean_z = 0.1 rad" in rope.advance_to(0.01, EndMotion(), EndMotion(lean_z=0.1)).message
+    told = hung(balance_rope(scene(elements=12), form)).advance_to(0.01, EndMotion(lean_z=0.01), EndMotion()).message
+    assert re.search(r"left.lean_z .* 333 rad/s\^2 \(inputs.acceleration_max = 100\)", told), told

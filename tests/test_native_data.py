@@ -81,7 +81,7 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
 
 
 def assert_same_refusal(native: Any, target: EndMotion, limits: Limits = NO_LIMITS, side: int = 0) -> str:
-    scene, sizes = Scene(), (ct.c_double * 12)(*(x for row in limits for x in row))
+    scene, sizes = Scene(), (ct.c_double * 14)(*(x for row in limits for x in row))
     said = refusal(scene, target, limits, SIDES[side])
     assert text_of(native.ends_refusal, ct.byref(scene_structure(scene)), ct.byref(c_end(target)), sizes, side) == said
     return said
@@ -105,8 +105,8 @@ def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, nam
 
 
 def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> None:
-    limits = NO_LIMITS._replace(peaks=(0.0, 1.0, 100.1, 5.0))
-    assert "inputs.acceleration_max = 100" in assert_same_refusal(native, EndMotion(), limits)
+    limits = NO_LIMITS._replace(peaks=(0.0, 1.0, 5.0, 5.0, 5.0, 100.1))
+    assert "left.lean_z and its derivatives" in assert_same_refusal(native, EndMotion(), limits)
 
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:

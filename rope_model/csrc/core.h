@@ -99,7 +99,7 @@ static inline double end_value(const EndMotion *motion, int place) {
 }
 
 /* ends.c; limits: of formulas.h's follow_limits */
-void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[3][4], int side, char *message);
+void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message);
 void ends_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message);
 /* about the tangent, on the rope's end with this row of the reaction */
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);

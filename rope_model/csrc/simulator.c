@@ -76,7 +76,7 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
         const EndMotion *end = &ends[side];
         const Path path = path_resting(state->t, end);
         state->following[side] = following_resting(state->t, end);
-        double limits[3][4];
+        double limits[14];
         follow_limits(&path, &state->following[side], limits);
         ends_refusal(&rope->scene, end, limits, side, rope->message);
         if (rope->message[0]) return 0;
@@ -84,7 +84,7 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
         if (fastest > RESTS_BELOW) return say_moves_at_start(rope->message, SIDE_NAMES[side]);
     }
-    paths_at_rest(rope, state, ends, 0);
+    paths_at_rest(rope, state, ends, rope->scene.model.fidelity == RIGID); /* a rigid rope is at its place at once */
     const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
     suspension_points(&rope->scene.layout, &first[LEFT], &first[RIGHT], points);
     return 1;
@@ -151,7 +151,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         const Path *before = &rope->state->paths[side];
         const Following now = follow_sample(&state->following[side], &manner, given_at, t - before->stop, &ends[side]);
         const Path path = follow_path(before, &now, t, manner.observer);
-        double limits[3][4];
+        double limits[14];
         follow_limits(&path, &now, limits);
         ends_refusal(scene, &ends[side], limits, side, rope->message);
         if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);

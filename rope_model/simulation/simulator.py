@@ -174,7 +174,8 @@ class RopeSimulator(BalanceRope):
         scene, rope = self.scene, self.scene.rope
         if not abs(t) <= FARTHEST_START:
             return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
-        paths = paths_at_rest(scene, t, (left, right), 0.0)
+        # a rigid rope is at its place at once
+        paths = paths_at_rest(scene, t, (left, right), float(scene.model.fidelity == "rigid"))
         for side, target in zip(SIDES, (left, right), strict=True):
             limits = follow_limits(EndPath.at_rest(t, target), Following.at_rest(t, target))
             if message := refusal(scene, target, limits, side):

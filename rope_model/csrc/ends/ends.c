@@ -2,18 +2,19 @@
 
 #include "rules.h"
 
-enum { YAW = 3, AXES = 4, LEAN = 11 };
+enum { YAW = 3, AXES = 4, PEAKS = 6, LEAN = 11 };
+static const char *const AXIS_NAMES[PEAKS] = {"x", "y", "z", "yaw", "lean", "lean_z"};
 /* of the conveyance's yaw in theta */
 static const double YAW_SENSE[2] = {-1.0, 1.0};
 
-static int largest(const double sizes[AXES]) {
+static int largest(int axes, const double *sizes) {
     int worst = 0;
-    for (int axis = 0; axis < AXES; axis++)
+    for (int axis = 0; axis < axes; axis++)
         if (isnan(sizes[axis]) || (!isnan(sizes[worst]) && sizes[axis] > sizes[worst])) worst = axis;
     return worst;
 }
 
-void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[3][AXES], int side, char *message) {
+void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;
     static const double bounds[] = END_MOTION_REACH;
@@ -29,18 +30,18 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double limi
             say_no_clamp(message, SIDE_NAMES[side], names[i], value);
     }
     if (message[0]) return;
-    const double *peaks = limits[0];
-    for (int k = 1; k < 3; k++) {
-        const int worst = largest(limits[k]);
-        if (limits[k][worst] <= inputs->misfit_max) continue;
-        say_input_misfit(message, SIDE_NAMES[side], worst == YAW ? "yaw" : names[worst], limits[k][worst],
-                         units[k - 1][worst == YAW], inputs->misfit_max);
+    for (int k = 0; k < 2; k++) {
+        const double *misfits = limits + PEAKS + k * AXES;
+        const int worst = largest(AXES, misfits);
+        if (misfits[worst] <= inputs->misfit_max) continue;
+        say_input_misfit(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], units[k][worst == YAW],
+                         inputs->misfit_max);
         return;
     }
-    const int worst = largest(peaks);
-    if (!(peaks[worst] <= inputs->acceleration_max))
-        say_inputs_do_not_fit(message, SIDE_NAMES[side], worst == YAW ? "yaw" : names[worst], peaks[worst],
-                              worst == YAW ? "rad/s^2" : "m/s^2", inputs->acceleration_max);
+    const int worst = largest(PEAKS, limits);
+    if (!(limits[worst] <= inputs->acceleration_max))
+        say_inputs_do_not_fit(message, SIDE_NAMES[side], AXIS_NAMES[worst], limits[worst],
+                              worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
 }
 
 void ends_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {

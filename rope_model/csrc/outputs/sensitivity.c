@@ -101,7 +101,7 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
         sample[2] = sample[1] / h;
     if (dof > ANGLE)
-        lean_moves(h, sample[0], d);
+        lean_moves(h, at_step_end ? 0 : h, sample[0], d);
     else
         sample_moves(&manner, h, at_step_end ? 0 : h, sample, d);
     memset(derivative, 0, sizeof(double) * 12);

@@ -23,7 +23,7 @@ from rope_model.parameters import Inputs, Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, larger, sin, smaller, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.following import Following, Limits
-from rope_model.simulation.ends.paths import PATH, REACH, EndMotion, EndPath
+from rope_model.simulation.ends.paths import LEANS, PATH, REACH, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase as Phase
 from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
 from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
@@ -169,8 +169,8 @@ def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
         if not sizes[k] <= inputs.misfit_max:
             return messages.input_misfit(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max)
     if not limits.peaks[worst[0]] <= inputs.acceleration_max:
-        unit = "rad/s^2" if worst[0] == 3 else "m/s^2"
-        return messages.inputs_do_not_fit(side, PATH[worst[0]], limits.peaks[worst[0]], unit, inputs.acceleration_max)
+        name, unit = (*PATH, *LEANS)[worst[0]], "m/s^2" if worst[0] < 3 else "rad/s^2"
+        return messages.inputs_do_not_fit(side, name, limits.peaks[worst[0]], unit, inputs.acceleration_max)
     return ""
 
 

@@ -50,7 +50,7 @@ _NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type
 _NOTHING = (0.0,) * len(PATH)
 _NO_MANNER, _NO_MOTION = Manner(*(0.0,) * len(Manner._fields)), tuple(vars(EndMotion()).values())
 _TAKEN = _Row((Following(), _NO_PATH, _NO_MANNER, 0.0, 0.0, _NO_MOTION, 0.0))
-_RETURNED = _Row(Followed(Following(), _NO_PATH, Limits(_NOTHING, _NOTHING, _NOTHING)))  # type: ignore[arg-type]
+_RETURNED = _Row(Followed(Following(), _NO_PATH, Limits((0.0,) * 6, _NOTHING, _NOTHING)))  # type: ignore[arg-type]
 
 
 def follow_program(rope: Rope) -> Program:

@@ -86,6 +86,7 @@ class Following(NamedTuple):
     broken_at: float = 0.0  # s
     breaks: float = 0.0  # behind straight pieces that took as long as the one before
     table_every: float = 0.0  # s, between the latest two
+    leaning: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
     def at_rest(t: float, at: EndMotion) -> Following:
@@ -147,6 +148,7 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
     going = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     looked = _looked_at(now, given_at, since, end, motion[1][2], going)
     kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
+    means = (x / larger(since, SHORTEST_AIM) for x in (end.lean - now.given[-2], end.lean_z - now.given[-1]))
     sampled: Following = now._replace(
         given=values,
         given_at=where(repeated, now.given_at, given_at),
@@ -155,6 +157,7 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
         repeats=now.repeats + where(repeated, 1.0, 0.0),
         held=where(repeated, now.held + 1.0, 0.0),
         sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
+        leaning=tuple(where(repeated, was, mean) for was, mean in zip(now.leaning, means, strict=True)),
         **kept,
     )
     return sampled
@@ -200,9 +203,9 @@ def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any
     return (*quintic.extrapolate(x, v, a, ahead), a)
 
 
-def lean_moves(h: Any, lean: Any) -> tuple[Any, Any, Any]:
-    """Change of place, speed and acceleration at the end of a step ``h`` of a small change of the ``lean`` there."""
-    return quintic.rates(_leant(h, (0.0, 0.0, 0.0), lean), h)
+def lean_moves(h: Any, ahead: Any, lean: Any) -> tuple[Any, Any, Any]:
+    """As ``sample_moves``, at the end of a step ``h``, of a small change of the ``lean``."""
+    return quintic.rates(_leant(h, (0.0, 0.0, 0.0), lean + ahead * (lean / h)), h)
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
@@ -241,7 +244,8 @@ def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
         for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
     )
     x, y, z, yaw = axes
-    lean, lean_z = (_leant(h, *axis) for axis in zip(path.leaning(start), now.given[-2:], strict=True))
+    latest = zip(path.leaning(start), now.given[-2:], now.leaning, strict=True)
+    lean, lean_z = (_leant(h, begin, given + ahead * rate) for begin, given, rate in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
 
@@ -308,9 +312,9 @@ def _explained(misfit: Any, most: Any) -> Any:
 
 
 class Limits(NamedTuple):
-    """Limits of an end's path: largest sampled accelerations, and misfit of place and speed at its end, by PATH."""
+    """Limits of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH."""
 
-    peaks: Four
+    peaks: tuple[float, ...]
     place: Four
     speed: Four
 

@@ -19,6 +19,8 @@ from rope_model.physics.elementary import larger, smaller
 SIDES = ("left", "right")
 #: columns of an end's path
 PATH = ("x", "y", "z", "yaw")
+#: of a clamp, by their own paths
+LEANS = ("lean", "lean_z")
 #: m/s and rad/s: an end that moves no faster is at rest
 RESTS_BELOW = 1e-6
 
@@ -131,11 +133,11 @@ class EndPath(NamedTuple):
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
         return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.leaning(t)))
 
-    def peak_accelerations(self) -> OfAxes:
-        """Largest accelerations on the path, sampled; NaN where the first sample is."""
+    def peak_accelerations(self) -> tuple[Any, ...]:
+        """Largest accelerations on the path, of PATH and LEANS, sampled; NaN where the first sample is."""
         times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
-        x, y, z, yaw = (reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in self.coefficients)
-        return x, y, z, yaw
+        every = (*self.coefficients, *self.leans)
+        return tuple(reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
 
 
 def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMotion]:

@@ -47,7 +47,7 @@ def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = 
     if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
         sample[2] = sample[1] / h
     manner, ahead = manner_of(rope.scene), 0.0 if at_step_end else h
-    change = np.array(lean_moves(h, size) if dof > ANGLE else sample_moves(manner, h, ahead, sample))
+    change = np.array(lean_moves(h, ahead, size) if dof > ANGLE else sample_moves(manner, h, ahead, sample))
     # friction does not know the yaw, nor does the rigid rope
     unfelt = dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid")
     unfelt |= dof > ANGLE and rope.ends.swivels[side].attachment != "clamped"
