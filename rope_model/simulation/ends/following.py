@@ -148,7 +148,8 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
     going = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     looked = _looked_at(now, given_at, since, end, motion[1][2], going)
     kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
-    means = (x / larger(since, SHORTEST_AIM) for x in (end.lean - now.given[-2], end.lean_z - now.given[-1]))
+    keeps = either(repeated, since < SHORTEST_AIM)
+    means = ((x - was) / since for x, was in zip((end.lean, end.lean_z), now.given[-2:], strict=True))
     sampled: Following = now._replace(
         given=values,
         given_at=where(repeated, now.given_at, given_at),
@@ -157,7 +158,7 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
         repeats=now.repeats + where(repeated, 1.0, 0.0),
         held=where(repeated, now.held + 1.0, 0.0),
         sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
-        leaning=tuple(where(repeated, was, mean) for was, mean in zip(now.leaning, means, strict=True)),
+        leaning=tuple(where(keeps, was, mean) for was, mean in zip(now.leaning, means, strict=True)),
         **kept,
     )
     return sampled
@@ -205,7 +206,7 @@ def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any
 
 def lean_moves(h: Any, ahead: Any, lean: Any) -> tuple[Any, Any, Any]:
     """As ``sample_moves``, at the end of a step ``h``, of a small change of the ``lean``."""
-    return quintic.rates(_leant(h, (0.0, 0.0, 0.0), lean + ahead * (lean / h)), h)
+    return quintic.rates(_leant(h, ahead, (0.0, 0.0, 0.0), lean, lean / h), h)
 
 
 def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
@@ -245,15 +246,19 @@ def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
     )
     x, y, z, yaw = axes
     latest = zip(path.leaning(start), now.given[-2:], now.leaning, strict=True)
-    lean, lean_z = (_leant(h, begin, given + ahead * rate) for begin, given, rate in latest)
+    lean, lean_z = (_leant(h, ahead, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
 
-def _leant(h: Any, start: Any, to: Any) -> tuple[Any, ...]:
-    """Return the quintic of a lean over the step ``h``; its rate, which is not given, lags by a sixth of the step."""
-    x, v, a = start
-    rate = 1.5 * (to - x) / h - 0.5 * v
-    return quintic.coefficients(h, x, v, a, to, rate, (rate - v) / h)
+def _leant(h: Any, ahead: Any, start: Any, given: Any, mean: Any) -> tuple[Any, ...]:
+    """Return the quintic of a lean over the step ``h``, ``ahead`` of the sample; a short one leads beyond.
+
+    Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
+    """
+    (x, v, a), aim = start, larger(h, SHORTEST_MEAN)
+    to = given + (ahead + (aim - h)) * mean
+    rate = 1.5 * (to - x) / aim - 0.5 * v
+    return quintic.coefficients(aim, x, v, a, to, rate, (rate - v) / aim)
 
 
 def _followed(
