@@ -36,8 +36,9 @@ def seen() -> np.ndarray:
     """Return (n, markers, 3): places of the markers, m."""
     rope, path, found = balance_rope(SCENE), make_interp_spline(t, aside, k=5), []
     for k, now in enumerate(t.tolist()):
-        rates = np.concatenate((path(now, 1), path(now, 2))) if now > 0.0 else np.zeros(6)
-        left, right = EndMotion(*aside[k], *rates, lean=lean[k]), EndMotion(lean=-0.5 * math.pi)
+        speed, acceleration = (path(now, 1), path(now, 2)) if now > 0.0 else np.zeros((2, 3))
+        moves = [*aside[k], *speed, *acceleration, 0.0, 0.0, lean[k]]
+        left, right = EndMotion(*moves), EndMotion(lean=-0.5 * math.pi)
         status = rope.advance_to(now, left, right) if k else rope.initialize(now, left, right)
         if not status.valid:
             raise RuntimeError(status.message)

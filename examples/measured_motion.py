@@ -16,6 +16,7 @@ import numpy as np
 
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.identify import identify
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.reading import read
 
 RATE, FITTED, JUDGED = 100.0, 5, 10  #: Hz, and runs
@@ -58,7 +59,7 @@ def main(folder: str, cable: str, out: str = "out/motion") -> None:
     for name in found.names:
         print(f"{name} = {found.value(name):.4g} ({found.data[name].low:.4g} to {found.data[name].high:.4g})")
     trial = found.measured.bench.trial(found.fit.shares)
-    for one in judges.measurements:
+    for one in (one for one in judges.measurements if isinstance(one, Markers)):
         misfit = one.predict(trial)[: -one.nuisance]  # without offsets and delay
         print(f"{one.file}: {1e3 * np.sqrt(np.mean(np.square(misfit))):.1f} mm")
 
