@@ -121,7 +121,7 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
         path = tmp_path / "ropes.toml"
         path.write_text(ropes_with_play(4), encoding="utf-8")
         read = ropes_in(path)
-        case, members, rope = replace(case, hoist=read.hoist), read.ropes, read.plant
+        case, members, rope = replace(case, hoist=read.hoist), read.ropes, partial(getattr, read, "plant")
     case = replace(case, winding=replace(case.winding, travel=INSTALLED[name], settle=5.0))
     steps = round(duration(case.winding) / 0.005) - 200
     ssp = export_hoist(tmp_path, case, members, fmi=3, platforms=(host_platform(),)).system
