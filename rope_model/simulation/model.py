@@ -21,7 +21,7 @@ from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
 from rope_model.simulation.ends.paths import EndPath
 from rope_model.simulation.fidelity import flexible
-from rope_model.simulation.mesh.partition import faced_by
+from rope_model.simulation.mesh.partition import NOWHERE, faced_by
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import (
@@ -117,7 +117,12 @@ class RopeModel:
 
     def faced(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
         """Places of the dividers along the legs by the ends' heights: mesh_fit.faced_places."""
-        return faced_by(self.scene, paths[0].height(t), paths[1].height(t))
+        return faced_by(self.scene, paths[0].height(t), paths[1].height(t)) if self._faces else NOWHERE
+
+    @cached_property
+    def _faces(self) -> bool:
+        """Whether some divider may press a leg, at whatever heights."""
+        return faced_by(self.scene, 0.0, 0.0) != NOWHERE
 
     def restart(self, state: RopeState) -> RopeState:
         """The state with consistent accelerations and no history."""
@@ -147,8 +152,9 @@ class RopeModel:
         energy = account_of_step(energy, h, before, now, losses, slip.dissipated, outside["given_to_air"])
         pressures = [outside[kind] for kind in (*KINDS, "rope")]
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
-        after = old._replace(motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=now)
-        after = after._replace(contact=contact)
+        after = old._replace(
+            motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=now, contact=contact
+        )
         return self._audit_step(old.motion, with_angles_along(system, after), system)
 
     def _audit_step(self, old: alpha.Motion, state: RopeState, system: RopeSystem) -> RopeState:

@@ -85,7 +85,7 @@ class RopeSimulator(BalanceRope):
                 raise
             raise ValueError(messages.fitted_mesh_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
-        self._follow = follow_program(scene.rope)
+        self._follow, self._manner = follow_program(scene.rope), manner_of(scene)
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -169,6 +169,7 @@ class RopeSimulator(BalanceRope):
 
     def retune(self, scene: Scene) -> None:
         self.model, self._system, self._signals = replace(self.model, scene=scene), None, {}
+        self._manner = manner_of(scene)
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         scene, rope = self.scene, self.scene.rope
@@ -230,7 +231,7 @@ class RopeSimulator(BalanceRope):
         at, earliest = t if given_at is None else given_at, start - scene.inputs.hold_max
         if not earliest <= at <= t + SHORTEST_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
-        manner, followed = manner_of(scene), []
+        manner, followed = self._manner, []
         bottom = self.model.bottom(state.paths, start)
         legs = bottom, scene.rope.length - bottom
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):

@@ -22,6 +22,7 @@ static void end_signals(Simulator *rope, double *values) {
         const double torque = ends_moment(&rope->scene, state, side, reaction);
         conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
         ends_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
+        values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
         values[SIGNAL_LEFT_SWIVEL_TORQUE] = torque;
         values[SIGNAL_LEFT_SWIVEL_SLIPPING] = state->swivels[side].phase == SLIP;
     }

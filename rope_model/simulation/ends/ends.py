@@ -164,6 +164,9 @@ def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
         if not math.isfinite(value):
             return messages.input_not_finite(side, name, value)
         return messages.input_out_of_range(side, name, value, bound)
+    bounds = inputs.acceleration_max, inputs.misfit_max, inputs.misfit_max
+    if all(size <= bound for sizes, bound in zip(limits, bounds, strict=True) for size in sizes):
+        return ""
     worst = [_largest(sizes) for sizes in limits]
     for sizes, k, units in zip(limits[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
         if not sizes[k] <= inputs.misfit_max:

@@ -67,17 +67,18 @@ def state_signals(rope: Evaluated) -> dict[str, float]:
     return {name: float(value) for name, value in remembered(rope.state).items()}
 
 
-_OF_AN_END = ("fx", "fy", "fz", "mx", "my", "mz", "swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping")
+_OF_A_SWIVEL = ("swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping")
+_OF_AN_END = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", *_OF_A_SWIVEL)
 
 
 def end_signals(rope: Evaluated) -> dict[str, float]:
     """Forces, moments and swivels of both ends."""
-    m, ends = rope.state.motion, rope.ends
+    m, ends, means = rope.state.motion, rope.ends, rope.state.force_mean
     out: dict[str, float] = {}
     for side, name in enumerate(SIDES):
         q, torque = m.q[-side].tolist(), ends.moment(side, m.reaction)
         load, slips = conveyance_load(q, m.reaction[-side].tolist(), torque), ends.states[side].phase is Phase.SLIP
-        values = *load, *ends.relative(side, m.t, q[ANGLE], m.v[-side, ANGLE]), torque, slips
+        values = *load, means[side], *ends.relative(side, m.t, q[ANGLE], m.v[-side, ANGLE]), torque, slips
         out |= {f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)}
     return out
 

@@ -10,7 +10,6 @@ from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.ends.following import Following
-from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.outputs.signal_table import SIGNALS
 from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest
 
@@ -39,7 +38,6 @@ def remembered(state: Any) -> dict[str, Any]:
         values[f"inputs.misfit.{name}"] = larger(getattr(left, name), getattr(right, name))
         mean = larger(left.squares[k], right.squares[k]) / larger(left.time, TINY)
         values[f"inputs.misfit.{name}_rms"] = sqrt(mean)
-    values |= {f"{side}.fy_mean": force for side, force in zip(SIDES, state.force_mean, strict=True)}
     impulses = zip((*KINDS, "rope"), state.contact.impulses, strict=True)
     values |= {f"contact.{kind}.impulse": impulse for kind, impulse in impulses}
     for kind, nearest in zip(KINDS, state.nearest, strict=True):
@@ -57,7 +55,6 @@ STATE_SIGNALS = tuple(
             counts=Counts(),
             given_up_since=0.0,
             energy_balance=EnergyBalance(),
-            force_mean=(0.0, 0.0),
             contact=ContactSums(),
             nearest=(Nearest(),) * len(KINDS),
         )
