@@ -11,7 +11,8 @@ import pytest
 from native_parts import compiled
 from numpy.testing import assert_allclose
 
-from rope_model.codegen.formulas import STRUCTURES, argument_of, formulas, function_code, shape_of, symbols_of
+from rope_model.codegen.formula_functions import argument_of, formulas, function_code, shape_of, symbols_of
+from rope_model.codegen.formulas import STRUCTURES
 from rope_model.codegen.messages import texts
 from rope_model.codegen.structures import GROUPS, SceneStructure
 from rope_model.parameters import Scene

@@ -82,7 +82,8 @@ HOMES = rules(
 casadi: rope_model.physics.element rope_model.physics.air_element rope_model.physics.wire_element
     rope_model.physics.curved_element rope_model.physics.bending_element rope_model.physics.contact_element
     rope_model.physics.elementary rope_model.numerics rope_model.codegen.elements rope_model.codegen.rules
-    rope_model.codegen.formulas rope_model.codegen.tables rope_model.simulation.outputs.linear hoist_demo.design
+    rope_model.codegen.expressions rope_model.codegen.formula_functions rope_model.codegen.tables
+    rope_model.simulation.outputs.linear hoist_demo.design
     hoist_demo.drive hoist_demo.control.kernel
     hoist_demo.drive_fmu.kernels
 scipy: rope_model.simulation.outputs.modal rope_model.simulation.outputs.linear

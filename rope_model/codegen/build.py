@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from rope_model.codegen.elements import element_code
-from rope_model.codegen.formulas import formulas_code
+from rope_model.codegen.formula_functions import formulas_code
 from rope_model.codegen.messages import messages_code
 from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
 from rope_model.codegen.rules import rules_code, state_signals

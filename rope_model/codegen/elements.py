@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import casadi as ca
 
-from rope_model.codegen.formulas import is_number, statements
+from rope_model.codegen.expressions import is_number, statements
 from rope_model.physics.air_element import air_functions
 from rope_model.physics.curved_element import curved_functions
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, element_functions

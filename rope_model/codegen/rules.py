@@ -1,7 +1,7 @@
 """C text of formulas of scene and state: tables of rules and conditions in rules.h, signals in state_signals.h.
 
-A formula is called with symbols that stand for the facts its parameters name, as in codegen.formulas; but a fact is a
-whole structure, with integers and choices, and only members that the formula reads become text.
+A formula is called with symbols that stand for the facts its parameters name, as in codegen.formula_functions; but a
+fact is a whole structure, with integers and choices, and only members that the formula reads become text.
 """
 
 import ctypes
@@ -16,7 +16,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 import casadi as ca
 
-from rope_model.codegen.formulas import statements, texts_of
+from rope_model.codegen.expressions import statements, texts_of
 from rope_model.codegen.messages import texts
 from rope_model.codegen.state_structures import PatternStructure, StateStructure
 from rope_model.codegen.tables import Word, constant

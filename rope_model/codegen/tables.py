@@ -7,7 +7,8 @@ from typing import Any, get_args
 
 import casadi as ca
 
-from rope_model.codegen.formulas import structure_at, texts_of
+from rope_model.codegen.expressions import texts_of
+from rope_model.codegen.formula_functions import structure_at
 from rope_model.codegen.state_structures import structure_code
 from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndMotionStructure, SceneStructure, ShaftStructure, members
 from rope_model.numerics.program import no_simplification

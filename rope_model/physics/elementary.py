@@ -1,7 +1,7 @@
 """Functions of formulas beyond + - * /, of numbers, numpy arrays or CasADi expressions alike.
 
 A formula written with these has one text: Python evaluates it, and C is printed from its expression
-(codegen.formulas).  Numbers go to the functions of libm, as in C.
+(codegen.expressions).  Numbers go to the functions of libm, as in C.
 """
 
 import math

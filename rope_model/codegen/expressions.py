@@ -1,0 +1,144 @@
+"""C text of CasADi's expressions, for formulas, tables, rules and elements."""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import casadi as ca
+
+_CHOICE, _LOGIC, _COMPARISON, _SUM, _PRODUCT, _SIGN, _ATOM = range(7)
+_OPERATORS = {ca.OP_ADD: ("+", _SUM), ca.OP_SUB: ("-", _SUM), ca.OP_MUL: ("*", _PRODUCT), ca.OP_DIV: ("/", _PRODUCT)}
+_LOGICAL = {ca.OP_AND: "&&", ca.OP_OR: "||"}
+_OPERATORS |= {ca.OP_LT: ("<", _COMPARISON), ca.OP_LE: ("<=", _COMPARISON)}
+_OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
+_CALLS = {
+    ca.OP_SQRT: "sqrt",
+    ca.OP_CEIL: "ceil",
+    ca.OP_FLOOR: "floor",
+    ca.OP_EXP: "exp",
+    ca.OP_LOG: "log",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_HYPOT: "hypot",
+    ca.OP_FABS: "fabs",
+    ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow",
+    ca.OP_COPYSIGN: "copysign",
+    ca.OP_FMAX: "larger",
+    ca.OP_FMIN: "smaller",
+}
+_INFINITE = {math.inf: "INFINITY", -math.inf: "-INFINITY"}
+#: an expression longer than this gets a name
+_LONG = 80
+
+
+class _Text(NamedTuple):
+    """An expression, and how tightly it binds."""
+
+    text: str
+    binds: int
+    #: parts of elementary.where, a sum of two: condition and value of the one, value of the other
+    condition: str = ""
+    value: str = ""
+
+    def within(self, least: int) -> str:
+        """Return the text as an operand of an operator that binds ``least``."""
+        return self.text if self.binds >= least else f"({self.text})"
+
+
+def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
+    """Return ``statements`` of expressions of symbols."""
+    expressions = [ca.SX(value) for value in values]
+    return statements(ca.Function("values", ca.symvar(ca.vertcat(*expressions)), expressions))
+
+
+def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[str]]:
+    """Lines that name repeated terms, and the expressions of the results.
+
+    Numbers are of the type ``kind``: of vectors V a quotient is a product with the reciprocal, computed once for each
+    divisor, as division is what costs most.
+    """
+    inputs = [[x.name() for x in ca.vertsplit(f.sx_in(i))] for i in range(f.n_in())]
+    uses = _uses(f)
+    values: dict[int, _Text] = {}  # what each place of CasADi's work vector holds now
+    results: dict[tuple[int, ...], str] = {}
+    reciprocals: dict[str, _Text] = {}
+    lines: list[str] = []
+
+    def named(text: str) -> _Text:
+        lines.append(f"const {kind} t{len(lines)} = {text};")
+        return _Text(f"t{len(lines) - 1}", _ATOM)
+
+    def reciprocal(x: _Text) -> _Text:
+        if is_number(x.text):
+            return _Text(repr(1.0 / float(x.text)), _SIGN)
+        if x.text not in reciprocals:
+            reciprocals[x.text] = named(f"1.0 / {x.within(_PRODUCT + 1)}")
+        return reciprocals[x.text]
+
+    for k in range(f.n_instructions()):
+        operation, sources, target = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        if operation == ca.OP_OUTPUT:
+            results[tuple(target)] = values[sources[0]].text
+            continue
+        if operation == ca.OP_CONST:
+            value = f.instruction_constant(k)
+            text = "PI" if value == math.pi else _INFINITE.get(value, repr(value))
+            made = _Text(text, _SIGN if value < 0 else _ATOM)
+        elif operation == ca.OP_INPUT:
+            made = _Text(inputs[sources[0]][sources[1]], _ATOM)
+        else:
+            operands = [values[s] for s in sources]
+            if kind == "V" and operation in (ca.OP_DIV, ca.OP_INV):
+                *above, below = operands
+                made = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
+            else:
+                made = _expression(operation, operands, kind)
+            if (uses[k] > 1 or len(made.text) > _LONG) and not made.value and operation != ca.OP_NOT:
+                made = named(made.text)
+        values[target[0]] = made
+    return lines, [results[place] for place in sorted(results)]
+
+
+def is_number(text: str) -> bool:
+    """Whether an expression is a number as it stands."""
+    return re.fullmatch(r"-?[\d.]+(e[-+]\d+)?", text) is not None
+
+
+def _uses(f: ca.Function) -> Counter[int]:
+    """Count the uses of the result of each instruction."""
+    made_by: dict[int, int] = {}
+    uses: Counter[int] = Counter()
+    for k in range(f.n_instructions()):
+        if f.instruction_id(k) not in (ca.OP_INPUT, ca.OP_CONST, ca.OP_NOT):
+            uses.update(made_by[s] for s in f.instruction_input(k))
+        if f.instruction_id(k) != ca.OP_OUTPUT:
+            made_by[f.instruction_output(k)[0]] = k
+    return uses
+
+
+def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
+    if operation == ca.OP_NEG:
+        return _Text(f"-{operands[0].within(_ATOM)}", _SIGN)
+    if operation in _CALLS:
+        name = _CALLS[operation] if kind == "double" else f"{_CALLS[operation].upper()}_{kind}"
+        return _Text(f"{name}({', '.join(x.text for x in operands)})", _ATOM)
+    if operation in (ca.OP_SQ, ca.OP_TWICE):
+        twice = _Text("2.0", _ATOM) if operation == ca.OP_TWICE else operands[0]
+        operation, operands = ca.OP_MUL, [twice, operands[0]]
+    if operation == ca.OP_NOT:
+        return _Text(f"!{operands[0].within(_ATOM)}", _SIGN)
+    if operation == ca.OP_IF_ELSE_ZERO:
+        condition, value = (x.within(_COMPARISON) for x in operands)
+        return _Text(f"{condition} ? {value} : 0.0", _CHOICE, condition, value)
+    left, right = operands
+    if operation in _LOGICAL:  # compilers want brackets where both meet
+        return _Text(f"{left.within(_COMPARISON)} {_LOGICAL[operation]} {right.within(_COMPARISON)}", _LOGIC)
+    if left.value and right.value:
+        return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
+    sign, binds = _OPERATORS[operation]
+    # the right side is computed first
+    return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)
