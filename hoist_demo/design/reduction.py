@@ -227,49 +227,75 @@ def _told(model: LinearModel) -> list[int]:
 
 def _bases(models: Sequence[LinearModel], band: float, states: int) -> list[Array]:
     """Motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
-    first, n = models[0], models[0].free
-    told = _told(first)
-    count, least = (states - first.lags) // 2 - len(told), first.lags + 2 * len(told)
-    if len(models) == 1:
-        found = first.modes(BEYOND * band)
-        if not 1 <= count <= found.frequencies.size:
-            most = least + 2 * found.frequencies.size
-            raise ValueError(f"states = {states} must be within {least + 2} and {most}: take as many")
-        return [found.shapes[:, np.argsort(-telling(first, found, band))[:count]]]
-    own = [k for k, name in enumerate(first.names[:3]) if not name.startswith("rope.")]
-    if not max(len(own), 1) <= count <= n:
-        least += 2 * max(len(own), 1)
-        raise ValueError(f"states = {states} must be within {least} and {least + 2 * (n - 3)}: take as many")
-    rest = np.setdiff1d(np.arange(n), own)
+    first = models[0]
+    told = len(_told(first))
+    count, least = (states - first.lags) // 2 - told, first.lags + 2 * told
+    if len(models) > 1:
+        return _krylov_bases(models, band, count, least)
+    found = first.modes(BEYOND * band)
+    _require_states(count, 1, found.frequencies.size, least)
+    return [found.shapes[:, np.argsort(-telling(first, found, band))[:count]]]
+
+
+def _require_states(count: int, fewest: int, most: int, others: int) -> None:
+    if not fewest <= count <= most:
+        states, low, high = (2 * motions + others for motions in (count, fewest, most))
+        raise ValueError(f"states = {states} must be within {low} and {high}: take as many")
+
+
+def _krylov_bases(models: Sequence[LinearModel], band: float, count: int, others: int) -> list[Array]:
+    """Bases of the hoist's own motions and of responses to the inputs and to these; ``others`` are further states."""
+    n = models[0].free
+    own = [k for k, name in enumerate(models[0].names[:3]) if not name.startswith("rope.")]
+    _require_states(count, max(len(own), 1), n - 3 + max(len(own), 1), others)
     masses = [0.5 * (m.mass + m.mass.T)[:n, :n] for m in models]
-    bases, pushes = [], []
-    for m, M in zip(models, masses, strict=True):
-        K, W = (m.stiffness[:n, :n] + (2 * np.pi * _SHIFT) ** 2 * m.mass[:n, :n]).tocsc(), np.eye(n)[:, own]
-        W[rest] = -splu(K[rest][:, rest].tocsc()).solve(K[rest][:, own].toarray())
-        bases.append(_orthonormal(W, M))
-        pushes.append(np.hstack((M @ bases[-1], m.stiffness[:n, told].toarray())))
+    bases = [_orthonormal(_followed(m, own), M) for m, M in zip(models, masses, strict=True)]
+    pushes = [
+        np.hstack((M @ W, m.stiffness[:n, _told(m)].toarray())) for m, M, W in zip(models, masses, bases, strict=True)
+    ]
     for k in range(count):
-        missing, news = count - bases[0].shape[1], []
-        if not missing:
+        if not (missing := count - bases[0].shape[1]):
             break
         s = 2 * np.pi * complex(_SHIFT, band * ((_TURNS[0] + k * _TURNS[1]) % _TURNS[2]))
-        for m, M, W, push in zip(models, masses, bases, pushes, strict=True):
-            z = splu((s * s * m.mass + s * m.damping + m.stiffness)[:n, :n].tocsc()).solve(push.astype(complex))
-            x = np.hstack((z.real, z.imag))
-            x = x / np.sqrt(np.maximum(np.einsum("ij,ij->j", x, M @ x), 1e-300))
-            for _ in range(2):
-                x = x - W @ (W.T @ (M @ x))
-            news.append(x)
-        # directions that are new at all heights
+        news = [_answers(*of, s) for of in zip(models, masses, bases, pushes, strict=True)]
         energies = [x.T @ (M @ x) for x, M in zip(news, masses, strict=True)]
-        if min(np.trace(energy) for energy in energies) < _NEW:
-            raise ValueError(f"states = {states} must be fewer: the inputs move {bases[0].shape[1]} motions; take less")
-        energies = [energy / np.trace(energy) for energy in energies]
-        T = np.linalg.eigh(sum(energies))[1][:, ::-1][:, :missing]
-        while T.shape[1] > 1 and min(np.linalg.eigvalsh(T.T @ energy @ T)[0] for energy in energies) < _APART:
-            T = T[:, :-1]
+        T = _new_at_all(energies, missing)
+        if not T.size:
+            had = bases[0].shape[1]
+            raise ValueError(f"states = {2 * count + others} must be fewer: the inputs move {had} motions; take less")
         bases = [np.hstack((W, _orthonormal(x @ T, M))) for W, x, M in zip(bases, news, masses, strict=True)]
     return bases
+
+
+def _followed(model: LinearModel, own: Sequence[int]) -> Array:
+    """Slow motions (free, own) of the hoist's ``own`` coordinates, which the rest follows."""
+    n = model.free
+    rest = np.setdiff1d(np.arange(n), own)
+    K, W = (model.stiffness[:n, :n] + (2 * np.pi * _SHIFT) ** 2 * model.mass[:n, :n]).tocsc(), np.eye(n)[:, own]
+    W[rest] = -splu(K[rest][:, rest].tocsc()).solve(K[rest][:, own].toarray())
+    return W
+
+
+def _answers(model: LinearModel, M: sp.csc_matrix, W: Array, push: Array, s: complex) -> Array:
+    """Motions at ``s`` under the ``push``, real and imaginary parts, without what the basis ``W`` has of them."""
+    n = model.free
+    z = splu((s * s * model.mass + s * model.damping + model.stiffness)[:n, :n].tocsc()).solve(push.astype(complex))
+    x = np.hstack((z.real, z.imag))
+    x = x / np.sqrt(np.maximum(np.einsum("ij,ij->j", x, M @ x), 1e-300))
+    for _ in range(2):  # once is not enough for rounding
+        x = x - W @ (W.T @ (M @ x))
+    return np.asarray(x)
+
+
+def _new_at_all(energies: Sequence[Array], most: int) -> Array:
+    """Combinations (answers, up to ``most``) of answers with these kinetic energies that are new at every height."""
+    if min(np.trace(energy) for energy in energies) < _NEW:
+        return np.empty((len(energies[0]), 0))
+    shares = [energy / np.trace(energy) for energy in energies]
+    T = np.linalg.eigh(sum(shares))[1][:, ::-1][:, :most]
+    while T.shape[1] > 1 and min(np.linalg.eigvalsh(T.T @ share @ T)[0] for share in shares) < _APART:
+        T = T[:, :-1]
+    return T
 
 
 def _orthonormal(W: Array, M: sp.csc_matrix) -> Array:
