@@ -21,11 +21,12 @@ from hoist_demo.cosimulation.schemes.interface import Stopwatch
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.time_series import Recording
+from hoist_demo.study import definition
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Sample, Study, read_study
 from hoist_demo.study.metrics import measure
 from hoist_demo.study.perform import perform
-from hoist_demo.study.run import Outcome, build
+from hoist_demo.study.run import Outcome, build, execute
 from hoist_demo.study.store import Store, read_results
 from hoist_demo.study.trends import not_monotonic
 from hoist_demo.study.tuning import Range, latin_hypercube
@@ -341,6 +342,15 @@ def test_all_errors_are_told_at_once_and_need_no_fmu(read: Read, tmp_path: Path)
         read("study.sene = 3\n[fixed]\nwinding.sped = 8\ncontroller = 'pid'\n[vary]\nrope.EI = [-1]", tmp_path / "no")
     told = "\n".join(refused.value.problems)
     assert [name in told for name in ("sene", "winding.sped", "pid", "rope.EI = -1")] == [True] * 4
+
+
+def test_of_many_starts_some_are_tried_and_a_refusal_of_another_is_its_cause(read: Read, monkeypatch) -> None:
+    monkeypatch.setattr(definition, "MOST_TRIED", 1)
+    study = read("[vary]\nrope.length = [80, 120]")
+    outcome = execute(study.samples[0].data, study.fmu)
+    assert (outcome.status, "the rope of 80 m cannot hang" in outcome.cause) == ("stopped", True), outcome.cause
+    with pytest.raises(FileError, match=r"rope\.length = 80"):
+        read("[vary]\nrope.length = [120, 80]")
 
 
 def test_latin_hypercube_has_one_sample_in_each_strip() -> None:

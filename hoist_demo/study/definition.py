@@ -6,6 +6,7 @@ Values count in this order: the hoist's, [fixed], [[variant]], [vary]. The runs 
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -234,6 +235,10 @@ class Study:
         return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.chosen))
 
 
+#: Starts of the rope that are tried before a study winds; of more runs so many, spread evenly. What another start
+#: refuses is the cause in that run's row.
+MOST_TRIED = 200
+
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
@@ -261,11 +266,11 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
     fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
     plan, points = drawn
     study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
-    probe, samples = Probe(rope), list[Sample]()
+    probe, samples, every = Probe(rope), list[Sample](), math.ceil(len(points) * len(variants) / MOST_TRIED)
     for values, name in ((values, name) for values in progress(points) for name in variants):
         try:
             samples.append(study.run(name, values))
-            rejected = probe.rejection(samples[-1].data)
+            rejected = [] if len(samples) % every else probe.rejection(samples[-1].data)
         except ValueError as error:
             rejected = [str(error)]
         problems += [f"variant {name}: {text}" if name else text for text in rejected]
