@@ -17,14 +17,16 @@ import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS, Flavour
+from fmpy.fmi3 import FMU3Slave
 from lxml import etree
 from numpy.testing import assert_allclose
 from scenes import ends_at, fixed_steps
 
 from balance_rope import main
+from fmu_src.interface import case_with
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model import RopeSimulator, rope_120
+from rope_model import EndMotion, RopeSimulator, rope_120
 from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import find_compiler
 
@@ -128,6 +130,74 @@ def test_fmpy_meets_the_reference_experiment_inside(exported: tuple[Flavour, Pat
     for name in ("time", *outputs):
         # a hundredth of the relative tolerance: this is the machine that computed the references
         assert_allclose(result[name], expected[name], rtol=0.01 * tolerance, atol=tolerance, err_msg=name)
+
+
+EVENTS = {
+    "solver.step_max": 0.005, "solver.tolerance": 1e6, "rope.installed_twist": 2.0, "sump.level": -14.3,
+    "left.swivel.mode": 2, "left.swivel.start": 0, "left.swivel.release_time": 0.133,
+    "guard.torque": 0.5, "guard.torque_delay": 0.08,
+}  # fmt: skip
+STEP, SIDES = 0.05, ("left", "right")
+STARTS = [STEP * k for k in range(10)]
+
+
+@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
+def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_through_it(
+    fmu_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """Release, slips and sticks of a swivel, a guard's trip, a strike; over steps that are long beside them."""
+    path = fmu_of("native-3")
+    description, folder = fmpy.read_model_description(str(path)), fmpy.extract(str(path), str(tmp_path / "rope"))
+    variables = {
+        v.name: ([v.valueReference], v.type.replace("Enumeration", "Int64")) for v in description.modelVariables
+    }
+
+    def motion(t: float) -> dict[str, float]:
+        return dict(zip(INPUTS, (-t * t, -2.0 * t, -2.0, 90.0 - t * t, -2.0 * t, -2.0), strict=True))
+
+    def run(early: bool) -> tuple[list[float], list[float]]:
+        model = {"guid": description.guid, "modelIdentifier": description.coSimulation.modelIdentifier}
+        rope, returned = FMU3Slave(unzipDirectory=folder, instanceName="rope", **model), list[float]()
+
+        def put(values: dict[str, float]) -> None:
+            for name, value in values.items():
+                reference, kind = variables[name]
+                getattr(rope, f"set{kind}")(reference, [value])
+
+        rope.instantiate(eventModeUsed=early, earlyReturnAllowed=early)
+        put(EVENTS)
+        rope.enterInitializationMode()
+        rope.exitInitializationMode()
+        for t in STARTS:
+            put(motion(t))
+            now = t
+            while t + STEP - now > 1e-9:
+                _, _, back, now = rope.doStep(now, t + STEP - now)
+                if back:
+                    returned.append(now)
+                    rope.enterEventMode()
+                    rope.updateDiscreteStates()
+                    rope.enterStepMode()
+        told = [variables[name] for name in ("inputs.repeated", "left.fy", "right.fy", "left.swivel.angle")]
+        found = [getattr(rope, f"get{kind}")(reference)[0] for reference, kind in told]
+        rope.freeInstance()
+        return returned, found
+
+    rope, happened = (
+        RopeSimulator(case_with("rope-120", "standard", EVENTS).scene),
+        {EVENTS["left.swivel.release_time"]},
+    )
+    assert rope.initialize(0.0, EndMotion(ay=-2.0), EndMotion(y=90.0, ay=-2.0)).valid
+    for t in STARTS:
+        left, right = (EndMotion(**{key: motion(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")}) for side in SIDES)
+        assert rope.advance_to(t + STEP, left, right, t).valid
+        happened |= {event.t for event in rope.state.events if event.what.startswith(SIDES)}
+    happened |= {rope.state.guard.time, *(near.touched_at for near in rope.state.nearest)} - {0.0}
+    (none, plain), (times, early) = run(early=False), run(early=True)
+    assert none == []
+    assert_allclose(times, sorted(happened), rtol=0, atol=1e-4)
+    assert plain[0] == early[0] == 0.0
+    assert_allclose(early[1:], plain[1:], rtol=2e-3)
 
 
 def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path) -> int:
