@@ -124,6 +124,12 @@ def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(
         ),
         (",left.dx,left.dy", ",u,v", r"swing.csv has no column left\.dx"),
         (r"(\n0\.[234]\d?),[^,]*", r"\1,", r"lacks an end or its direction for 0\.32 s after t = 0\.18 s"),
+        (
+            r"(\n0\.2,(?:[^,]*,){18})[^,]*,[^,]*,[^,\n]*",
+            r"\g<1>0,0,0",
+            r"swing.csv, row 12, t = 0\.2 s: left\.dx, left\.dy, left\.dz = 0, 0, 0 is no direction: give a vector",
+        ),
+        (r"\n0\.2,(.*)(,[^,\n]*){2}", r"\n0.2,\1,1e200,1e200", r"row 12, .*right\.dz = .*, 1e\+200 is no direction"),
         ('"swing.csv"', '"none.csv"', "none.csv is no table of numbers"),
         ("d = 0.8", "e = 0.8", r"swing.csv has no column e\.x"),
         ("d = 0.8", "d = 1.8", r"places\.d = 1\.8 m must be from 0 to 1 m"),

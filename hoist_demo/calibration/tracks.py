@@ -131,6 +131,13 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
         raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
     if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and asked.ends != "clamped":
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
+    for side in SIDES[: 2 * leaning]:
+        with np.errstate(over="ignore"):
+            lengths = np.linalg.norm(way := vectors(side, "d", 1.0), axis=1)
+        if (none := np.flatnonzero((lengths == 0.0) | np.isinf(lengths))).size:
+            where = f"{asked.file}, row {none[0] + 2}, t = {t[none[0]]:.10g} s: {side}.dx, {side}.dy, {side}.dz"
+            is_none = f"{', '.join(f'{x:g}' for x in way[none[0]])} is no direction"
+            raise ValueError(f"{where} = {is_none}: give a vector of finite length, or empty fields for a lost one")
     held = np.hstack([vectors(side, axis) for side in SIDES for axis in ("", "d")[: 1 + leaning]])
     if (both := np.flatnonzero(whole := np.isfinite(held).min(axis=1))).size < 2 * FIRST:
         raise ValueError(f"{asked.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
