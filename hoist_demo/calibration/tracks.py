@@ -11,7 +11,9 @@ projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  T
 
 import math
 import warnings
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -41,6 +43,26 @@ GAP = 6
 MEDIAN, LEAP = 5, 8.0
 
 
+@dataclass(frozen=True)
+class _Frames:
+    """Frames of a file; NaN where something is lost."""
+
+    t: Array  # (n,), s
+    ends: Array  # (n, 2, 3), m
+    ways: Array  # (n, 2, 3), directions of the ends; (n, 0, 3) where they are plumb
+    markers: Array  # (n, markers, 3), m
+
+    @cached_property
+    def whole(self) -> NDArray[np.bool_]:
+        """Whether both ends are seen (n,)."""
+        return np.asarray(np.isfinite(np.hstack((self.ends, self.ways))).all(axis=(1, 2)))
+
+    @cached_property
+    def period(self) -> float:
+        """Time from frame to frame, s."""
+        return float(np.median(np.diff(self.t)))
+
+
 class Markers(Table):
     """Markers along a rope between two ends that move."""
 
@@ -62,7 +84,13 @@ class Markers(Table):
 
     @model_validator(mode="after")
     def _is_there(self, info: ValidationInfo) -> Self:
-        self._t, self._spacing, self._ends, self._places = _read(beside(info, self.file), self)
+        frames = _checked(_read(beside(info, self.file), self), self)
+        self._spacing, held, markers = _turned(frames, self)
+        self._t, self._ends = _smoothed(frames, held)
+        markers[~frames.whole | (frames.t < self.skip)] = np.nan
+        if not np.isfinite(markers := _masked(markers, self.sigma)).any():
+            raise ValueError(f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip")
+        self._places = markers
         return self
 
     @property
@@ -110,19 +138,19 @@ class Markers(Table):
         return np.asarray(self.sigma * least_squares(residuals, np.zeros(self.nuisance), method="lm").fun)
 
 
-def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotion, EndMotion]], Array]:
-    """Contents of the file; ValueError names what is wrong."""
+def _read(path: Path, asked: Markers) -> _Frames:
+    """Read the columns; ValueError names one that lacks."""
     try:
         columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise ValueError(f"{asked.file} is no table of numbers ({error}): give a CSV file, names in line 1") from error
     names = columns.dtype.names or ()
 
-    def vectors(name: str, axis: str = "", unit: float = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]) -> Array:
-        wanted = [f"{name}.{axis}{k}" for k in "xyz"]
+    def vectors(of: Sequence[str], axis: str = "", unit: float = 1.0) -> Array:
+        wanted = [f"{name}.{axis}{k}" for name in of for k in "xyz"]
         if missing := [one for one in wanted if one not in names]:
             raise ValueError(f"{asked.file} has no column {missing[0]}: its columns are {', '.join(names)}")
-        return unit * np.column_stack([columns[one] for one in wanted])
+        return unit * np.array([columns[one] for one in wanted]).T.reshape(-1, len(of), 3)
 
     if taken := [side for side in SIDES if side in asked.places]:
         raise ValueError(f"places.{taken[0]} has the name of an end of the rope: give the marker another name")
@@ -131,46 +159,58 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
         raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
     if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and asked.ends != "clamped":
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
-    for side in SIDES[: 2 * leaning]:
-        with np.errstate(over="ignore"):
-            lengths = np.linalg.norm(way := vectors(side, "d", 1.0), axis=1)
-        if (none := np.flatnonzero((lengths == 0.0) | np.isinf(lengths))).size:
-            where = f"{asked.file}, row {none[0] + 2}, t = {t[none[0]]:.10g} s: {side}.dx, {side}.dy, {side}.dz"
-            is_none = f"{', '.join(f'{x:g}' for x in way[none[0]])} is no direction"
-            raise ValueError(f"{where} = {is_none}: give a vector of finite length, or empty fields for a lost one")
-    held = np.hstack([vectors(side, axis) for side in SIDES for axis in ("", "d")[: 1 + leaning]])
-    if (both := np.flatnonzero(whole := np.isfinite(held).min(axis=1))).size < 2 * FIRST:
+    unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]
+    ways = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
+    return _Frames(t, vectors(SIDES, unit=unit), ways, vectors([*asked.places], unit=unit))
+
+
+def _checked(frames: _Frames, asked: Markers) -> _Frames:
+    """Return the frames from the first with both ends to the last; ValueError names where too much is lost."""
+    t = frames.t
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(frames.ways, axis=2)
+    for k, side in np.argwhere((lengths == 0.0) | np.isinf(lengths)):
+        where = ", ".join(f"{SIDES[side]}.d{axis}" for axis in "xyz")
+        is_none = f"{', '.join(f'{x:g}' for x in frames.ways[k, side])} is no direction"
+        cure = "give a vector of finite length, or empty fields for a lost one"
+        raise ValueError(f"{asked.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}")
+    if (both := np.flatnonzero(frames.whole)).size < 2 * FIRST:
         raise ValueError(f"{asked.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
-    frame, gaps = float(np.median(np.diff(t))), np.diff(t[both])
-    if gaps.max() > (GAP + 0.5) * frame:
+    if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
         lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
-        raise ValueError(f"{asked.file} {lost}, over {GAP} frames = {GAP * frame:g} s: fill the gap or end there")
-    t, columns, whole = (t - t[0])[(between := slice(both[0], both[-1] + 1))], columns[between], whole[between]
-    start, end = (vectors(side)[whole][:FIRST].mean(axis=0) for side in SIDES)
+        raise ValueError(
+            f"{asked.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
+        )
+    between = slice(both[0], both[-1] + 1)
+    return _Frames(t[between] - t[0], frames.ends[between], frames.ways[between], frames.markers[between])
+
+
+def _turned(frames: _Frames, asked: Markers) -> tuple[float, Array, Array]:
+    """Spacing of the ends at the start (m), their places and leans (n, 2, 5), and the markers in the rope's axes."""
+    start, end = frames.ends[frames.whole][:FIRST].mean(axis=0)
     if not np.linalg.norm(np.cross(asked.up, end - start)) > 0.0:
         raise ValueError(f"{asked.file}: the ends hang above each other with up = {asked.up}: give the direction of up")
     axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [asked.up, end - start], weights=[np.inf, 1.0])
-    spacing, paths = float(axes.apply(end - start)[0]), []
-    for side, nominal in zip(SIDES, (-0.5 * spacing, 0.5 * spacing), strict=True):
-        paths.append(axes.apply(vectors(side) - 0.5 * (start + end)) - [nominal, 0.0, 0.0])
-        way = axes.apply(vectors(side, "d")) if leaning else np.array([[0.0, -1.0, 0.0]] * t.size)
-        across = np.linalg.norm(way[:, ::2], axis=1, keepdims=True)
-        paths.append(way[:, ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -way[:, 1:2]))
-    seen = np.hstack(paths)
+    matrix, middle, spacing = axes.as_matrix().T, 0.5 * (start + end), float(axes.apply(end - start)[0])
+    ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    ways = frames.ways @ matrix if frames.ways.size else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
+    across = np.linalg.norm(ways[..., ::2], axis=2, keepdims=True)
+    leans = ways[..., ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -ways[..., 1:2])
+    return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
+
+
+def _smoothed(frames: _Frames, held: Array) -> tuple[Array, list[tuple[EndMotion, EndMotion]]]:
+    """Times (s), with those at rest before the file begins, and the motion of both ends at each."""
+    whole, frame, seen = frames.whole, frames.period, held.reshape(-1, 10)
     resting = np.vstack((np.tile(seen[whole][:FIRST].mean(axis=0), (REST, 1)), seen[whole]))
-    all_t, known = np.concatenate((t[0] + np.arange(-REST, 0) * frame, t)), np.concatenate((np.full(REST, True), whole))
-    smooth = np.zeros((3, all_t.size, 2, 5))
+    t = np.concatenate((frames.t[0] + np.arange(-REST, 0) * frame, frames.t))
+    known, smooth = np.concatenate((np.full(REST, True), whole)), np.zeros((3, t.size, 2, 5))
     for k, x in enumerate(resting.T):  # by frames: the cross-validation seeks its parameter to 1e-5
-        spline = make_smoothing_spline(all_t[known] / frame, x)
-        smooth[..., k // 5, k % 5] = [spline(all_t / frame, order) / frame**order for order in range(3)]
+        spline = make_smoothing_spline(t[known] / frame, x)
+        smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     smooth[1:, 0] = 0.0  # at first the ends rest
     motions = np.concatenate((*smooth[..., :3], np.zeros((*smooth.shape[1:3], 2)), smooth[0, ..., 3:]), axis=2)
-    ends = [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
-    markers = np.stack([axes.apply(vectors(name) - 0.5 * (start + end)) for name in asked.places], axis=1)
-    markers[~whole | (t < asked.skip)] = np.nan
-    if not np.isfinite(markers := _masked(markers, asked.sigma)).any():
-        raise ValueError(f"{asked.file} has no marker behind skip = {asked.skip:g} s with both ends: lower skip")
-    return all_t, spacing, ends, markers
+    return t, [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
 
 def _masked(markers: Array, sigma: float) -> Array:
