@@ -1,9 +1,10 @@
 """Measured motions: made by the project's own simulator, with noise, in a camera's axes, and identified again."""
 
-import importlib.util
+import importlib
 import math
 import pickle
 import re
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,14 +25,10 @@ Array = NDArray[np.float64]
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
-@cache
 def example(name: str) -> Any:
-    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    if str(EXAMPLES) not in sys.path:
+        sys.path.append(str(EXAMPLES))
+    return importlib.import_module(name)
 
 
 def camera() -> Any:
@@ -84,33 +81,19 @@ def test_the_delay_of_the_camera_is_found(tmp_path: Path, monkeypatch: pytest.Mo
     assert_allclose(found, -late, atol=3 * error + late * (error / asked.delay) ** 2)
 
 
-def hits(folder: Path, seeds: range) -> tuple[Array, Array]:
-    """Whether each interval (sets, parameters) has the truth, and errors over values."""
-    inside, errors = [], []
-    for seed in seeds:
-        found = identify(read(camera().write(folder, markers(), seed), Measured))
-        truth = camera().TRUTH.items()
-        inside.append([found.data[name].low <= true <= found.data[name].high for name, true in truth])
-        errors.append([found.value(name) / true - 1 for name, true in truth])
-    return np.array(inside), np.array(errors)
-
-
-def test_intervals_from_a_track_with_noise_have_the_truth(tmp_path: Path) -> None:
-    inside, errors = hits(tmp_path, range(3))
+def test_intervals_from_a_track_with_noise_have_the_truth() -> None:
+    inside, errors = zip(*example("track_coverage").tried(markers(), range(3)), strict=True)
     # of nine intervals of 90 % fewer than six have the truth once in 100 times, were they independent; seeds are fixed
-    assert inside.sum() >= 6
+    assert np.sum(inside) >= 6
     assert np.abs(errors).max() < 0.03
 
 
 @pytest.mark.slow
-def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(camera(), "GRIPPER", 0.0)  # intervals know nothing of the grippers' errors
-    inside, _ = hits(tmp_path, range(100, 200))
-    print(inside.mean(axis=0))
+    inside = [found for found, _ in example("track_coverage").tried(markers(), range(100, 200))]
     # within three standard errors
-    assert_allclose(inside.mean(axis=0), CONFIDENCE, atol=3 * math.sqrt(CONFIDENCE * (1 - CONFIDENCE) / 100))
+    assert_allclose(np.mean(inside, axis=0), CONFIDENCE, atol=3 * math.sqrt(CONFIDENCE * (1 - CONFIDENCE) / 100))
 
 
 @pytest.mark.parametrize(
