@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 from balance_rope import main
 from hoist_demo.calibration.definition import Measured
@@ -94,6 +95,31 @@ def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(monkeypatch: p
     inside = [found for found, _ in example("track_coverage").tried(markers(), range(100, 200))]
     # within three standard errors
     assert_allclose(np.mean(inside, axis=0), CONFIDENCE, atol=3 * math.sqrt(CONFIDENCE * (1 - CONFIDENCE) / 100))
+
+
+def begun_in_motion(folder: Path) -> Path:
+    """Write a track that begins while the gripper moves and the cable swings."""
+    path = camera().write(folder, markers(), 3)
+    head, *rows = path.with_suffix(".csv").read_text(encoding="utf-8").splitlines()
+    rows = [row for row in rows if float(row.partition(",")[0]) > 0.99]
+    path.with_suffix(".csv").write_text("\n".join((head, *rows)), encoding="utf-8")
+    path.write_text(path.read_text(encoding="utf-8") + "settle = 0.6\nskip = 0.1\n", encoding="utf-8")
+    return path
+
+
+def test_a_cable_is_led_into_the_swing_in_which_a_track_begins(tmp_path: Path) -> None:
+    measured, asked = track_of(begun_in_motion(tmp_path))
+    trial, middle = measured.bench.trial(true_shares(measured.bench)), np.full(asked.starts, 0.5)
+    found = least_squares(lambda u: asked.predict(trial, *u) / asked.sigma, middle, bounds=(0.0, 1.0), max_nfev=8)
+    assert 2 * found.cost / found.fun.size < 1.1  # errors of one sigma, some of which the starts take up
+    assert np.square(asked.predict(trial) / asked.sigma).mean() > 15.0
+
+
+@pytest.mark.slow
+def test_a_track_that_begins_in_motion_tells_the_truth(tmp_path: Path) -> None:
+    found = identify(read(begun_in_motion(tmp_path), Measured))
+    assert not found.fit.contradicted
+    assert_allclose([found.value(name) for name in camera().TRUTH], [*camera().TRUTH.values()], rtol=0.03)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,12 @@ class Fit:
     sensitivities: Array
     held: Array
     nuisance: int = 0  # other unknowns, each found by the residuals
+
+    def of_first(self, count: int) -> "Fit":
+        """The first ``count`` shares alone, with the others found anew for each value of them."""
+        kept, others = np.hsplit(self.sensitivities, [count])
+        kept = kept - others @ np.linalg.lstsq(others, kept, rcond=None)[0]
+        return replace(self, shares=self.shares[:count], sensitivities=kept, held=self.held[:, :count])
 
     @property
     def covariance(self) -> Array:
@@ -129,9 +135,10 @@ def _all(residuals: Residuals, held: Array, shares: Array) -> Array:
     return np.concatenate((residuals(shares), held @ (shares - MIDDLE)))
 
 
-def intervals(residuals: Residuals, found: Fit) -> Array:
-    """Lower and upper end of each share's interval, (n, 2)."""
-    return np.array([[_end(residuals, found, k, side) for side in (-1.0, 1.0)] for k in range(found.shares.size)])
+def intervals(residuals: Residuals, found: Fit, count: int | None = None) -> Array:
+    """Lower and upper end of each share's interval, or of the first ``count``, (n, 2)."""
+    sought = range(found.shares.size)[:count]
+    return np.array([[_end(residuals, found, k, side) for side in (-1.0, 1.0)] for k in sought])
 
 
 def _end(residuals: Residuals, found: Fit, k: int, side: float) -> float:

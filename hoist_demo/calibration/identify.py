@@ -105,9 +105,9 @@ def identify(measured: Measured) -> Identified:
     """Fit, intervals, and candidates for the next measurement."""
     bench = measured.bench
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
-    nuisance = sum(m.nuisance for m in measured.measurements if isinstance(m, Markers))
-    found = replace(fit(residuals, len(bench.names)), nuisance=nuisance)
-    ends = intervals(residuals, found)
+    tracks, count = [m for m in measured.measurements if isinstance(m, Markers)], len(bench.names)
+    whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.nuisance for m in tracks))
+    ends, found = intervals(residuals, whole, count), whole.of_first(count)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)
     possible = candidates(bench, found.shares)
@@ -118,14 +118,14 @@ def identify(measured: Measured) -> Identified:
         for m, row in zip(possible, rows[1:], strict=True)
     ]
     trial = bench.trial(found.shares)
-    predicted = [float(value) for m in (*measured.measurements, wanted) for value in m.predict(trial)]
+    predicted = bench.predict(whole.shares, [*measured.measurements, wanted], trial)
     return Identified(
         measured,
         found,
         ends,
         calibrated(measured, found, ends),
-        np.array(predicted[:-1]),
-        predicted[-1],
+        predicted[:-1],
+        float(predicted[-1]),
         error_of(covariance, gradient),
         tuple(sorted(left, key=lambda c: c.error)),
         trial.warnings,

@@ -1,8 +1,11 @@
 """Motion that somebody has measured: paths of a rope's ends and of markers, in a CSV file (docs/reference/files.md).
 
 The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at the start.
-Ends follow smoothing splines (generalised cross-validation), at rest before the file begins.  A marker that leaps away
-from its running median is masked, as one that was lost.
+Ends follow smoothing splines (generalised cross-validation), at rest before the file begins, or led into its motion
+over ``settle``.  A marker that leaps away from its running median is masked, as one that was lost.
+
+The swing in which a file begins is a nuisance: both ends come to the file's first places in STEPS quintic steps from
+poses at rest that the fit finds, within four standard errors.
 
 A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
 shifts, less the measured one.  Offsets and delay have standard errors and are found anew for each rope (variable
@@ -28,6 +31,7 @@ from scipy.spatial.transform import Rotation
 from hoist_demo.files.reading import Table, beside
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
+from rope_model.numerics import quintic
 from rope_model.parameters import Attachment
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.ends.paths import SIDES
@@ -41,6 +45,8 @@ ROBUST = 3.0
 GAP = 6
 #: samples of the running median, and standard errors from it that are a leap
 MEDIAN, LEAP = 5, 8.0
+#: steps of the ends' way to the places in which a file begins, and their standard error in parts of the rope's slack
+STEPS, SLACK = 2, 0.2
 
 
 @dataclass(frozen=True)
@@ -75,18 +81,19 @@ class Markers(Table):
     unit: Literal["m", "cm", "mm"] = "m"  # of the file
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # in the axes of the file
     skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
+    settle: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from rest into the motion in which the file begins
     offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
-    _t: Array = PrivateAttr()  # (n,), s from the first of the file; its first frame with both ends is at REST
+    _t: Array = PrivateAttr()  # (n,), s from the first of the file, whose frames are the last ones
     _spacing: float = PrivateAttr()  # m, of the ends at the start
-    _ends: list[tuple[EndMotion, EndMotion]] = PrivateAttr()  # at these times
-    _places: Array = PrivateAttr()  # (n - REST, markers, 3), m; NaN where lost or not compared
+    _held: Array = PrivateAttr()  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    _places: Array = PrivateAttr()  # (frames, markers, 3), m; NaN where lost or not compared
 
     @model_validator(mode="after")
     def _is_there(self, info: ValidationInfo) -> Self:
         frames = _checked(_read(beside(info, self.file), self), self)
         self._spacing, held, markers = _turned(frames, self)
-        self._t, self._ends = _smoothed(frames, held)
+        self._t, self._held = _smoothed(frames, held, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan
         if not np.isfinite(markers := _masked(markers, self.sigma)).any():
             raise ValueError(f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip")
@@ -94,48 +101,71 @@ class Markers(Table):
         return self
 
     @property
+    def starts(self) -> int:
+        """Number of shares that tell how the ends come to the places in which the file begins."""
+        return 6 * STEPS if self.settle else 0
+
+    @property
     def nuisance(self) -> int:
-        """Number of offsets and delays, each of which is a residual and is found."""
-        return 3 * len(self.places) + 1
+        """Number of starts, offsets and delays, each of which is a residual and is found."""
+        return self.starts + 3 * len(self.places) + 1
 
     @property
     def values(self) -> Array:
-        """Zeros, as the predictions are residuals, of what was seen and then of offsets and delay."""
+        """Zeros, as the predictions are residuals, of what was seen and then of the nuisance."""
         return np.zeros(np.isfinite(self._places).sum() + self.nuisance)
+
+    @property
+    def apart(self) -> float:
+        """Largest distance of the ends, m."""
+        x = self._held[0, ..., :3]
+        return float(np.linalg.norm(x[:, 1] - x[:, 0] + [self._spacing, 0.0, 0.0], axis=1).max())
 
     @property
     def lengths(self) -> dict[str, float]:
         """Lengths (m) that are at most the rope's, by what they are."""
-        apart = max(math.dist((a.x, a.y, a.z), (b.x + self._spacing, b.y, b.z)) for a, b in self._ends)
         return {f"places.{k}": s for k, s in self.places.items()} | {
-            f"{self.file}: largest distance of the ends": apart
+            f"{self.file}: largest distance of the ends": self.apart
         }
 
-    def wind(self, scene: Scene) -> CubicHermiteSpline:
-        """Places of the markers by time (markers, 3), on the rope of ``scene`` between these ends."""
+    def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
+        """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""
+        held, t = self._held.copy(), self._t[: -len(self._places)]
+        h = (self._t[t.size] - t[0]) / STEPS
+        for k, way in enumerate(start):
+            s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
+            held[:, : t.size, :, :3] += quintic.rates(quintic.coefficients(h, way, 0.0, 0.0, 0.0, 0.0, 0.0), s)
+        motions = np.concatenate((*held[..., :3], np.zeros((*held.shape[1:3], 2)), held[0, ..., 3:]), axis=2)
+        return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
+
+    def wind(self, scene: Scene, start: Array) -> CubicHermiteSpline:
+        """Places of the markers by time (markers, 3), on the rope of ``scene``; ``start`` in standard errors."""
+        ways = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
-        layout = replace(scene.layout, spacing=self._spacing)
+        layout, before = replace(scene.layout, spacing=self._spacing), len(self._t) - len(self._places)
         rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
-        for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True)):
+        for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(ways), strict=True)):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
-            if k >= REST:
+            if k >= before:
                 rows = rope.rows()
                 at = elements_at(np.array([*self.places.values()]), np.diff(rows[:, 0]))
                 found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at)])
-        return CubicHermiteSpline(self._t[REST:], *np.swapaxes(found, 0, 1))
+        return CubicHermiteSpline(self._t[before:], *np.swapaxes(found, 0, 1))
 
-    def predict(self, trial: Any) -> Array:
-        """Residuals (m) on the scene of a measurements.Trial; their squares are the loss."""
-        motion, t, seen = self.wind(trial.scene), self._t[REST:], np.isfinite(self._places)
+    def predict(self, trial: Any, *start: float) -> Array:
+        """Residuals (m) on the scene of a measurements.Trial, and shares that tell its start; squares are the loss."""
+        begun = 8.0 * np.subtract(start or [0.5] * self.starts, 0.5)
+        motion, t, seen = self.wind(trial.scene, begun), self._t[-len(self._places) :], np.isfinite(self._places)
 
         def residuals(b: Array) -> Array:
             places = motion(np.clip(t + self.delay * b[-1], t[0], t[-1])) + self.offset * b[:-1].reshape(-1, 3)
             r = (places - self._places)[seen] / self.sigma
             return np.concatenate((r * np.sqrt(2.0 / (1.0 + np.hypot(1.0, r / ROBUST))), b))
 
-        return np.asarray(self.sigma * least_squares(residuals, np.zeros(self.nuisance), method="lm").fun)
+        found = least_squares(residuals, np.zeros(3 * len(self.places) + 1), method="lm").fun
+        return np.asarray(self.sigma * np.concatenate((found, begun)))
 
 
 def _read(path: Path, asked: Markers) -> _Frames:
@@ -199,18 +229,24 @@ def _turned(frames: _Frames, asked: Markers) -> tuple[float, Array, Array]:
     return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
 
 
-def _smoothed(frames: _Frames, held: Array) -> tuple[Array, list[tuple[EndMotion, EndMotion]]]:
-    """Times (s), with those at rest before the file begins, and the motion of both ends at each."""
-    whole, frame, seen = frames.whole, frames.period, held.reshape(-1, 10)
-    resting = np.vstack((np.tile(seen[whole][:FIRST].mean(axis=0), (REST, 1)), seen[whole]))
-    t = np.concatenate((frames.t[0] + np.arange(-REST, 0) * frame, frames.t))
-    known, smooth = np.concatenate((np.full(REST, True), whole)), np.zeros((3, t.size, 2, 5))
-    for k, x in enumerate(resting.T):  # by frames: the cross-validation seeks its parameter to 1e-5
-        spline = make_smoothing_spline(t[known] / frame, x)
+def _smoothed(frames: _Frames, held: Array, settle: float) -> tuple[Array, Array]:
+    """Times (s), with those before the file begins, and values, rates and accelerations (3, n, 2, 5) of the ends."""
+    frame = frames.period
+    before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
+    known, seen, t = frames.t[frames.whole], held[frames.whole].reshape(-1, 10), np.concatenate((before, frames.t))
+    if not settle:
+        known = np.concatenate((before, known))
+        seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))
+    smooth = np.zeros((3, t.size, 2, 5))
+    for k, x in enumerate(seen.T):  # by frames: the cross-validation seeks its parameter to 1e-5
+        spline = make_smoothing_spline(known / frame, x)
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
+    if settle:
+        x, v, a = smooth[:, before.size]
+        path = quintic.coefficients(t[before.size] - t[0], x, 0.0, 0.0, x, v, a)
+        smooth[:, : before.size] = quintic.rates(path, (before - t[0])[:, None, None])
     smooth[1:, 0] = 0.0  # at first the ends rest
-    motions = np.concatenate((*smooth[..., :3], np.zeros((*smooth.shape[1:3], 2)), smooth[0, ..., 3:]), axis=2)
-    return t, [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
+    return t, smooth
 
 
 def _masked(markers: Array, sigma: float) -> Array:
