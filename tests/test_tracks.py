@@ -69,6 +69,36 @@ def test_the_residuals_of_the_true_rope_are_noise(tmp_path: Path) -> None:
     assert np.abs(residuals[count:]).max() < 4.0
 
 
+def unlabelled(path: Path) -> Path:
+    """Take from the file what tells which marker is where."""
+    text = re.sub("places = .*", 'unlabelled = ["a", "b", "c", "d"]', path.read_text(encoding="utf-8"))
+    path.with_name("free.toml").write_text(text, encoding="utf-8")
+    return path.with_name("free.toml")
+
+
+def test_unlabelled_points_are_off_the_true_rope_by_noise_across_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(camera(), "OFFSET", 0.0)
+    measured, asked = track_of(unlabelled(camera().write(tmp_path, markers(), 3)))
+    residuals = asked.predict(measured.bench.trial(true_shares(measured.bench))) / asked.sigma
+    points = asked.unknowns - 1
+    assert residuals.size == 3 * points + 1
+    assert 0.93 < 3 * points / markers().size < 0.97
+    # two of three components are left; of a normal error the loss keeps 0.93; in three standard errors
+    assert_allclose(np.square(residuals).sum() / (2 * points), 0.93, atol=3 / math.sqrt(points))
+
+
+@pytest.mark.slow
+def test_points_tell_the_same_without_labels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(camera(), "OFFSET", 0.0)
+    path = camera().write(tmp_path, markers(), 1)
+    known, free = (identify(read(one, Measured)) for one in (path, unlabelled(path)))
+    for name, true in camera().TRUTH.items():
+        assert known.data[name].low < free.value(name) < known.data[name].high
+        assert_allclose(free.value(name), true, rtol=0.01)
+
+
 def test_the_delay_of_the_camera_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The motion of a camera that is late by three frames, which 4 ms of standard error do not expect, shifts back."""
     late = 3 * camera().FRAME
@@ -99,7 +129,7 @@ def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(monkeypatch: p
 
 def begun_in_motion(folder: Path) -> Path:
     """Write a track that begins while the gripper moves and the cable swings."""
-    path = camera().write(folder, markers(), 3)
+    path: Path = camera().write(folder, markers(), 3)
     head, *rows = path.with_suffix(".csv").read_text(encoding="utf-8").splitlines()
     rows = [row for row in rows if float(row.partition(",")[0]) > 0.99]
     path.with_suffix(".csv").write_text("\n".join((head, *rows)), encoding="utf-8")

@@ -106,7 +106,7 @@ def identify(measured: Measured) -> Identified:
     bench = measured.bench
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
     tracks, count = [m for m in measured.measurements if isinstance(m, Markers)], len(bench.names)
-    whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.nuisance for m in tracks))
+    whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
     ends, found = intervals(residuals, whole, count), whole.of_first(count)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)

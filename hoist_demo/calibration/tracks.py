@@ -8,7 +8,8 @@ The swing in which a file begins is a nuisance: both ends come to the file's fir
 poses at rest that the fit finds, within four standard errors.
 
 A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
-shifts, less the measured one.  Offsets and delay have standard errors and are found anew for each rope (variable
+shifts, less the measured one; of an unlabelled point the part across the rope at the place nearest to it, which is seen
+late by its speed.  Offsets and delay have standard errors and are found anew for each rope (variable
 projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
 """
 
@@ -76,7 +77,8 @@ class Markers(Table):
     name: Text = ""
     file: Text
     sigma: float = Field(gt=0.0, allow_inf_nan=False)  # m, standard error of a coordinate
-    places: dict[str, float] = Field(min_length=1)  # m along the rope from its left end, by marker
+    places: dict[str, float] = Field({})  # m along the rope from its left end, by marker
+    unlabelled: tuple[Text, ...] = ()  # points anywhere on the rope
     ends: Attachment = "plumb"
     unit: Literal["m", "cm", "mm"] = "m"  # of the file
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # in the axes of the file
@@ -95,9 +97,12 @@ class Markers(Table):
         self._spacing, held, markers = _turned(frames, self)
         self._t, self._held = _smoothed(frames, held, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan
-        if not np.isfinite(markers := _masked(markers, self.sigma)).any():
-            raise ValueError(f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip")
-        self._places = markers
+        known = len(self.places)
+        self._places = np.hstack((_masked(markers[:, :known], self.sigma), markers[:, known:]))
+        if not np.isfinite(self._places).any():
+            raise ValueError(
+                f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip or name one"
+            )
         return self
 
     @property
@@ -109,6 +114,11 @@ class Markers(Table):
     def nuisance(self) -> int:
         """Number of starts, offsets and delays, each of which is a residual and is found."""
         return self.starts + 3 * len(self.places) + 1
+
+    @property
+    def unknowns(self) -> int:
+        """Number of the nuisance and of the arc lengths of unlabelled points, all of which are found."""
+        return self.nuisance + int(np.isfinite(self._places[:, len(self.places) :]).all(axis=2).sum())
 
     @property
     def values(self) -> Array:
@@ -138,34 +148,56 @@ class Markers(Table):
         motions = np.concatenate((*held[..., :3], np.zeros((*held.shape[1:3], 2)), held[0, ..., 3:]), axis=2)
         return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
-    def wind(self, scene: Scene, start: Array) -> CubicHermiteSpline:
-        """Places of the markers by time (markers, 3), on the rope of ``scene``; ``start`` in standard errors."""
+    def wind(self, scene: Scene, start: Array) -> Array:
+        """Places, speeds and tangents by frame (3, n, markers, 3) on the rope of ``scene``; tangents of the unlabelled.
+
+        ``start``: poses of the ends, in standard errors.
+        """
         ways = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
         layout, before = replace(scene.layout, spacing=self._spacing), len(self._t) - len(self._places)
         rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
+        known = np.array([*self.places.values()])
         for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(ways), strict=True)):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k >= before:
-                rows = rope.rows()
-                at = elements_at(np.array([*self.places.values()]), np.diff(rows[:, 0]))
-                found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at)])
-        return CubicHermiteSpline(self._t[before:], *np.swapaxes(found, 0, 1))
+                rows, tangents = rope.rows(), np.zeros((known.size, 3))
+                s = known
+                if self.unlabelled:
+                    curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
+                    free = _nearest(curve, self._places[k - before, known.size :])
+                    s, tangents = np.append(known, free), np.vstack((tangents, curve(free, 1)))
+                at = elements_at(s, np.diff(rows[:, 0]))
+                found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents])
+        return np.array(found).swapaxes(0, 1)
 
     def predict(self, trial: Any, *start: float) -> Array:
         """Residuals (m) on the scene of a measurements.Trial, and shares that tell its start; squares are the loss."""
-        begun = 8.0 * np.subtract(start or [0.5] * self.starts, 0.5)
-        motion, t, seen = self.wind(trial.scene, begun), self._t[-len(self._places) :], np.isfinite(self._places)
+        begun, known = 8.0 * np.subtract(start or [0.5] * self.starts, 0.5), len(self.places)
+        t, seen, (x, v, along) = self._t[-len(self._places) :], np.isfinite(self._places), self.wind(trial.scene, begun)
+        motion = CubicHermiteSpline(t, x[:, :known], v[:, :known])
 
         def residuals(b: Array) -> Array:
-            places = motion(np.clip(t + self.delay * b[-1], t[0], t[-1])) + self.offset * b[:-1].reshape(-1, 3)
-            r = (places - self._places)[seen] / self.sigma
+            late = self.delay * b[-1]
+            places = motion(np.clip(t + late, t[0], t[-1])) + self.offset * b[:-1].reshape(-1, 3)
+            off = np.hstack((places, x[:, known:] + late * v[:, known:])) - self._places
+            r = (off - (off * along).sum(axis=2, keepdims=True) * along)[seen] / self.sigma
             return np.concatenate((r * np.sqrt(2.0 / (1.0 + np.hypot(1.0, r / ROBUST))), b))
 
-        found = least_squares(residuals, np.zeros(3 * len(self.places) + 1), method="lm").fun
+        found = least_squares(residuals, np.zeros(3 * known + 1), method="lm").fun
         return np.asarray(self.sigma * np.concatenate((found, begun)))
+
+
+def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
+    """Arc lengths (m) of the places on the rope that are nearest to ``points`` (n, 3)."""
+    s = np.linspace(curve.x[0], curve.x[-1], 4 * curve.x.size)
+    s = s[np.linalg.norm(points[:, None] - curve(s), axis=2).argmin(axis=1)]
+    for _ in range(3):  # each leaves of the error as much as curvature times distance
+        way = curve(s, 1)
+        s = np.clip(s + ((points - curve(s)) * way).sum(axis=1) / (way**2).sum(axis=1), curve.x[0], curve.x[-1])
+    return np.asarray(s)
 
 
 def _read(path: Path, asked: Markers) -> _Frames:
@@ -191,7 +223,7 @@ def _read(path: Path, asked: Markers) -> _Frames:
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
     unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]
     ways = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
-    return _Frames(t, vectors(SIDES, unit=unit), ways, vectors([*asked.places], unit=unit))
+    return _Frames(t, vectors(SIDES, unit=unit), ways, vectors([*asked.places, *asked.unlabelled], unit=unit))
 
 
 def _checked(frames: _Frames, asked: Markers) -> _Frames:
