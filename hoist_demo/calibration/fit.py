@@ -135,10 +135,9 @@ def _all(residuals: Residuals, held: Array, shares: Array) -> Array:
     return np.concatenate((residuals(shares), held @ (shares - MIDDLE)))
 
 
-def intervals(residuals: Residuals, found: Fit, count: int | None = None) -> Array:
-    """Lower and upper end of each share's interval, or of the first ``count``, (n, 2)."""
-    sought = range(found.shares.size)[:count]
-    return np.array([[_end(residuals, found, k, side) for side in (-1.0, 1.0)] for k in sought])
+def intervals(residuals: Residuals, found: Fit) -> Array:
+    """Lower and upper end of each share's interval, (n, 2)."""
+    return np.array([[_end(residuals, found, k, side) for side in (-1.0, 1.0)] for k in range(found.shares.size)])
 
 
 def _end(residuals: Residuals, found: Fit, k: int, side: float) -> float:

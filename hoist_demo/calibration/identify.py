@@ -107,7 +107,10 @@ def identify(measured: Measured) -> Identified:
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
     tracks, count = [m for m in measured.measurements if isinstance(m, Markers)], len(bench.names)
     whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
-    ends, found = intervals(residuals, whole, count), whole.of_first(count)
+    found = whole.of_first(count)
+    ends = np.clip(found.shares[:, None] + np.outer(found.reaches, [-1.0, 1.0]), 0.0, 1.0)
+    if whole.shares.size == count:  # what follows a start is too bent for the few corrections of a profile
+        ends = intervals(residuals, found)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)
     possible = candidates(bench, found.shares)
