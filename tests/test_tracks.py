@@ -70,7 +70,10 @@ def test_the_residuals_of_the_true_rope_are_noise(tmp_path: Path) -> None:
 
 def test_unlabelled_points_are_off_the_true_rope_by_noise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(camera(), "OFFSET", 0.0)
-    measured, asked = track_of(camera().write(tmp_path, markers(), 3, **example("track_coverage").KINDS["unlabelled"]))
+    path = camera().write(tmp_path, markers(), 3, **example("track_coverage").KINDS["unlabelled"])
+    track = path.with_suffix(".csv")  # which loses one coordinate of one point
+    track.write_text(re.sub(r"(\n1,(.*?,){6})[^,]*", r"\1", track.read_text(encoding="utf-8")), encoding="utf-8")
+    measured, asked = track_of(path)
     residuals = asked.predict(measured.bench.trial(true_shares(measured.bench))) / asked.sigma
     points = asked.unknowns - 1
     assert residuals.size == 3 * points + 1
