@@ -17,8 +17,8 @@ import fmpy
 import numpy as np
 import pytest
 from exports import FLAVOURS, Flavour
-from fmpy.fmi3 import FMU3Slave
 from lxml import etree
+from native_host import OK, Host
 from numpy.testing import assert_allclose
 from scenes import ends_at, fixed_steps
 
@@ -141,62 +141,40 @@ STEP, SIDES = 0.05, ("left", "right")
 STARTS = [STEP * k for k in range(10)]
 
 
+def falling(t: float) -> dict[str, float]:
+    return dict(zip(INPUTS, (-t * t, -2.0 * t, -2.0, 90.0 - t * t, -2.0 * t, -2.0), strict=True))
+
+
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
-def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_through_it(
-    fmu_of: Callable[[str], Path], tmp_path: Path
-) -> None:
+def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_through_it(unpacked: Any) -> None:
     """Release, slips and sticks of a swivel, a guard's trip, a strike; over steps that are long beside them."""
-    path = fmu_of("native-3")
-    description, folder = fmpy.read_model_description(str(path)), fmpy.extract(str(path), str(tmp_path / "rope"))
-    variables = {
-        v.name: ([v.valueReference], v.type.replace("Enumeration", "Int64")) for v in description.modelVariables
-    }
 
-    def motion(t: float) -> dict[str, float]:
-        return dict(zip(INPUTS, (-t * t, -2.0 * t, -2.0, 90.0 - t * t, -2.0 * t, -2.0), strict=True))
-
-    def run(early: bool) -> tuple[list[float], list[float]]:
-        model = {"guid": description.guid, "modelIdentifier": description.coSimulation.modelIdentifier}
-        rope, returned = FMU3Slave(unzipDirectory=folder, instanceName="rope", **model), list[float]()
-
-        def put(values: dict[str, float]) -> None:
-            for name, value in values.items():
-                reference, kind = variables[name]
-                getattr(rope, f"set{kind}")(reference, [value])
-
-        rope.instantiate(eventModeUsed=early, earlyReturnAllowed=early)
-        put(EVENTS)
-        rope.enterInitializationMode()
-        rope.exitInitializationMode()
+    def run(events: bool) -> tuple[list[float], list[float]]:
+        rope, returned, answers = Host(*unpacked("native-3"), events=events), list[float](), [ctypes.c_bool()] * 5
+        rope.start(**EVENTS)
         for t in STARTS:
-            put(motion(t))
-            now = t
-            while t + STEP - now > 1e-9:
-                _, _, back, now = rope.doStep(now, t + STEP - now)
-                if back:
-                    returned.append(now)
-                    rope.enterEventMode()
-                    rope.updateDiscreteStates()
-                    rope.enterStepMode()
-        told = [variables[name] for name in ("inputs.repeated", "left.fy", "right.fy", "left.swivel.angle")]
-        found = [getattr(rope, f"get{kind}")(reference)[0] for reference, kind in told]
-        rope.freeInstance()
+            assert rope.give(falling(t)) == rope.do_step(t, STEP) == OK, rope.said
+            while (now := rope.reached.value) < t + STEP - 1e-9:
+                returned.append(now)
+                assert rope.call("EnterEventMode") == OK, rope.said
+                assert rope.call("UpdateDiscreteStates", *map(ctypes.byref, [*answers, ctypes.c_double()])) == OK
+                assert rope.call("EnterStepMode") == rope.do_step(now, t + STEP - now) == OK, rope.said
+        found = rope.get("inputs.repeated", "left.fy", "right.fy", "left.swivel.angle")
+        rope.free()
         return returned, found
 
-    rope, happened = (
-        RopeSimulator(case_with("rope-120", "standard", EVENTS).scene),
-        {EVENTS["left.swivel.release_time"]},
-    )
+    happened = {EVENTS["left.swivel.release_time"]}
+    rope = RopeSimulator(case_with("rope-120", "standard", EVENTS).scene)
     assert rope.initialize(0.0, EndMotion(ay=-2.0), EndMotion(y=90.0, ay=-2.0)).valid
     for t in STARTS:
-        left, right = (EndMotion(**{key: motion(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")}) for side in SIDES)
+        left, right = (EndMotion(**{key: falling(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")}) for side in SIDES)
         assert rope.advance_to(t + STEP, left, right, t).valid
         happened |= {event.t for event in rope.state.events if event.what.startswith(SIDES)}
     happened |= {rope.state.guard.time, *(near.touched_at for near in rope.state.nearest)} - {0.0}
-    (none, plain), (times, early) = run(early=False), run(early=True)
+    (none, plain), (times, early) = run(events=False), run(events=True)
     assert none == []
     assert_allclose(times, sorted(happened), rtol=0, atol=1e-4)
-    assert plain[0] == early[0] == 0.0
+    assert plain[0] == early[0] == 0
     assert_allclose(early[1:], plain[1:], rtol=2e-3)
 
 
