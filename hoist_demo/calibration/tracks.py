@@ -46,8 +46,9 @@ ROBUST = 3.0
 GAP = 6
 #: samples of the running median, and standard errors from it that are a leap
 MEDIAN, LEAP = 5, 8.0
-#: steps of the ends' way to the places in which a file begins, and their standard error in parts of the rope's slack
-STEPS, SLACK = 2, 0.2
+#: steps of the ends' way to where a file begins, their standard error in parts of the rope's slack, and how many of
+#: these a range has
+STEPS, SLACK, ERRORS = 2, 0.2, 8.0
 
 
 @dataclass(frozen=True)
@@ -97,8 +98,8 @@ class Markers(Table):
         self._spacing, held, markers = _turned(frames, self)
         self._t, self._held = _smoothed(frames, held, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan
-        known = len(self.places)
-        self._places = np.hstack((_masked(markers[:, :known], self.sigma), markers[:, known:]))
+        known, free = np.split(markers, [len(self.places)], axis=1)
+        self._places = np.hstack((_masked(known, self.sigma), free))
         if not np.isfinite(self._places).any():
             raise ValueError(
                 f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip or name one"
@@ -149,10 +150,7 @@ class Markers(Table):
         return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
     def wind(self, scene: Scene, start: Array) -> Array:
-        """Places, speeds and tangents by frame (3, n, markers, 3) on the rope of ``scene``; tangents of the unlabelled.
-
-        ``start``: poses of the ends, in standard errors.
-        """
+        """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3); ``start`` is in standard errors."""
         ways = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
         layout, before = replace(scene.layout, spacing=self._spacing), len(self._t) - len(self._places)
@@ -163,8 +161,7 @@ class Markers(Table):
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k >= before:
-                rows, tangents = rope.rows(), np.zeros((known.size, 3))
-                s = known
+                rows, s, tangents = rope.rows(), known, np.zeros((known.size, 3))
                 if self.unlabelled:
                     curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
                     free = _nearest(curve, self._places[k - before, known.size :])
@@ -175,7 +172,7 @@ class Markers(Table):
 
     def predict(self, trial: Any, *start: float) -> Array:
         """Residuals (m) on the scene of a measurements.Trial, and shares that tell its start; squares are the loss."""
-        begun, known = 8.0 * np.subtract(start or [0.5] * self.starts, 0.5), len(self.places)
+        begun, known = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5), len(self.places)
         t, seen, (x, v, along) = self._t[-len(self._places) :], np.isfinite(self._places), self.wind(trial.scene, begun)
         motion = CubicHermiteSpline(t, x[:, :known], v[:, :known])
 
