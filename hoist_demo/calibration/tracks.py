@@ -99,7 +99,6 @@ class Markers(Table):
         self._t, self._held = _smoothed(frames, held, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan
         known, free = np.split(markers, [len(self.places)], axis=1)
-        free[~np.isfinite(free).all(axis=2)] = np.nan  # no place is nearest to a part of a point
         self._places = np.hstack((_masked(known, self.sigma), free))
         if not np.isfinite(self._places).any():
             raise ValueError(
