@@ -23,14 +23,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from hoist_demo.calibration.definition import Measured
-from hoist_demo.calibration.identify import identify
+from hoist_demo.calibration.fit import fit
+from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.calibration.tracks import REST, Markers
 from hoist_demo.files.reading import read
-from rope_model import PointForces, Scene, balance_rope
+from rope_model import EndMotion, PointForces, Scene, balance_rope
 from rope_model.simulation.contact.point_forces import NO_FORCES, at_places, elements_at
 
 Array = NDArray[np.float64]
@@ -90,17 +91,27 @@ def arc_lengths(paths: Sequence[Path]) -> Array:
 
 
 class Started(Markers):
-    """Markers on a rope that moves when they are first compared, at the time ``skip``."""
+    """Markers on a rope that moves when its run begins, LEAD frames after the file; all frames count alike."""
 
-    def wind(self, scene: Scene) -> CubicHermiteSpline:
-        """Places of the markers by time, as of any markers; springs draw them along until they are compared."""
-        left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
+    @property
+    def moved(self) -> list[tuple[EndMotion, EndMotion]]:
+        """Motions of the ends in the frames of the run."""
+        return self._ends[-len(self.seen) :]
+
+    @property
+    def seen(self) -> Array:
+        """Places of the markers in the frames of the run (frames, markers, 3)."""
+        return self._places[LEAD:]
+
+    def wound(self, scene: Scene) -> Array:
+        """Return the places of the markers on the rope in the frames of the run; springs draw them there before it."""
+        left, right = (replace(swivel, attachment="clamped") for swivel in (scene.left, scene.right))
         layout = replace(scene.layout, spacing=self._spacing)
         rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
         s = np.array([*self.places.values()])
         share = scene.rope.mass_per_length * scene.rope.length / (s.size + 1)
-        targets = run_up(*started(self._places[LEAD:]), np.arange(LEAD + 1.0))
-        for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True), -REST):
+        targets = run_up(*started(self.seen), np.arange(LEAD + 1.0))
+        for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True), len(self._places) - len(self._t)):
             if 0 < k <= LEAD:
                 rows, h = rope.rows(), t - rope.time
                 at = elements_at(s, np.diff(rows[:, 0]))
@@ -110,30 +121,29 @@ class Started(Markers):
                 rope.apply(PointForces(s, pull, pull, rope.time, t))
             elif k == LEAD + 1:
                 rope.apply(NO_FORCES)
-            status = rope.advance_to(t, *ends) if k > -REST else rope.initialize(t, *ends)
+            status = (rope.initialize if k == -REST else rope.advance_to)(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
-            if k >= 0:
+            if k >= LEAD:
                 rows = rope.rows()
-                at = elements_at(s, np.diff(rows[:, 0]))
-                found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at)])
-        return CubicHermiteSpline(self._t[REST:], *np.swapaxes(found, 0, 1))
+                found.append(at_places(rows[:, 1:7], *elements_at(s, np.diff(rows[:, 0]))))
+        return np.array(found)
 
-    def misses(self, scene: Scene) -> Array:
-        """Return (frames, markers): distances (m) between the markers and their places on the rope."""
-        seen = self._places[LEAD:]
-        return np.asarray(np.linalg.norm(self.wind(scene)(self._t[REST + LEAD :]) - seen, axis=2))
+    def predict(self, trial: Any) -> Array:
+        """Residuals (m) on the scene of a measurements.Trial, without offsets and delay."""
+        off = (self.wound(trial.scene) - self.seen)[np.isfinite(self.seen)]
+        return np.concatenate((off, np.zeros(self.nuisance)))
 
-    def catenary_misses(self, length: float) -> Array:
-        """Return the distances (m) to a chain without stiffness and inertia between these ends."""
-        s, found = np.array([*self.places.values()]), []
-        for (a, b), seen in zip(self._ends[REST + LEAD :], self._places[LEAD:], strict=True):
-            start = np.array(a.position) - [0.5 * self._spacing, 0.0, 0.0]
-            found.append(
-                np.linalg.norm(
-                    start + chain(b.position - start + [0.5 * self._spacing, 0, 0], s, length) - seen, axis=1
-                )
-            )
+    def misses(self, places: Array) -> Array:
+        """Return (frames, markers): distances (m) of the markers to ``places``."""
+        return np.asarray(np.linalg.norm(places - self.seen, axis=2))
+
+    def hung(self, length: float) -> Array:
+        """Return the places of the markers on a chain, without stiffness and inertia, between the same ends."""
+        s, across, found = np.array([*self.places.values()]), np.array([0.5 * self._spacing, 0.0, 0.0]), []
+        for left, right in self.moved:
+            start, end = np.array(left.position) - across, np.array(right.position) + across
+            found.append(start + chain(end - start, s, length))
         return np.array(found)
 
 
@@ -205,14 +215,16 @@ def judged(folder: Path, cable: Path, out: Path) -> Judged:
     out.mkdir(parents=True, exist_ok=True)
     lengths = arc_lengths(runs(folder / "train", FITTED))
     judges = motions(folder / "eval", cable, out, JUDGED, lengths)
-    found = identify(motions(folder / "train", cable, out, FITTED, lengths))
-    for name, shares in zip(found.names, found.intervals, strict=True):
-        low, high = (found.measured.bench.data[name].at(share) for share in shares.tolist())
-        print(f"{name} = {found.value(name):.4g} ({low:.4g} to {high:.4g})")
-    scene, misses, chains = found.measured.bench.trial(found.fit.shares).scene, [], []
+    fitted = motions(folder / "train", cable, out, FITTED, lengths)
+    bench, measured = fitted.bench, fitted.measurements
+    found = fit(residuals_of(bench, measured, *stacked(measured)), len(bench.names))
+    for name, share, reach in zip(bench.names, found.shares, found.reaches, strict=True):
+        low, value, high = (bench.data[name].at(float(np.clip(share + k * reach, 0.0, 1.0))) for k in (-1, 0, 1))
+        print(f"{name} = {value:.4g} ({low:.4g} to {high:.4g})")
+    scene, misses, chains = bench.trial(found.shares).scene, list[Array](), list[Array]()
     for one in judges.measurements:
-        misses.append(one.misses(scene))
-        chains.append(one.catenary_misses(scene.rope.length))
+        misses.append(one.misses(one.wound(scene)))
+        chains.append(one.misses(one.hung(scene.rope.length)))
         print(f"{one.file}: {1e3 * rms(misses[-1]):.1f} mm")
     return Judged(misses, chains, time.process_time() - began)
 
