@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, make_smoothing_spline
 from scipy.optimize import brentq
 
 from hoist_demo.calibration.definition import Measured
@@ -67,10 +67,17 @@ def started(places: Array) -> tuple[Array, Array]:
     return place, speed
 
 
+def smooth(end: Array) -> Array:
+    """Return a path (frames, 3) without frames that leap: an end that took them would be refused."""
+    frames = np.arange(float(len(end)))
+    return np.column_stack([make_smoothing_spline(frames, x, lam=0.3)(frames) for x in end.T])
+
+
 def track(path: Path) -> tuple[str, Array]:
     """Return the header and columns of a run as a track; the rope leaves its grippers at the last vertex but one."""
     v = vertices(path)
     ends = {"left.": v[1], "left.d": v[1] - v[0], "right.": v[-2], "right.d": v[-2] - v[-1]}
+    ends = {name: smooth(end) for name, end in ends.items()}
     columns = [np.vstack((run_up(*started(end), np.arange(float(LEAD)))[0], end)) for end in ends.values()]
     columns += [np.vstack((np.full((LEAD, 3), np.nan), marker)) for marker in v[2:-2]]
     names = ["t", *(f"{name}{axis}" for name in (*ends, *(f"v{k}." for k in range(2, len(v) - 2))) for axis in "xyz")]
