@@ -16,7 +16,7 @@ DEV := $(VENV)/.dev
 PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n logical --dist worksteal
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
-.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals bench csources wheels wheel-test release clean
+.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals motion bench csources wheels wheel-test release clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
@@ -71,6 +71,10 @@ contact: $(READY)  ## check contact against exact cases (3 minutes)
 
 signals: $(READY)  ## wind with motions that tables, rounding and repetition give (5 minutes)
 	$(MEASURE) signals -- signals
+
+motion: $(READY)  ## fit and judge cables that somebody has measured, in the folders of DATA (docs/howto/rope_data.md)
+	$(if $(DATA),,$(error DATA must be the folder that you have fetched: make motion DATA=folder))
+	OMP_NUM_THREADS=1 $(BIN)/python examples/measured_motion.py $(DATA) docs/measurements/motion.toml
 
 bench: $(READY)  ## measure the speed of every form of the rope, and windings per minute
 	$(BIN)/python -m benchmarks.speed
