@@ -37,6 +37,7 @@ from rope_model.simulation.contact.point_forces import NO_FORCES, at_places, ele
 Array = NDArray[np.float64]
 RATE, FITTED, JUDGED = 100.0, 5, 10  #: Hz, and runs
 LEAD, START = 30, 10  #: frames
+HARDEST = 50.0  #: m/s^2, beyond the grippers
 SPRING = 20.0  #: 1/s, of a marker's share of the mass on its spring, critically damped: slow against a frame
 
 
@@ -68,9 +69,12 @@ def started(places: Array) -> tuple[Array, Array]:
 
 
 def smooth(end: Array) -> Array:
-    """Return a path (frames, 3) without frames that leap: an end that took them would be refused."""
-    frames = np.arange(float(len(end)))
-    return np.column_stack([make_smoothing_spline(frames, x, lam=0.3)(frames) for x in end.T])
+    """Return a path (frames, 3), the smoother the harder it leaps: leaps are a marker's, and the rope refuses them."""
+    frames, path, lam = np.arange(float(len(end))), end, 0.1
+    while np.abs(np.diff(path, 2, axis=0)).max() * RATE**2 > HARDEST:
+        path = np.column_stack([make_smoothing_spline(frames, x, lam=lam)(frames) for x in end.T])
+        lam *= 3.0
+    return path
 
 
 def track(path: Path) -> tuple[str, Array]:
