@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -47,8 +48,11 @@ def seen() -> np.ndarray:
     return np.array(found)
 
 
-def write(folder: Path, markers: np.ndarray, seed: int) -> Path:
-    """Write both files: with noise, markers off their places, a late camera, lost and swapped markers, its own axes."""
+def write(folder: Path, markers: np.ndarray, seed: int, begin: float = 0.0, **keys: str) -> Path:
+    """Write both files: with noise, markers off their places, a late camera, lost and swapped markers, its own axes.
+
+    From the time ``begin`` of the file on; ``keys`` are those of [[measured]].
+    """
     rng = np.random.default_rng(seed)
     turn, shift = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.normal(size=3)
     turn *= np.linalg.det(turn)
@@ -65,10 +69,14 @@ def write(folder: Path, markers: np.ndarray, seed: int) -> Path:
         columns |= {f"{name}.d{axis}": (turn @ way)[i] for i, axis in enumerate("xyz")}
     with (folder / "swing.csv").open("w", newline="", encoding="utf-8") as file:
         rows = [["" if math.isnan(x) else f"{x:.6g}" for x in row] for row in zip(*columns.values(), strict=True)]
+        rows = [row for row in rows if float(row[0]) >= begin]
         csv.writer(file).writerows([[*columns], *rows])
     path = folder / "swing.toml"
     text = (Path(__file__).parent.parent / "docs" / "measurements" / "swing.toml").read_text(encoding="utf-8")
-    path.write_text(text.replace("up = [0.0, 1.0, 0.0]", f"up = {turn[:, 1].tolist()}"), encoding="utf-8")
+    for key, value in ({"up": str(turn[:, 1].tolist())} | keys).items():
+        text, known = re.subn(f"(?m)^{key} = .*", f"{key} = {value}", text)
+        text += "" if known else f"{key} = {value}\n"
+    path.write_text(text, encoding="utf-8")
     return path
 
 

@@ -122,9 +122,9 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
         canHandleVariableCommunicationStepSize=True,
         maxOutputDerivativeOrder=0,
         providesIntermediateUpdate=False,
-        mightReturnEarlyFromDoStep=False,
+        mightReturnEarlyFromDoStep=True,
         canReturnEarlyAfterIntermediateUpdate=False,
-        hasEventMode=False,
+        hasEventMode=True,
         providesEvaluateDiscreteStates=False,
     )
     variables = [array.variable for array in gathered]

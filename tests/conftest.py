@@ -88,6 +88,12 @@ def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(import_module("hoist_demo.report.figures").STYLE, "figure.constrained_layout.use", False)
 
 
+@pytest.fixture
+def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run's files without its figures, which take half of the time of a short run."""
+    monkeypatch.setattr(import_module("hoist_demo.report.figures"), "write_figures", lambda *_: [])
+
+
 @pytest.fixture(params=VERSIONS)
 def fmi(request: pytest.FixtureRequest) -> int:
     return int(request.param)

@@ -39,13 +39,14 @@ class Host:
     """``log`` (status, message) is all that the FMU said, ``said`` its errors; what returns an int returns a status."""
 
     def __init__(
-        self, path: Path, folder: str, token: str | None = None, memory: Any = None, resources: bytes | None = None
+        self, path: Path, folder: str, token: Any = None, memory: Any = None, resources: Any = None, events: int = 0
     ) -> None:
         self.description = _description(path, path.stat().st_mtime_ns)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.fmi = int(self.description.fmiVersion[0])
         self.log: list[tuple[int, str]] = []
         self.said: list[str] = []
+        self.reached = _DOUBLE()  # s, by the last step, in FMI 3.0
         identifier, place = self.description.coSimulation.modelIdentifier, Path(folder).resolve() / "resources"
         self.binary = next((Path(folder) / "binaries").rglob(f"{identifier}.*"))
         self.dll = ctypes.CDLL(str(self.binary))
@@ -60,7 +61,7 @@ class Host:
             arguments: Any = b"rope", 1, code, resources, ctypes.byref(self._callbacks), 0, 1
         else:
             make, self._logger = self.dll.fmi3InstantiateCoSimulation, fmi3LogMessageCallback(self._heard)
-            flags = False, True, False, False
+            flags = False, True, events, events
             arguments = b"rope", code, resources, *flags, None, ctypes.c_size_t(0), None, self._logger, None
         make.restype = _POINTER
         self.instance = make(*arguments)
@@ -175,8 +176,8 @@ class Host:
     def do_step(self, t: float, h: float) -> int:
         if self.fmi == 2:
             return self.call("DoStep", _DOUBLE(t), _DOUBLE(h), 1)
-        flags, last = [ctypes.c_bool() for _ in range(3)], _DOUBLE()
-        return self.call("DoStep", _DOUBLE(t), _DOUBLE(h), True, *map(ctypes.byref, flags), ctypes.byref(last))
+        flags = [ctypes.c_bool() for _ in range(3)]
+        return self.call("DoStep", _DOUBLE(t), _DOUBLE(h), True, *map(ctypes.byref, [*flags, self.reached]))
 
     def step(self, t: float, h: float = H) -> str:
         """'' or what the FMU says when the step fails."""

@@ -50,16 +50,16 @@ CASES = {
     # it drives the rope
     "wind and a floor": Case(BLOWN, test_air.ends, 15, 30, lambda x: x.energy_balance.given_to_air < -0.1),
     "bodies": Case(
-        test_contact.narrow(), test_contact.ends, 15, 30, lambda x: x.energy_balance.dissipated_contact > 0.01
+        test_contact.narrow(), test_contact.ends, 15, 21, lambda x: x.energy_balance.dissipated_contact > 0.01
     ),
     "legs that press each other": Case(
         test_rope_on_rope.twisted(), twisting, 81, 84, lambda x: x.energy_balance.dissipated_contact > 1.0
     ),
     "curved and twisted": Case(
-        CURVED(installed_twist=1.0), past_each_other, 12, 20, lambda x: abs(x.loop_yaw) > 0.1, 1e-8
+        CURVED(installed_twist=1.0), past_each_other, 12, 16, lambda x: abs(x.loop_yaw) > 0.1, 1e-8
     ),
     "curved, with wires that slide": Case(
-        CURVED(EI_stick=3000.0, slip_moment=2.0), past_each_other, 12, 20, lambda x: x.hysteresis.any(), 1e-8
+        CURVED(EI_stick=3000.0, slip_moment=2.0), past_each_other, 12, 16, lambda x: x.hysteresis.any(), 1e-8
     ),
     "wires that slide": Case(STRICT, past_each_other, 2, 4, lambda x: x.counts.steps > 8, 1e-8, 0.02),
 }
@@ -73,7 +73,7 @@ def misfit(fidelity: FidelityChoice) -> Case:
     def motion(t: float) -> Ends:
         return unfit(t, fidelity) if t > 0 else EndMotion(), EndMotion()
 
-    return Case(scene, motion, 12, 24, lambda x: x.following[0].repeats * x.following[0].position > 1e-4)
+    return Case(scene, motion, 12, 18, lambda x: x.following[0].repeats * x.following[0].position > 1e-4)
 
 
 FIDELITIES: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")

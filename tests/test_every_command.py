@@ -197,6 +197,7 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path
     assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     file, asked, out = tmp_path / "own.toml", iter(range(99)), ["--out", str(tmp_path / "out")]
     file.write_text("name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8")
@@ -207,6 +208,7 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch
     assert "| hoist.payload_left | 4321 |" in (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_a_level_that_the_fmu_has_not_is_told(tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture) -> None:
     file = tmp_path / "own.toml"
     file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")

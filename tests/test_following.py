@@ -248,7 +248,7 @@ def test_both_forms_follow_to_the_same_bits(trusted: Trusted, given: Given, at_e
     scene = SCENE.with_(inputs=Inputs(given=trusted), mesh=Mesh("eem", elements=16))
     ropes = [form(scene) for form in (NativeRope, RopeSimulator)]
     for rope in ropes:
-        wind(rope, given, at_end, until=0.6)
+        wind(rope, given, at_end, until=0.4)
     assert ropes[0].state.following == ropes[1].state.following
 
 

@@ -64,6 +64,12 @@ def test_the_interval_of_a_linear_rope_is_that_of_its_covariance() -> None:
     assert_allclose(intervals(residuals, found), np.clip(expected, 0.0, 1.0).T, rtol=1e-9)
 
 
+def test_the_first_shares_alone_have_the_covariance_that_they_have_among_all() -> None:
+    matrix = np.random.default_rng(2).standard_normal((9, 4)) * [30.0, 60.0, 25.0, 40.0]
+    found = fit(lambda u: matrix @ (u - 0.4), 4)
+    assert_allclose(found.of_first(2).covariance, found.covariance[:2, :2], rtol=1e-9)
+
+
 def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
     # the first is measured by a cube of itself and, worse, by its sum with the second: seen along the first alone,
     # the squares that the second cannot lower are those of the cube

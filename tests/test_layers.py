@@ -67,8 +67,8 @@ hoist_demo.duty: .cases .files .parameters .design .recording .cosimulation .cos
 hoist_demo.ropes: .cases .files .parameters .recording .cosimulation .cosimulation.participants
     .cosimulation.schemes .study rope_model
 hoist_demo.calibration: .files .parameters .control .cases .cosimulation.participants .report .study rope_model
-    rope_model.catalogue rope_model.parameters rope_model.physics rope_model.scene_names rope_model.simulation
-    rope_model.texts
+    rope_model.catalogue rope_model.numerics rope_model.parameters rope_model.physics rope_model.scene_names
+    rope_model.simulation rope_model.texts
 hoist_demo.uncertainty: .files .parameters .calibration .cases .recording .cosimulation
     .cosimulation.participants .report .study rope_model rope_model.texts
 hoist_demo.command_line: .files .parameters .cases .recording .cosimulation .cosimulation.participants

@@ -57,15 +57,15 @@ UNEQUAL = Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton
 #: scene, motions, duration, communication step
 CASES: dict[str, tuple[Scene, Motions, float, float]] = {
     "winding": (rope_120().scene, winding(90.0, 8.0), 4.0, 0.01),
-    "coarse levels": (rope_120("draft").scene, winding(90.0, 8.0), 6.0, 0.02),
+    "coarse levels": (rope_120("draft").scene, winding(90.0, 8.0), 3.6, 0.02),
     "stick and slip": (STICKING, winding(200.0, 10.0), 2.2, 0.02),  # every event multiplies the rounding before it
     "free swivels, one with a seal": (SEALED, winding(40.0, 4.0), 3.0, 0.01),
-    "spatial": (Scene(rope=PLAIN, model=Model("spatial")), winding(40.0, 4.0), 1.5, 0.01),
-    "planar": (Scene(rope=UNCOUPLED, mesh=Mesh("eem", elements=81)), winding(40.0, 4.0), 1.5, 0.01),
+    "spatial": (Scene(rope=PLAIN, model=Model("spatial")), winding(40.0, 4.0), 1.1, 0.01),
+    "planar": (Scene(rope=UNCOUPLED, mesh=Mesh("eem", elements=81)), winding(40.0, 4.0), 1.1, 0.01),
     "rigid, then raised": (Scene(rope=PLAIN, model=Model("auto", force_tolerance=0.2)), raised, 1.3, 0.01),
     "turned through a right angle": (TURNED, partial(turn, 2.25, 2.5), 2.5, 0.02),
     "slack and caught": (Scene(rope=PLAIN), bounce, 0.7, 0.01),
-    "non-conservative": (UNEQUAL, winding(40.0, 4.0), 1.5, 0.01),
+    "non-conservative": (UNEQUAL, winding(40.0, 4.0), 1.1, 0.01),
 }
 #: what happens in some of them
 MEETS = {"winding": {"transformation"}, "rigid, then raised": {"model torsional"}}

@@ -251,6 +251,7 @@ def test_options_for_one_rope_are_refused_with_several(
     assert f"{option} {value} is for a hoist with one [[rope]]: leave it out" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: Capture) -> None:
     path, planar = tmp_path / "ropes.toml", 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
     path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")

@@ -18,13 +18,15 @@ import numpy as np
 import pytest
 from exports import FLAVOURS, Flavour
 from lxml import etree
+from native_host import OK, Host
 from numpy.testing import assert_allclose
 from scenes import ends_at, fixed_steps
 
 from balance_rope import main
+from fmu_src.interface import case_with
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model import RopeSimulator, rope_120
+from rope_model import EndMotion, RopeSimulator, rope_120
 from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import find_compiler
 
@@ -128,6 +130,52 @@ def test_fmpy_meets_the_reference_experiment_inside(exported: tuple[Flavour, Pat
     for name in ("time", *outputs):
         # a hundredth of the relative tolerance: this is the machine that computed the references
         assert_allclose(result[name], expected[name], rtol=0.01 * tolerance, atol=tolerance, err_msg=name)
+
+
+EVENTS = {
+    "solver.step_max": 0.005, "solver.tolerance": 1e6, "rope.installed_twist": 2.0, "sump.level": -14.3,
+    "left.swivel.mode": 2, "left.swivel.start": 0, "left.swivel.release_time": 0.133,
+    "guard.torque": 0.5, "guard.torque_delay": 0.08,
+}  # fmt: skip
+STEP, SIDES = 0.05, ("left", "right")
+STARTS = [STEP * k for k in range(10)]
+
+
+def falling(t: float) -> dict[str, float]:
+    return dict(zip(INPUTS, (-t * t, -2.0 * t, -2.0, 90.0 - t * t, -2.0 * t, -2.0), strict=True))
+
+
+@pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
+def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_through_it(unpacked: Any) -> None:
+    """Release, slips and sticks of a swivel, a guard's trip, a strike; over steps that are long beside them."""
+
+    def run(events: bool) -> tuple[list[float], list[float]]:
+        rope, returned, answers = Host(*unpacked("native-3"), events=events), list[float](), [ctypes.c_bool()] * 5
+        rope.start(**EVENTS)
+        for t in STARTS:
+            assert rope.give(falling(t)) == rope.do_step(t, STEP) == OK, rope.said
+            while (now := rope.reached.value) < t + STEP - 1e-9:
+                returned.append(now)
+                assert rope.call("EnterEventMode") == OK, rope.said
+                assert rope.call("UpdateDiscreteStates", *map(ctypes.byref, [*answers, ctypes.c_double()])) == OK
+                assert rope.call("EnterStepMode") == rope.do_step(now, t + STEP - now) == OK, rope.said
+        found = rope.get("inputs.repeated", "left.fy", "right.fy", "left.swivel.angle")
+        rope.free()
+        return returned, found
+
+    happened = {EVENTS["left.swivel.release_time"]}
+    rope = RopeSimulator(case_with("rope-120", "standard", EVENTS).scene)
+    assert rope.initialize(0.0, EndMotion(ay=-2.0), EndMotion(y=90.0, ay=-2.0)).valid
+    for t in STARTS:
+        left, right = (EndMotion(**{key: falling(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")}) for side in SIDES)
+        assert rope.advance_to(t + STEP, left, right, t).valid
+        happened |= {event.t for event in rope.state.events if event.what.startswith(SIDES)}
+    happened |= {rope.state.guard.time, *(near.touched_at for near in rope.state.nearest)} - {0.0}
+    (none, plain), (times, early) = run(events=False), run(events=True)
+    assert none == []
+    assert_allclose(times, sorted(happened), rtol=0, atol=1e-4)
+    assert plain[0] == early[0] == 0
+    assert_allclose(early[1:], plain[1:], rtol=2e-3)
 
 
 def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path) -> int:

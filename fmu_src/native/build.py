@@ -96,11 +96,14 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
 
     def make() -> None:
         progress.warning("compiling %s for %s%s, some 10 s", identifier, name, version)
-        loader = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
+        more = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
+        if name.endswith("linux") and "ziglang" in compiler:
+            # without zig's own library, of which nothing is needed, and which it would compile first for 14 s
+            more += ["-nostdlib", "-lc", "-Wl,-z,defs"]
         kernels.compile_objects(sources, [*compiler, *flags], objects)
         own_name = [f"-Wl,-install_name,@rpath/{identifier}{made.suffix}"] if made.suffix == ".dylib" else []
         command = [*compiler, *flags, *own_name]
-        kernels.link_library(command, objects.values(), made, f"{identifier}{made.suffix}", loader)
+        kernels.link_library(command, objects.values(), made, f"{identifier}{made.suffix}", more)
 
     try:
         return kernels.make_once(made, make)

@@ -237,7 +237,7 @@ int component_exit_initialization(Component *c) {
     return 1;
 }
 
-static int step(Component *c, double t, double h) {
+static int step(Component *c, double t, double h, int *event) {
     char text[NUMBER], other[NUMBER], why[MODEL_MESSAGE] = "";
     double now = c->time;
     if (!(h > 0.0 && isfinite(h)))
@@ -248,19 +248,22 @@ static int step(Component *c, double t, double h) {
     if (t + h > c->stop + TIME_SLACK(c->stop))
         return refuse(c, "a step to t = %s s goes beyond the stop time %s s; announce a later one, or none",
                       shortest(t + h, text), shortest(c->stop, other));
-    if (t + h - model_time(c->model) < SHORTEST_STEP) return 1; /* the next step goes on from the model's time */
+    if (t + h - model_time(c->model) < SHORTEST_STEP) { /* the next step goes on from the model's time */
+        if (event) *event = 0;
+        return 1;
+    }
     if (c->retune && !model_retune(c->model, c->values, why)) return refuse(c, "%s", why);
     take_over(c);
-    if (!model_step(c->model, t, h, c->values, why)) return refuse(c, "%s", why);
+    if (!model_step(c->model, t, h, c->values, event, why)) return refuse(c, "%s", why);
     return 1;
 }
 
-int component_step(Component *c, double t, double h) {
-    if (!step(c, t, h)) {
+int component_step(Component *c, double t, double h, int *event) {
+    if (!step(c, t, h, event)) {
         component_fail(c);
         return 0;
     }
-    c->time = t + h;
+    c->time = event && *event ? model_time(c->model) : t + h;
     c->valid = 1;
     c->status[0] = '\0';
     warn(c);

@@ -45,7 +45,7 @@ int component_allows(Component *c, const char *function, int modes);
 int component_setup(Component *c, double start, int stop_defined, double stop);
 void component_enter_initialization(Component *c);
 int component_exit_initialization(Component *c);
-int component_step(Component *c, double t, double h);
+int component_step(Component *c, double t, double h, int *event); /* event: as of model_step */
 double component_time(const Component *c);
 /* of no effect and without a word after something has failed, or been refused before the first step */
 int component_terminate(Component *c, const char *function);

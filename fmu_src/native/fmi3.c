@@ -1,6 +1,7 @@
 /* FMI 3.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h.
 
-   No event mode, no clocks, no intermediate update: those functions say so and return an error. */
+   No clocks, no intermediate update: those functions say so and return an error.  Event mode is step mode by another
+   name: what an event changes is changed when fmi3DoStep returns at it. */
 #include "component.h"
 #include "fmi3Functions.h"
 #include "snapshot.h"
@@ -11,6 +12,8 @@ typedef struct {
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
     int logging; /* of notes */
+    int event_mode, early_return;
+    int event; /* at the end of the latest step */
 } Instance;
 
 static void log_message(void *context, Severity severity, const char *message) {
@@ -46,20 +49,18 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     const char *wrong = NULL;
     char why[MODEL_MESSAGE];
-    (void)visible, (void)earlyReturnAllowed;
-    (void)requiredIntermediateVariables, (void)intermediateUpdate;
+    (void)visible, (void)requiredIntermediateVariables, (void)intermediateUpdate;
     if (!instanceName || !*instanceName)
         wrong = NO_NAME;
     else if (!component_has_token(instantiationToken))
         wrong = "the instantiation token is not that of this FMU; read it from the modelDescription.xml beside it";
-    else if (eventModeUsed)
-        wrong = "this FMU has no event mode (hasEventMode is false); instantiate it with eventModeUsed = false";
     else if (nRequiredIntermediateVariables)
         wrong = "this FMU has no intermediate values (providesIntermediateUpdate is false); require none";
     else if (!model_open(resourcePath, why))
         wrong = why;
     if (!wrong) {
-        Instance *i = made((Instance){NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn});
+        Instance *i = made((Instance){
+            NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn, eventModeUsed, earlyReturnAllowed, 0});
         if (i) return i;
         wrong = NO_MEMORY;
     }
@@ -109,10 +110,40 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     if (!may(i, "fmi3DoStep", STEPPING) || !not_null(i, eventHandlingNeeded) || !not_null(i, terminateSimulation) ||
         !not_null(i, earlyReturn) || !not_null(i, lastSuccessfulTime))
         return fmi3Error;
-    int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize);
-    *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
+    int *event = i->event_mode && i->early_return ? &i->event : NULL;
+    int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize, event);
     *lastSuccessfulTime = component_time(i->component);
+    *terminateSimulation = fmi3False;
+    *eventHandlingNeeded = i->event;
+    *earlyReturn = i->event && *lastSuccessfulTime < currentCommunicationPoint + communicationStepSize;
     return status(ok);
+}
+
+static fmi3Status of_events(Instance *i, const char *function) {
+    if (!may(i, function, STEPPING)) return fmi3Error;
+    return status(i->event_mode || component_refuse(i->component, "instantiate the FMU with eventModeUsed = true"));
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+    return of_events(instance, "fmi3EnterEventMode");
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+    return of_events(instance, "fmi3EnterStepMode");
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined,
+                                    fmi3Float64 *nextEventTime) {
+    fmi3Boolean *const answers[] = {discreteStatesNeedUpdate, terminateSimulation, nominalsOfContinuousStatesChanged,
+                                    valuesOfContinuousStatesChanged, nextEventTimeDefined};
+    if (of_events(instance, "fmi3UpdateDiscreteStates") != fmi3OK || !not_null(instance, nextEventTime))
+        return fmi3Error;
+    for (int k = 0; k < 5; k++)
+        if (!not_null(instance, answers[k])) return fmi3Error;
+    for (int k = 0; k < 5; k++) *answers[k] = fmi3False;
+    return fmi3OK;
 }
 
 /* values */
@@ -181,7 +212,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 /* what the capability flags rule out: nobody reads the arguments */
 
 #define NOT_PROVIDED "this FMU does not provide that; see its capability flags"
-#define NO_EVENTS "this FMU has no structural parameters, no event mode and no clocks"
+#define NO_EVENTS "this FMU has no structural parameters, no discrete states to evaluate and no clocks"
 
 REFUSED(GetAdjointDerivative, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference unknowns[],
         size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
@@ -194,16 +225,11 @@ REFUSED(GetVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueR
         size_t elementIndicesOfDependent[], fmi3ValueReference independents[], size_t elementIndicesOfIndependents[],
         fmi3DependencyKind dependencyKinds[], size_t nDependencies)
 
-/* structural parameters, events and clocks */
+/* structural parameters and clocks */
 
 REFUSED(EnterConfigurationMode, NO_EVENTS, fmi3Instance instance)
 REFUSED(ExitConfigurationMode, NO_EVENTS, fmi3Instance instance)
-REFUSED(EnterEventMode, NO_EVENTS, fmi3Instance instance)
-REFUSED(EnterStepMode, NO_EVENTS, fmi3Instance instance)
 REFUSED(EvaluateDiscreteStates, NO_EVENTS, fmi3Instance instance)
-REFUSED(UpdateDiscreteStates, NO_EVENTS, fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
-        fmi3Boolean *terminateSimulation, fmi3Boolean *nominalsOfContinuousStatesChanged,
-        fmi3Boolean *valuesOfContinuousStatesChanged, fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
 REFUSED(GetIntervalDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
         size_t nValueReferences, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 REFUSED(GetIntervalFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],

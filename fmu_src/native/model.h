@@ -61,8 +61,9 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
 void model_destroy(ModelInstance *model); /* NULL: nothing to do */
 /* Consistent at the time t with these inputs; may be called again, with other inputs, before the first step. */
 int model_initialize(ModelInstance *model, double t, const double *values, char *message);
-/* From the model's own time, up to a rounding before t, to t + h. */
-int model_step(ModelInstance *model, double t, double h, const double *values, char *message);
+/* From the model's own time, up to a rounding before t, to t + h, or to an event where `event` is not NULL.  *event
+   tells before whether the last step ended at one, and then whether this one does. */
+int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message);
 /* go on with other tunable parameters */
 int model_retune(ModelInstance *model, const double *values, char *message);
 

@@ -323,7 +323,8 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
     return ok;
 }
 
-int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
+int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
+    (void)event; /* FMI 2.0 has no event mode */
     int gil = python.PyGILState_Ensure(), ok;
     hand_over(model, values);
     ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);

@@ -75,10 +75,12 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
     return copy_message(model, rope_initialize(model->rope, t, ends), message);
 }
 
-int model_step(ModelInstance *model, double t, double h, const double *values, char *message) {
+int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
     EndMotion ends[2];
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
+    if (event && !model->at_step_end) /* nobody gives a motion at the event, but it is extrapolated */
+        return copy_message(model, rope_advance_to_event(model->rope, t + h, ends, given_at, event), message);
     return copy_message(model, rope_advance_to(model->rope, t + h, ends, given_at), message);
 }
 

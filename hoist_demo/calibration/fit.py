@@ -18,7 +18,7 @@ import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,12 @@ class Fit:
     sensitivities: Array
     held: Array
     nuisance: int = 0  # other unknowns, each found by the residuals
+
+    def of_first(self, count: int) -> "Fit":
+        """The first ``count`` shares alone, with the others found anew for each value of them."""
+        kept, others = np.hsplit(self.sensitivities, [count])
+        kept = kept - others @ np.linalg.lstsq(others, kept, rcond=None)[0]
+        return replace(self, shares=self.shares[:count], sensitivities=kept, held=self.held[:, :count])
 
     @property
     def covariance(self) -> Array:

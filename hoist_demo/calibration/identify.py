@@ -105,9 +105,12 @@ def identify(measured: Measured) -> Identified:
     """Fit, intervals, and candidates for the next measurement."""
     bench = measured.bench
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
-    nuisance = sum(m.nuisance for m in measured.measurements if isinstance(m, Markers))
-    found = replace(fit(residuals, len(bench.names)), nuisance=nuisance)
-    ends = intervals(residuals, found)
+    tracks, count = [m for m in measured.measurements if isinstance(m, Markers)], len(bench.names)
+    whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
+    found = whole.of_first(count)
+    ends = np.clip(found.shares[:, None] + np.outer(found.reaches, [-1.0, 1.0]), 0.0, 1.0)
+    if whole.shares.size == count:  # what follows a start is too bent for the few corrections of a profile
+        ends = intervals(residuals, found)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)
     possible = candidates(bench, found.shares)
@@ -118,14 +121,14 @@ def identify(measured: Measured) -> Identified:
         for m, row in zip(possible, rows[1:], strict=True)
     ]
     trial = bench.trial(found.shares)
-    predicted = [float(value) for m in (*measured.measurements, wanted) for value in m.predict(trial)]
+    predicted = bench.predict(whole.shares, [*measured.measurements, wanted], trial)
     return Identified(
         measured,
         found,
         ends,
         calibrated(measured, found, ends),
-        np.array(predicted[:-1]),
-        predicted[-1],
+        predicted[:-1],
+        float(predicted[-1]),
         error_of(covariance, gradient),
         tuple(sorted(left, key=lambda c: c.error)),
         trial.warnings,

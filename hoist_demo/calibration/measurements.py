@@ -14,6 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import islice
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
@@ -389,7 +390,8 @@ class Bench:
         """Return the rope that has these shares, ready to be measured."""
         return Trial(self.scene_at(shares))
 
-    def predict(self, shares: Array, measurements: Sequence[Asked]) -> Array:
-        """All values of the measurements, one after the other."""
-        trial = self.trial(shares)
-        return np.array([value for m in measurements for value in m.predict(trial)])
+    def predict(self, shares: Array, measurements: Sequence[Asked], of: Trial | None = None) -> Array:
+        """All values of the measurements, one after the other; behind the rope's ``shares`` are those of starts."""
+        trial, starts = of or self.trial(shares), iter(shares[len(self.names) :].tolist())
+        found = [m.predict(trial, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
+        return np.array([value for values in found for value in values])

@@ -1,17 +1,23 @@
 """Motion that somebody has measured: paths of a rope's ends and of markers, in a CSV file (docs/reference/files.md).
 
 The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at the start.
-Ends follow smoothing splines (generalised cross-validation), at rest before the file begins.  A marker that leaps away
-from its running median is masked, as one that was lost.
+Ends follow smoothing splines (generalised cross-validation), at rest before the file begins, or led into its motion
+over ``settle``.  A marker that leaps away from its running median is masked, as one that was lost.
+
+The swing in which a file begins is a nuisance: both ends come to the file's first places in STEPS quintic steps from
+poses at rest that the fit finds, within four standard errors.
 
 A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
-shifts, less the measured one.  Offsets and delay have standard errors and are found anew for each rope (variable
+shifts, less the measured one; of an unlabelled point the part across the rope at the place nearest to it, which is seen
+late by its speed.  Offsets and delay have standard errors and are found anew for each rope (variable
 projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
 """
 
 import math
 import warnings
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -26,6 +32,7 @@ from scipy.spatial.transform import Rotation
 from hoist_demo.files.reading import Table, beside
 from hoist_demo.files.values import Text
 from rope_model import EndMotion, Scene, balance_rope
+from rope_model.numerics import quintic
 from rope_model.parameters import Attachment
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.ends.paths import SIDES
@@ -39,6 +46,29 @@ ROBUST = 3.0
 GAP = 6
 #: samples of the running median, and standard errors from it that are a leap
 MEDIAN, LEAP = 5, 8.0
+#: steps of the ends' way to where a file begins, their standard error in parts of the rope's slack, and how many of
+#: these a range has
+STEPS, SLACK, ERRORS = 2, 0.2, 8.0
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """Frames of a file; NaN where something is lost."""
+
+    t: Array  # (n,), s
+    ends: Array  # (n, 2, 3), m
+    ways: Array  # (n, 2, 3), directions of the ends; (n, 0, 3) where they are plumb
+    markers: Array  # (n, markers, 3), m
+
+    @cached_property
+    def whole(self) -> NDArray[np.bool_]:
+        """Whether both ends are seen (n,)."""
+        return np.asarray(np.isfinite(np.hstack((self.ends, self.ways))).all(axis=(1, 2)))
+
+    @cached_property
+    def period(self) -> float:
+        """Time from frame to frame, s."""
+        return float(np.median(np.diff(self.t)))
 
 
 class Markers(Table):
@@ -48,81 +78,138 @@ class Markers(Table):
     name: Text = ""
     file: Text
     sigma: float = Field(gt=0.0, allow_inf_nan=False)  # m, standard error of a coordinate
-    places: dict[str, float] = Field(min_length=1)  # m along the rope from its left end, by marker
+    places: dict[str, float] = Field({})  # m along the rope from its left end, by marker
+    unlabelled: tuple[Text, ...] = ()  # points anywhere on the rope
     ends: Attachment = "plumb"
     unit: Literal["m", "cm", "mm"] = "m"  # of the file
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # in the axes of the file
     skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
+    settle: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from rest into the motion in which the file begins
     offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
-    _t: Array = PrivateAttr()  # (n,), s from the first of the file; its first frame with both ends is at REST
+    _t: Array = PrivateAttr()  # (n,), s from the first of the file, whose frames are the last ones
     _spacing: float = PrivateAttr()  # m, of the ends at the start
-    _ends: list[tuple[EndMotion, EndMotion]] = PrivateAttr()  # at these times
-    _places: Array = PrivateAttr()  # (n - REST, markers, 3), m; NaN where lost or not compared
+    _held: Array = PrivateAttr()  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    _places: Array = PrivateAttr()  # (frames, markers, 3), m; NaN where lost or not compared
 
     @model_validator(mode="after")
     def _is_there(self, info: ValidationInfo) -> Self:
-        self._t, self._spacing, self._ends, self._places = _read(beside(info, self.file), self)
+        frames = _checked(_read(beside(info, self.file), self), self)
+        self._spacing, held, markers = _turned(frames, self)
+        self._t, self._held = _smoothed(frames, held, self.settle)
+        markers[~frames.whole | (frames.t < self.skip)] = np.nan
+        known, free = np.split(markers, [len(self.places)], axis=1)
+        self._places = np.hstack((_masked(known, self.sigma), free))
+        if not np.isfinite(self._places).any():
+            raise ValueError(
+                f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip or name one"
+            )
         return self
 
     @property
+    def starts(self) -> int:
+        """Number of shares that tell how the ends come to the places in which the file begins."""
+        return 6 * STEPS if self.settle else 0
+
+    @property
     def nuisance(self) -> int:
-        """Number of offsets and delays, each of which is a residual and is found."""
-        return 3 * len(self.places) + 1
+        """Number of starts, offsets and delays, each of which is a residual and is found."""
+        return self.starts + 3 * len(self.places) + 1
+
+    @property
+    def unknowns(self) -> int:
+        """Number of the nuisance and of the arc lengths of unlabelled points, all of which are found."""
+        return self.nuisance + int(np.isfinite(self._places[:, len(self.places) :]).all(axis=2).sum())
 
     @property
     def values(self) -> Array:
-        """Zeros, as the predictions are residuals, of what was seen and then of offsets and delay."""
+        """Zeros, as the predictions are residuals, of what was seen and then of the nuisance."""
         return np.zeros(np.isfinite(self._places).sum() + self.nuisance)
+
+    @property
+    def apart(self) -> float:
+        """Largest distance of the ends, m."""
+        x = self._held[0, ..., :3]
+        return float(np.linalg.norm(x[:, 1] - x[:, 0] + [self._spacing, 0.0, 0.0], axis=1).max())
 
     @property
     def lengths(self) -> dict[str, float]:
         """Lengths (m) that are at most the rope's, by what they are."""
-        apart = max(math.dist((a.x, a.y, a.z), (b.x + self._spacing, b.y, b.z)) for a, b in self._ends)
         return {f"places.{k}": s for k, s in self.places.items()} | {
-            f"{self.file}: largest distance of the ends": apart
+            f"{self.file}: largest distance of the ends": self.apart
         }
 
-    def wind(self, scene: Scene) -> CubicHermiteSpline:
-        """Places of the markers by time (markers, 3), on the rope of ``scene`` between these ends."""
+    def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
+        """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""
+        held, t = self._held.copy(), self._t[: -len(self._places)]
+        h = (self._t[t.size] - t[0]) / STEPS
+        for k, way in enumerate(start):
+            s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
+            held[:, : t.size, :, :3] += quintic.rates(quintic.coefficients(h, way, 0.0, 0.0, 0.0, 0.0, 0.0), s)
+        motions = np.concatenate((*held[..., :3], np.zeros((*held.shape[1:3], 2)), held[0, ..., 3:]), axis=2)
+        return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
+
+    def wind(self, scene: Scene, start: Array) -> Array:
+        """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3); ``start`` is in standard errors."""
+        ways = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
-        layout = replace(scene.layout, spacing=self._spacing)
+        layout, before = replace(scene.layout, spacing=self._spacing), len(self._t) - len(self._places)
         rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
-        for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True)):
+        known = np.array([*self.places.values()])
+        for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(ways), strict=True)):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
-            if k >= REST:
-                rows = rope.rows()
-                at = elements_at(np.array([*self.places.values()]), np.diff(rows[:, 0]))
-                found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at)])
-        return CubicHermiteSpline(self._t[REST:], *np.swapaxes(found, 0, 1))
+            if k >= before:
+                rows, s, tangents = rope.rows(), known, np.zeros((known.size, 3))
+                if self.unlabelled:
+                    curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
+                    free = _nearest(curve, self._places[k - before, known.size :])
+                    s, tangents = np.append(known, free), np.vstack((tangents, curve(free, 1)))
+                at = elements_at(s, np.diff(rows[:, 0]))
+                found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents])
+        return np.array(found).swapaxes(0, 1)
 
-    def predict(self, trial: Any) -> Array:
-        """Residuals (m) on the scene of a measurements.Trial; their squares are the loss."""
-        motion, t, seen = self.wind(trial.scene), self._t[REST:], np.isfinite(self._places)
+    def predict(self, trial: Any, *start: float) -> Array:
+        """Residuals (m) on the scene of a measurements.Trial, and shares that tell its start; squares are the loss."""
+        begun, known = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5), len(self.places)
+        t, seen, (x, v, along) = self._t[-len(self._places) :], np.isfinite(self._places), self.wind(trial.scene, begun)
+        motion = CubicHermiteSpline(t, x[:, :known], v[:, :known])
 
         def residuals(b: Array) -> Array:
-            places = motion(np.clip(t + self.delay * b[-1], t[0], t[-1])) + self.offset * b[:-1].reshape(-1, 3)
-            r = (places - self._places)[seen] / self.sigma
+            late = self.delay * b[-1]
+            places = motion(np.clip(t + late, t[0], t[-1])) + self.offset * b[:-1].reshape(-1, 3)
+            off = np.hstack((places, x[:, known:] + late * v[:, known:])) - self._places
+            r = (off - (off * along).sum(axis=2, keepdims=True) * along)[seen] / self.sigma
             return np.concatenate((r * np.sqrt(2.0 / (1.0 + np.hypot(1.0, r / ROBUST))), b))
 
-        return np.asarray(self.sigma * least_squares(residuals, np.zeros(self.nuisance), method="lm").fun)
+        found = least_squares(residuals, np.zeros(3 * known + 1), method="lm").fun
+        return np.asarray(self.sigma * np.concatenate((found, begun)))
 
 
-def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotion, EndMotion]], Array]:
-    """Contents of the file; ValueError names what is wrong."""
+def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
+    """Arc lengths (m) of the places on the rope that are nearest to ``points`` (n, 3)."""
+    s = np.linspace(curve.x[0], curve.x[-1], 4 * curve.x.size)
+    s = s[np.linalg.norm(points[:, None] - curve(s), axis=2).argmin(axis=1)]
+    for _ in range(3):  # each leaves of the error as much as curvature times distance
+        way = curve(s, 1)
+        s = np.clip(s + ((points - curve(s)) * way).sum(axis=1) / (way**2).sum(axis=1), curve.x[0], curve.x[-1])
+    return np.asarray(s)
+
+
+def _read(path: Path, asked: Markers) -> _Frames:
+    """Read the columns; ValueError names one that lacks."""
     try:
         columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise ValueError(f"{asked.file} is no table of numbers ({error}): give a CSV file, names in line 1") from error
     names = columns.dtype.names or ()
 
-    def vectors(name: str, axis: str = "", unit: float = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]) -> Array:
-        wanted = [f"{name}.{axis}{k}" for k in "xyz"]
+    def vectors(of: Sequence[str], axis: str = "", unit: float = 1.0) -> Array:
+        wanted = [f"{name}.{axis}{k}" for name in of for k in "xyz"]
         if missing := [one for one in wanted if one not in names]:
             raise ValueError(f"{asked.file} has no column {missing[0]}: its columns are {', '.join(names)}")
-        return unit * np.column_stack([columns[one] for one in wanted])
+        return unit * np.array([columns[one] for one in wanted]).T.reshape(-1, len(of), 3)
 
     if taken := [side for side in SIDES if side in asked.places]:
         raise ValueError(f"places.{taken[0]} has the name of an end of the rope: give the marker another name")
@@ -131,39 +218,64 @@ def _read(path: Path, asked: Markers) -> tuple[Array, float, list[tuple[EndMotio
         raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
     if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and asked.ends != "clamped":
         raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
-    held = np.hstack([vectors(side, axis) for side in SIDES for axis in ("", "d")[: 1 + leaning]])
-    if (both := np.flatnonzero(whole := np.isfinite(held).min(axis=1))).size < 2 * FIRST:
+    unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]
+    ways = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
+    return _Frames(t, vectors(SIDES, unit=unit), ways, vectors([*asked.places, *asked.unlabelled], unit=unit))
+
+
+def _checked(frames: _Frames, asked: Markers) -> _Frames:
+    """Return the frames from the first with both ends to the last; ValueError names where too much is lost."""
+    t = frames.t
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(frames.ways, axis=2)
+    for k, side in np.argwhere((lengths == 0.0) | np.isinf(lengths)):
+        where = ", ".join(f"{SIDES[side]}.d{axis}" for axis in "xyz")
+        is_none = f"{', '.join(f'{x:g}' for x in frames.ways[k, side])} is no direction"
+        cure = "give a vector of finite length, or empty fields for a lost one"
+        raise ValueError(f"{asked.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}")
+    if (both := np.flatnonzero(frames.whole)).size < 2 * FIRST:
         raise ValueError(f"{asked.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
-    frame, gaps = float(np.median(np.diff(t))), np.diff(t[both])
-    if gaps.max() > (GAP + 0.5) * frame:
+    if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
         lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
-        raise ValueError(f"{asked.file} {lost}, over {GAP} frames = {GAP * frame:g} s: fill the gap or end there")
-    t, columns, whole = (t - t[0])[(between := slice(both[0], both[-1] + 1))], columns[between], whole[between]
-    start, end = (vectors(side)[whole][:FIRST].mean(axis=0) for side in SIDES)
+        raise ValueError(
+            f"{asked.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
+        )
+    between = slice(both[0], both[-1] + 1)
+    return _Frames(t[between] - t[0], frames.ends[between], frames.ways[between], frames.markers[between])
+
+
+def _turned(frames: _Frames, asked: Markers) -> tuple[float, Array, Array]:
+    """Spacing of the ends at the start (m), their places and leans (n, 2, 5), and the markers in the rope's axes."""
+    start, end = frames.ends[frames.whole][:FIRST].mean(axis=0)
     if not np.linalg.norm(np.cross(asked.up, end - start)) > 0.0:
         raise ValueError(f"{asked.file}: the ends hang above each other with up = {asked.up}: give the direction of up")
     axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [asked.up, end - start], weights=[np.inf, 1.0])
-    spacing, paths = float(axes.apply(end - start)[0]), []
-    for side, nominal in zip(SIDES, (-0.5 * spacing, 0.5 * spacing), strict=True):
-        paths.append(axes.apply(vectors(side) - 0.5 * (start + end)) - [nominal, 0.0, 0.0])
-        way = axes.apply(vectors(side, "d")) if leaning else np.array([[0.0, -1.0, 0.0]] * t.size)
-        across = np.linalg.norm(way[:, ::2], axis=1, keepdims=True)
-        paths.append(way[:, ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -way[:, 1:2]))
-    seen = np.hstack(paths)
-    resting = np.vstack((np.tile(seen[whole][:FIRST].mean(axis=0), (REST, 1)), seen[whole]))
-    all_t, known = np.concatenate((t[0] + np.arange(-REST, 0) * frame, t)), np.concatenate((np.full(REST, True), whole))
-    smooth = np.zeros((3, all_t.size, 2, 5))
-    for k, x in enumerate(resting.T):  # by frames: the cross-validation seeks its parameter to 1e-5
-        spline = make_smoothing_spline(all_t[known] / frame, x)
-        smooth[..., k // 5, k % 5] = [spline(all_t / frame, order) / frame**order for order in range(3)]
+    matrix, middle, spacing = axes.as_matrix().T, 0.5 * (start + end), float(axes.apply(end - start)[0])
+    ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    ways = frames.ways @ matrix if frames.ways.size else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
+    across = np.linalg.norm(ways[..., ::2], axis=2, keepdims=True)
+    leans = ways[..., ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -ways[..., 1:2])
+    return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
+
+
+def _smoothed(frames: _Frames, held: Array, settle: float) -> tuple[Array, Array]:
+    """Times (s), with those before the file begins, and values, rates and accelerations (3, n, 2, 5) of the ends."""
+    frame = frames.period
+    before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
+    known, seen, t = frames.t[frames.whole], held[frames.whole].reshape(-1, 10), np.concatenate((before, frames.t))
+    if not settle:
+        known = np.concatenate((before, known))
+        seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))
+    smooth = np.zeros((3, t.size, 2, 5))
+    for k, x in enumerate(seen.T):  # by frames: the cross-validation seeks its parameter to 1e-5
+        spline = make_smoothing_spline(known / frame, x)
+        smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
+    if settle:
+        x, v, a = smooth[:, before.size]
+        path = quintic.coefficients(t[before.size] - t[0], x, 0.0, 0.0, x, v, a)
+        smooth[:, : before.size] = quintic.rates(path, (before - t[0])[:, None, None])
     smooth[1:, 0] = 0.0  # at first the ends rest
-    motions = np.concatenate((*smooth[..., :3], np.zeros((*smooth.shape[1:3], 2)), smooth[0, ..., 3:]), axis=2)
-    ends = [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
-    markers = np.stack([axes.apply(vectors(name) - 0.5 * (start + end)) for name in asked.places], axis=1)
-    markers[~whole | (t < asked.skip)] = np.nan
-    if not np.isfinite(markers := _masked(markers, asked.sigma)).any():
-        raise ValueError(f"{asked.file} has no marker behind skip = {asked.skip:g} s with both ends: lower skip")
-    return all_t, spacing, ends, markers
+    return t, smooth
 
 
 def _masked(markers: Array, sigma: float) -> Array:

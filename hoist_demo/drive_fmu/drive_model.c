@@ -190,7 +190,8 @@ static int can_follow(const State *s, char *message) {
     return 1;
 }
 
-int model_step(ModelInstance *m, double t, double h, const double *values, char *message) {
+int model_step(ModelInstance *m, double t, double h, const double *values, int *event, char *message) {
+    (void)event; /* none */
     double stop = t + h, steps, part, x[DRIVE_STATES];
     State *s = &m->next;
     h += t - m->state.t; /* rests of rounding size included */

@@ -17,7 +17,7 @@ from hoist_demo.report.rows import SummaryRow, render
 from hoist_demo.ropes.definition import OneRope, ropes_of
 from hoist_demo.study.provenance import SETTING, Known, of_host, statuses
 from hoist_demo.study.run import RunData, build_trip
-from rope_model import EndMotion, RopeSimulator, Scene, balance_rope
+from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
 
 #: lowest modes of the rope that are told
@@ -137,8 +137,8 @@ def follows(case: Case, name: str, asked: Values = NOTHING) -> tuple[str, list[s
             ]
         model = f"{plant.fidelity} with {plant.elements} elements ({plant.fidelity_reason})"
         rows.append(SummaryRow(f"{whose}Model", "fidelity and mesh", model))
-        rows.append(SummaryRow(f"{whose}Model", "frequencies, mid-trip", _frequencies(scene, hoist.shaft_travel)))
         warned += [f"{whose}{text}" for text in plant.warnings().values()]
+        rows.append(SummaryRow(f"{whose}Model", "frequencies, mid-trip", _frequencies(plant, hoist.shaft_travel)))
     return render(rows), list(dict.fromkeys([*warned, *_neighbours(ropes, yaws)]))
 
 
@@ -160,13 +160,15 @@ def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator
             )
 
 
-def _frequencies(scene: Scene, travel: float) -> str:
-    rope = RopeSimulator(scene.with_(solver=replace(scene.solver, kernels="portable")))
+def _frequencies(rope: BalanceRope, travel: float) -> str:
     status = rope.initialize(0.0, EndMotion(y=0.5 * travel), EndMotion(y=0.5 * travel))
     if not status.valid:
         return status.message
+    # matrices are those of the rope in Python, which is not hung up again: without a compiler that takes seconds
+    scene, state = rope.scene, rope.state
+    model = RopeSimulator(scene.with_(solver=replace(scene.solver, kernels="portable"))).model
     try:
-        modes = natural_modes(rope.system, rope.state.motion.q, MODES)
+        modes = natural_modes(model.system(state), state.motion.q, MODES)
     except ValueError as error:
         return str(error)
     told = zip(modes.frequencies, modes.out_of_plane, strict=True)

@@ -34,6 +34,10 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
 /* less than ROPE_SHORTEST_INTERVAL ahead nothing moves, and the time is not lost: the next step begins where this one
    did.  The motions are those at the instant given_at, t or before, and are extrapolated with constant accelerations */
 int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at);
+/* the same, or less: to the first instant at which a swivel is released, sticks or slips, a guard trips or a body is
+   struck, but for a ms at least; *event tells whether there was one.  Guards and bodies are looked at every 10 ms and
+   at t.  Is *event set before, the last step ended at one: the motions of before are then no new sample. */
+int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event);
 
 /* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
 int rope_retune(Simulator *rope, const Scene *scene);

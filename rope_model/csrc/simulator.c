@@ -173,7 +173,32 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
     return 1;
 }
 
-static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
+/* whether something has happened since the communication step began, or is to happen now */
+static int has_event(const Simulator *rope, const State *state) {
+    const State *before = rope->state;
+    int found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
+    found |= state->guard.cause != before->guard.cause;
+    found |= state->fidelity != RIGID && next_release(rope, state) <= state->t;
+    for (int kind = 0; kind < KINDS; kind++)
+        found |= state->nearest[kind].touched_at != before->nearest[kind].touched_at;
+    return found;
+}
+
+/* the ends' paths are to be left at `t`, and so are their accounts */
+static void cut_paths(const Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
+    const State *before = rope->state;
+    const Manner manner = follow_manner(&rope->scene, rope->scene.inputs.given);
+    const double bottom = model_bottom(rope, before, before->t);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const double h = t - before->paths[side].stop, leg = side == LEFT ? bottom : rope->scene.rope.length - bottom;
+        const Following now = follow_sample(&before->following[side], &manner, given_at, h, &ends[side]);
+        state->paths[side].stop = t;
+        state->following[side] = follow_account(&now, &state->paths[side], &manner, &rope->scene.rope, leg);
+    }
+}
+
+/* to an event, if `event` is not NULL; at least for CHATTER_TIME, so that a swivel that chatters is still noticed */
+static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
     State *state = rope->next;
     const double begin = rope->state->t, step_max = rope->scene.solver.step_max;
     const double earliest = begin - rope->scene.inputs.hold_max;
@@ -205,6 +230,8 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
             with_passages(rope, state);
             with_guards(&rope->scene, state);
         }
+        if (event && (*event |= has_event(rope, state)) && state->t < t && state->t - begin >= CHATTER_TIME)
+            cut_paths(rope, state, t = state->t, ends, given_at);
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -= 0.5 * (state->t - t_before) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
     }
@@ -216,7 +243,15 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
 }
 
 int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at) {
-    return conclude(rope, advance_to(rope, t, ends, given_at));
+    return conclude(rope, advance_to(rope, t, ends, given_at, NULL));
+}
+
+int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
+    int same = *event;
+    for (int side = LEFT; side <= RIGHT; side++)
+        same &= !memcmp(&ends[side], rope->state->following[side].given, sizeof ends[side]);
+    *event = 0;
+    return conclude(rope, advance_to(rope, t, ends, same ? rope->state->following[LEFT].given_at : given_at, event));
 }
 
 size_t rope_state_bytes(const Simulator *rope) {

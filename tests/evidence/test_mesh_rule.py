@@ -1,4 +1,4 @@
-"""Constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, those against the rope, a sine stop."""
+"""Constants of the 'auto' mesh against the recorded data of evidence.mesh_rule, and those against the rope."""
 
 import itertools
 import math
@@ -12,12 +12,11 @@ from numpy.testing import assert_allclose
 from evidence.mesh_rule import laws, statics
 from evidence.mesh_rule.rule import shares, slip
 from evidence.mesh_rule.scenes import JUDGE, KINDS, draw
-from evidence.promise.scenes import TUNE, Sample
+from evidence.promise.scenes import Sample
 from evidence.promise.scenes import draw as samples
-from evidence.promise.sine_stop import sine_stop
 from evidence.promise.wind import REQUESTS, errors, wind
 from evidence.rendering import DOCS
-from evidence.tables import read, rows, table
+from evidence.tables import read, rows
 from hoist_demo.parameters import Winding
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Accuracy, Layout, Rope, Scene
@@ -126,33 +125,3 @@ def test_a_rope_of_the_judging_seed_hangs_too_high_by_the_law() -> None:
         found = statics.shift(drawn, fine, finest, 0.1)[1]
         law = float(laws.loop_error(FOUND.loop.values, np.array(length * drawn.w), np.array(drawn.w), S))
         assert_allclose(found, law, rtol=math.exp(3 * FOUND.loop.spread) - 1)
-
-
-def test_fits_find_the_coefficients_of_made_up_data() -> None:
-    w, x = np.full(40, 1.5), np.geomspace(0.1, 0.55, 40)
-    S = np.geomspace(3e5, 2e6, 40)
-    loop = laws.loop_error((0.03, 2e-3), x * w, w, S)
-    made = {"w [m]": w, "fine [m]": x * w, "EA [N]": S * 300 / w**2, "EI [N m2]": np.full(40, 300.0)}
-    assert_allclose(laws._loop({**made, "too high [m]": loop}).values, (0.03, 2e-3), rtol=1e-6)
-    up = np.linspace(1.3, 2.5, 40) * w
-    cover = laws.cover_error((0.4, 2.0, 1.7), x * w, up, w)
-    assert_allclose(
-        laws._cover({"w [m]": w, "fine [m]": x * w, "cover [m]": up, "off [m]": cover}).values, (0.4, 2, 1.7)
-    )
-    ends = table(("end element [m]", "layer [m]", "moment error"), [(a, 0.5, 1e-3 * (2 * a) ** 4) for a in x])
-    assert_allclose(laws._ends(ends).values, (1e-3, 4.0))
-
-
-def test_a_sine_stop_ends_at_rest_and_its_rates_fit_its_places() -> None:
-    stops = [sine_stop(s.trip) for s in samples(TUNE, 20) if s.by_sine]
-    assert len(stops) > 2
-    for stop in stops:
-        assert_allclose(stop.at(stop.duration - 1e-9).speed, 0.0, atol=1e-7)
-        assert stop.at(stop.duration + 1.0) == stop.at(stop.duration + 1e-9)
-        dt = 1e-4
-        for t in np.linspace(stop.begin + dt, stop.duration - dt, 7):
-            before, now, after = (stop.at(t + k * dt) for k in (-1, 0, 1))
-            # central differences of smooth functions: dt^2 times their third rates
-            assert_allclose((after.position - before.position) / (2 * dt), now.speed, atol=1e-6)
-            assert_allclose((after.speed - before.speed) / (2 * dt), now.acceleration, atol=1e-6)
-            assert_allclose((after.acceleration - before.acceleration) / (2 * dt), now.jerk, atol=1e-5)

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from benchmarks.kinematic import wind
-from evidence.chart.figures import FIGURES as CHART
 from evidence.rendering import DOCS
 from evidence.reproduction import frequencies, release, winding_claims, windings
 from evidence.reproduction.claim import Claim
-from evidence.reproduction.page import FIGURES, SECTIONS
+from evidence.reproduction.page import SECTIONS
 from evidence.tables import Tables, read, table, write
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
@@ -34,19 +33,6 @@ def test_the_committed_data_decide_every_claim(claim: Claim) -> None:
     if "computation time" not in claim.source:
         assert claim.holds == (claim.source not in NOT_REPRODUCED)
     assert claim.holds or claim.because
-
-
-@pytest.mark.parametrize(
-    ("folder", "names", "largest"),
-    [
-        (DATA, {name for section in SECTIONS for name in section.data}, 300e3),
-        (IMAGES, {*FIGURES}, 150e3),
-        (IMAGES.with_name("chart"), {*CHART}, 150e3),
-    ],
-)
-def test_files_are_there_and_small(folder: Path, names: set[str], largest: float) -> None:
-    assert {path.stem for path in folder.iterdir()} == names
-    assert max(path.stat().st_size for path in folder.iterdir()) < largest
 
 
 def test_tables_are_read_as_they_are_written(tmp_path: Path) -> None:

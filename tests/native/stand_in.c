@@ -96,6 +96,11 @@ int rope_advance_to(Simulator *rope, double t, const EndMotion given[2], double 
     return 1;
 }
 
+int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
+    *event = 0;
+    return rope_advance_to(rope, t, ends, given_at);
+}
+
 int rope_retune(Simulator *rope, const Scene *scene) {
     if (!fits(scene, rope->message)) return 0;
     rope->scene = *scene;

@@ -155,7 +155,7 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
         given_at=where(repeated, now.given_at, given_at),
         motion=tuple(motion),
         lively=lively,
-        repeats=now.repeats + where(repeated, 1.0, 0.0),
+        repeats=now.repeats + where(both(repeated, given_at > now.given_at), 1.0, 0.0),
         held=where(repeated, now.held + 1.0, 0.0),
         sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
         leaning=tuple(where(keeps, was, mean) for was, mean in zip(now.leaning, means, strict=True)),

@@ -61,8 +61,8 @@ input_out_of_range = Text(
 no_clamp = Text("{side:s}.{name:s} = {value:g} rad needs a clamp; set {side:s}.swivel.attachment = clamped or give 0")
 inputs_do_not_fit = Text(
     "inputs {side:s}.{name:s} and its derivatives do not fit together: reaching them within the step would take "
-    "{acceleration:.3g} {unit:s} (inputs.acceleration_max = {bound:g}); give position, speed and acceleration of one "
-    "smooth motion"
+    "{acceleration:.3g} {unit:s} (inputs.acceleration_max = {bound:g}); give one smooth motion, with its speed and "
+    "acceleration where these are inputs"
 )
 input_misfit = Text(
     "input {side:s}.{name:s} is {misfit:.3g} {unit:s} away from the motion of its derivatives (inputs.misfit_max = "
