@@ -29,7 +29,7 @@ from scipy.optimize import brentq
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import fit
 from hoist_demo.calibration.identify import residuals_of, stacked
-from hoist_demo.calibration.tracks import REST, Markers
+from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.reading import read
 from rope_model import EndMotion, PointForces, Scene, balance_rope
 from rope_model.simulation.contact.point_forces import NO_FORCES, at_places, elements_at
@@ -107,7 +107,7 @@ class Started(Markers):
     @property
     def moved(self) -> list[tuple[EndMotion, EndMotion]]:
         """Motions of the ends in the frames of the run."""
-        return self._ends[-len(self.seen) :]
+        return self.motions(np.zeros((2, 2, 3)))[-len(self.seen) :]
 
     @property
     def seen(self) -> Array:
@@ -121,8 +121,8 @@ class Started(Markers):
         rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
         s = np.array([*self.places.values()])
         share = scene.rope.mass_per_length * scene.rope.length / (s.size + 1)
-        targets = run_up(*started(self.seen), np.arange(LEAD + 1.0))
-        for k, (t, ends) in enumerate(zip(self._t.tolist(), self._ends, strict=True), len(self._places) - len(self._t)):
+        targets, before = run_up(*started(self.seen), np.arange(LEAD + 1.0)), len(self._places) - len(self._t)
+        for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(np.zeros((2, 2, 3))), strict=True), before):
             if 0 < k <= LEAD:
                 rows, h = rope.rows(), t - rope.time
                 at = elements_at(s, np.diff(rows[:, 0]))
@@ -132,7 +132,7 @@ class Started(Markers):
                 rope.apply(PointForces(s, pull, pull, rope.time, t))
             elif k == LEAD + 1:
                 rope.apply(NO_FORCES)
-            status = (rope.initialize if k == -REST else rope.advance_to)(t, *ends)
+            status = (rope.initialize if k == before else rope.advance_to)(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k >= LEAD:
@@ -140,7 +140,7 @@ class Started(Markers):
                 found.append(at_places(rows[:, 1:7], *elements_at(s, np.diff(rows[:, 0]))))
         return np.array(found)
 
-    def predict(self, trial: Any) -> Array:
+    def predict(self, trial: Any, *_: float) -> Array:
         """Residuals (m) on the scene of a measurements.Trial, without offsets and delay."""
         off = (self.wound(trial.scene) - self.seen)[np.isfinite(self.seen)]
         return np.concatenate((off, np.zeros(self.nuisance)))
