@@ -74,7 +74,7 @@ signals: $(READY)  ## wind with motions that tables, rounding and repetition giv
 
 motion: $(READY)  ## fit and judge cables that somebody has measured, in the folders of DATA (docs/howto/rope_data.md)
 	$(if $(DATA),,$(error DATA must be the folder that you have fetched: make motion DATA=folder))
-	OMP_NUM_THREADS=1 $(BIN)/python examples/measured_motion.py $(DATA) docs/measurements/motion.toml
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.motion $(DATA) docs/measurements/motion.toml
 
 bench: $(READY)  ## measure the speed of every form of the rope, and windings per minute
 	$(BIN)/python -m benchmarks.speed
