@@ -16,7 +16,7 @@ DEV := $(VENV)/.dev
 PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n logical --dist worksteal
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
-.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals motion bench csources wheels wheel-test release clean
+.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals motion bench csources wheels release clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
@@ -85,10 +85,8 @@ bench: $(READY)  ## measure the speed of every form of the rope, and windings pe
 csources: $(READY)  ## put all C, written and generated, with compile_commands.json in build/csrc
 	$(BIN)/python -m release.editor build/csrc
 
-wheels: $(READY)  ## build the wheel in build/wheels
+wheels: $(READY)  ## build the wheel in build/wheels, install it in a fresh environment without a compiler, and try it
 	$(BIN)/python -m release.wheels build/wheels
-
-wheel-test: wheels  ## install the wheel in a fresh environment without a compiler and try it
 	$(BIN)/python -m release.trial build/wheels/*.whl
 
 release: $(READY)  ## build everything that is released, in dist
