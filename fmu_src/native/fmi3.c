@@ -12,8 +12,7 @@ typedef struct {
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
     int logging; /* of notes */
-    int event_mode, early_return;
-    int event; /* at the end of the latest step */
+    int event_mode, early_return, event; /* the last: at the end of the latest step */
 } Instance;
 
 static void log_message(void *context, Severity severity, const char *message) {
@@ -140,9 +139,10 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
                                     valuesOfContinuousStatesChanged, nextEventTimeDefined};
     if (of_events(instance, "fmi3UpdateDiscreteStates") != fmi3OK || !not_null(instance, nextEventTime))
         return fmi3Error;
-    for (int k = 0; k < 5; k++)
+    for (int k = 0; k < 5; k++) {
         if (!not_null(instance, answers[k])) return fmi3Error;
-    for (int k = 0; k < 5; k++) *answers[k] = fmi3False;
+        *answers[k] = fmi3False;
+    }
     return fmi3OK;
 }
 

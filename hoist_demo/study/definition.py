@@ -235,8 +235,7 @@ class Study:
         return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.chosen))
 
 
-#: Starts of the rope that are tried before a study winds; of more runs so many, spread evenly. What another start
-#: refuses is the cause in that run's row.
+#: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
 MOST_TRIED = 200
 
 #: Passes the drawn values on one by one while they are checked, which takes a while.

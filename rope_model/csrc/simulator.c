@@ -142,23 +142,33 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     return conclude(rope, initialize(rope, t, ends));
 }
 
+/* an end with the host's sample, for a step to t */
+static Following follow_end(const State *before, const Manner *manner, int side, double t, const EndMotion *end,
+                            double given_at) {
+    return follow_sample(&before->following[side], manner, given_at, t - before->paths[side].stop, end);
+}
+
+/* the account of an end up to the stop of its path */
+static void account_end(const Simulator *rope, State *state, const Manner *manner, int side, const Following *now) {
+    const double bottom = model_bottom(rope, rope->state, rope->state->t);
+    const double leg = side == LEFT ? bottom : rope->scene.rope.length - bottom;
+    state->following[side] = follow_account(now, &state->paths[side], manner, &rope->scene.rope, leg);
+}
+
 /* the ends' next paths, and the fidelity that can follow them; 0 when none can */
 static int move_ends(Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &rope->scene;
     const Manner manner = follow_manner(scene, scene->inputs.given);
-    const double begin = state->t, bottom = model_bottom(rope, rope->state, begin);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const Path *before = &rope->state->paths[side];
-        const Following now = follow_sample(&state->following[side], &manner, given_at, t - before->stop, &ends[side]);
-        const Path path = follow_path(before, &now, t, manner.observer);
+        const Following now = follow_end(rope->state, &manner, side, t, &ends[side], given_at);
+        const Path path = follow_path(&rope->state->paths[side], &now, t, manner.observer);
         double limits[14];
         follow_limits(&path, &now, limits);
         ends_refusal(scene, &ends[side], limits, side, rope->message);
         if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);
         if (rope->message[0]) return 0;
-        const double leg = side == LEFT ? bottom : scene->rope.length - bottom;
         state->paths[side] = path;
-        state->following[side] = follow_account(&now, &path, &manner, &scene->rope, leg);
+        account_end(rope, state, &manner, side, &now);
     }
     char why[MESSAGE];
     EndMotion seen[2] = {ends[LEFT], ends[RIGHT]};
@@ -186,14 +196,11 @@ static int has_event(const Simulator *rope, const State *state) {
 
 /* the ends' paths are to be left at `t`, and so are their accounts */
 static void cut_paths(const Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
-    const State *before = rope->state;
     const Manner manner = follow_manner(&rope->scene, rope->scene.inputs.given);
-    const double bottom = model_bottom(rope, before, before->t);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double h = t - before->paths[side].stop, leg = side == LEFT ? bottom : rope->scene.rope.length - bottom;
-        const Following now = follow_sample(&before->following[side], &manner, given_at, h, &ends[side]);
+        const Following now = follow_end(rope->state, &manner, side, t, &ends[side], given_at);
         state->paths[side].stop = t;
-        state->following[side] = follow_account(&now, &state->paths[side], &manner, &rope->scene.rope, leg);
+        account_end(rope, state, &manner, side, &now);
     }
 }
 
