@@ -11,7 +11,7 @@ typedef struct {
     Allocator allocator;
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
-    int logging; /* of notes */
+    int logging;                         /* of notes */
     int event_mode, early_return, event; /* the last: at the end of the latest step */
 } Instance;
 
