@@ -35,7 +35,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
-    from rope_model.parameters import LEVELS
+    from rope_model.cases import LEVELS
 
     if TYPE_CHECKING:
         from hoist_demo.control.trajectory import Trajectory

@@ -16,7 +16,7 @@ from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.drive_fmu.interface import Tail
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, not_held, obstacles
 from hoist_demo.parameters import start_heights
-from rope_model.parameters import Level
+from rope_model.cases import Level
 from rope_model.scene_names import Value, named_parameters
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from fmu_src.native.export import native_table, rope_sources, shell_sources
 from fmu_src.native.start import Start, c_start
 from fmu_src.native.table import start_values
-from rope_model.parameters import rope_120
+from rope_model.cases import rope_120
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGETS = ROOT / "tests" / "native"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from fmu_src.documentation import COMPUTED_BY, HEADS, TEXT, TITLES, rows
 from fmu_src.interface import variables
 from fmu_src.profile import ALWAYS, DEFAULT, GROUPS
-from rope_model.parameters import rope_120
+from rope_model.cases import rope_120
 
 #: differing parts of names and descriptions of rows that share a line, and the words for both
 _SHARED = (

@@ -10,7 +10,7 @@ from fmu_src.interface import Variable
 from fmu_src.model_description import MODEL
 from fmu_src.reference_run import reference_files
 from fmu_src.xml import node, xml_bytes
-from rope_model.parameters import RopeCase
+from rope_model.cases import RopeCase
 
 _HERE = Path(__file__).resolve().parent
 #: place of each terminal on the icon (0 ... 200, y up): where the rope meets the conveyance

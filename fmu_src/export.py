@@ -30,7 +30,7 @@ from fmu_src.native.export import shell
 from fmu_src.native.start import Start, binaries_with
 from fmu_src.native.table import c_table, start_values
 from fmu_src.profile import Profile
-from rope_model.parameters import Level
+from rope_model.cases import Level
 from rope_model.scene_names import Value
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.mesh.partition import mesh_elements

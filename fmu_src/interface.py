@@ -7,8 +7,9 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Literal
 
+from rope_model.cases import ROPE_CASES, Level, RopeCase
 from rope_model.parameter_table import numeric_bounds, parameters_of
-from rope_model.parameters import ROPE_CASES, Level, RopeCase, Scene
+from rope_model.parameters import Scene
 from rope_model.scene_names import Value, named_parameters, with_values
 from rope_model.scene_names import Variable as Variable
 from rope_model.simulation.ends.paths import SIDES, EndMotion

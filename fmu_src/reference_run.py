@@ -8,7 +8,7 @@ from functools import cache
 
 from fmu_src.interface import MOTION, variables
 from fmu_src.xml import node, xml_bytes
-from rope_model.parameters import RopeCase
+from rope_model.cases import RopeCase
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 

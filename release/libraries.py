@@ -23,9 +23,9 @@ from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.drive_fmu.kernels import generate as drive_kernels
 from hoist_demo.drive_fmu.kernels import kernels_file
 from hoist_demo.drive_fmu.omissions import leave_out
+from rope_model.cases import rope_120
 from rope_model.codegen.build import NAME, generate, generated_file, sources
 from rope_model.codegen.platforms import prebuilt_file
-from rope_model.parameters import rope_120
 
 
 class Library(NamedTuple):

@@ -1,7 +1,7 @@
 """Data of a scene, in SI units, validated where they are made.
 
-The lengths, Qb, Qc and observation points of ``rope_120`` and ``rope_240`` are stated in the source; everything
-marked [assumed] is ours, because the source's tables are not available.
+Of the default rope the source states Qb and Qc; everything marked [assumed] is ours, because the source's tables are
+not available.
 """
 
 from __future__ import annotations
@@ -39,6 +39,11 @@ MOST_ELEMENTS = 20000
 SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
 _DATA_SHEET = "check the rope's data sheet"
+
+
+def _added_curvature(where: str) -> float:
+    cure = "give 1/R of the bend of radius R, below 0 for the other sense"
+    return parameter(0.0, "1/m", f"permanent curvature added {where}, linear in between", Bounds(-10.0, 10.0, cure))
 
 
 def _coupling(rope: Any) -> tuple[Any, ...]:
@@ -136,6 +141,12 @@ class Rope(Checked):
     initial_curvature_angle: float = direction(
         "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
+    curvature_left: float = _added_curvature("in that direction at the left end")
+    curvature_middle: float = _added_curvature("in that direction at half the length")
+    curvature_right: float = _added_curvature("in that direction at the right end")
+    curvature_left_across: float = _added_curvature("across that direction at the left end")
+    curvature_middle_across: float = _added_curvature("across that direction at half the length")
+    curvature_right_across: float = _added_curvature("across that direction at the right end")
 
     joint = (
         Joint(
@@ -492,70 +503,3 @@ CHOICES = {
     for name, p in parameters_of(kind).items()
     if p.choices
 }
-
-Level = Literal["draft", "standard", "reference"]
-#: accuracy, solver and model of each level, checked in docs/accuracy.md. A draft is for end forces: it may leave out
-#: torsion and motion out of plane, where that changes the forces by an estimated 0.2 % at most
-LEVELS: dict[Level, dict[str, Any]] = {
-    "draft": {
-        "accuracy": Accuracy(end_force=1e-2, loop=0.1),
-        "solver": Solver(step_max=0.04, newton_tolerance=1e-5),
-        "model": Model(force_tolerance=2e-3),
-    },
-    "standard": {"accuracy": Accuracy(), "solver": Solver(), "model": Model()},
-    "reference": {
-        "accuracy": Accuracy(end_force=1e-5, loop=4e-4),
-        "solver": Solver(step_max=2.5e-3, newton_tolerance=1e-7),
-        "model": Model(),
-    },
-}
-
-
-def at_level(scene: Scene, level: Level) -> Scene:
-    """Return the scene with a fitted mesh and with accuracy, solver and model of a level.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its own mesh, accuracy, solver and model are replaced.
-    level : {"draft", "standard", "reference"}
-        Standard suits most uses.
-
-    Returns
-    -------
-    Scene
-        A new scene.
-
-    Raises
-    ------
-    ValueError
-        If there is no such level.
-    """
-    if level not in LEVELS:
-        raise ValueError(f"level = {level!r} must be one of {', '.join(LEVELS)}; standard suits most uses")
-    return scene.with_(mesh=Mesh("auto"), **LEVELS[level])
-
-
-@dataclass(frozen=True)
-class RopeCase:
-    """Scene with a winding: the left end starts at the height ``start``, the right end at ``travel``."""
-
-    scene: Scene  #: data of the rope
-    travel: float  #: height of the right end, which the left one rises, m
-    speed: float  #: largest speed, m/s
-    start: float = 0.0  #: height of the left end, m
-
-
-def rope_120(level: Level = "standard") -> RopeCase:
-    """Return the 120 m rope: swivels locked, 90 m of travel at up to 8 m/s."""
-    return RopeCase(at_level(Scene(), level), travel=90.0, speed=8.0)
-
-
-def rope_240(level: Level = "standard") -> RopeCase:
-    """Return the 240 m rope: healthy swivels released at t = 20 s, 200 m of travel at up to 10 m/s."""
-    swivel = Swivel(mode="coulomb", release_time=20.0)
-    scene = Scene(rope=Rope(length=240.0), left=swivel, right=swivel)
-    return RopeCase(at_level(scene, level), travel=200.0, speed=10.0)
-
-
-ROPE_CASES = {"rope-120": rope_120, "rope-240": rope_240}

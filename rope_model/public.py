@@ -4,27 +4,11 @@ import logging
 import subprocess
 from typing import Literal
 
+from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import last_words
-from rope_model.parameters import (
-    CHOICES,
-    ROPE_CASES,
-    Accuracy,
-    Inputs,
-    Layout,
-    Level,
-    Mesh,
-    Model,
-    Rope,
-    RopeCase,
-    Scene,
-    Solver,
-    Swivel,
-    at_level,
-    rope_120,
-    rope_240,
-)
+from rope_model.parameters import CHOICES, Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status
 from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours

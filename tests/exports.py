@@ -13,7 +13,7 @@ from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import ALL, FULL, Profile
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
-from rope_model.parameters import Level
+from rope_model.cases import Level
 
 
 @dataclass(frozen=True)

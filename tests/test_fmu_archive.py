@@ -28,7 +28,7 @@ from fmu_src.native.export import header_folder
 from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
-from rope_model.parameters import rope_120
+from rope_model.cases import rope_120
 
 #: what may lie in an archive, FMI 2.0.4 section 2.3 and FMI 3.0 section 2.5
 LAYOUT = re.compile(

@@ -15,18 +15,22 @@ from scipy.optimize import root
 from rope_model import EndMotion, Mesh, Model, Rope, Scene, Solver, balance_rope
 from rope_model.physics.curved_element import curved_functions
 from rope_model.physics.element import element_functions
-from rope_model.physics.initial_curvature import START, directors
+from rope_model.physics.initial_curvature import START, curvature_components, curvature_vectors
 from rope_model.simulation.rope_kernels import CURVED, RopeKernels
 from rope_model.simulation.rope_system import RopeSystem, parameter_vector
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 BENT, ELEMENT = curved_functions(), element_functions()
-K0, EI, ANGLE = 0.3, 1.7, 0.7
+K0, EI = 0.3, 1.7
+#: the elements are the beginning of this rope
+SET = Rope(
+    length=3.0, initial_curvature=K0, initial_curvature_angle=0.7, curvature_left=0.1, curvature_middle_across=0.2
+)
 
 
 def numbers(q: Array, l: float, e1: Any = START) -> Array:
     """What a curved element has in its reference ``q`` (14,)."""
-    return np.concatenate((directors(ANGLE, l, q, e1)[:9], q[[6, 13]], [K0, EI]))
+    return np.concatenate((curvature_vectors(curvature_components(SET, 0.0, l), l, q, e1)[:9], q[[6, 13]], [EI]))
 
 
 def frame(q: Array, l: float) -> Array:
@@ -138,6 +142,30 @@ def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
     assert_allclose(found[:, 6], 0.0, atol=1e-9)
 
 
+def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it() -> None:
+    """Its sections turn as the curvature says, d1 and -d2 being e1 and e2 of the clamp; the error falls with h^2."""
+    at, along, across = (0.0, 0.5, 1.0), np.array([0.9, 0.1, 0.7]), np.array([-0.5, 0.3, 0.6])
+    names = ("left", "middle", "right")
+    varying = {f"curvature_{name}": float(x) - 0.4 for name, x in zip(names, along, strict=True)}
+    varying |= {f"curvature_{name}_across": float(y) for name, y in zip(names, across, strict=True)}
+    rope = replace(ROD, **varying)
+
+    def rates(s: float, y: Array) -> Array:
+        D = y[3:].reshape(3, 3)
+        bend = np.array([np.interp(s / rope.length, at, along), -np.interp(s / rope.length, at, across), 0.0])
+        return np.concatenate((D[2], np.cross(bend @ D, D).ravel()))
+
+    start = np.array([0, 0, 0, 0, 0, 1, 1, 0, 0, 0, -1, 0], dtype=float)
+    tip = solve_ivp(rates, (0.0, rope.length), start, rtol=1e-9, atol=1e-9, max_step=0.1).y[:3, -1]
+    errors = []
+    for elements in (4, 8, 16):
+        q, held = arc(elements, 0.0, rope.length), np.zeros((elements + 1, 7), dtype=bool)
+        held[0, [0, 1, 2, 3, 5, 6]] = True
+        errors.append(float(np.abs(find_equilibrium(system(rope, q, held), q).q[-1, :3] - tip).max()))
+    assert errors[-1] < 3e-4  # of 2 m
+    assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 1.9).all(), errors
+
+
 BEND = Rope(
     length=25 * math.pi, Qa=1e7, Qb=0.0, Qc=0.0, Qd=1e7 / 12, EI=1e7 / 12, initial_curvature=0.01
 )  # E = 1e7, G = E/2, 1 x 1, radius 100, 45 degrees
@@ -239,6 +267,7 @@ def test_the_energy_balance_closes_with_the_square_of_the_step() -> None:
 def test_a_transformed_mesh_keeps_the_direction() -> None:
     """Torque and yaw along a winding are those of a mesh that stays; nothing else makes them without coupling."""
     of = uncoupled(1.0)
+    of = of.with_(rope=replace(of.rope, curvature_middle=0.2, curvature_right_across=-0.1))
     solver = Solver(step_max=0.005)
     tmn = passed(of.with_(mesh=Mesh("tmn", coarse_length=0.25), solver=solver), 120)
     eem = passed(of.with_(mesh=Mesh("eem", elements=80), solver=solver), 120)

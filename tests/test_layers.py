@@ -27,6 +27,7 @@ MAY_IMPORT = rules(
 rope_model.parameter_table:
 rope_model.parameters: .parameter_table .shaft_parameters
 rope_model.shaft_parameters: .parameter_table
+rope_model.cases: .parameters
 rope_model.scene_names: .parameter_table .parameters .shaft_parameters
 rope_model.catalogue: .parameter_table .parameters
 rope_model.physics:
@@ -34,15 +35,16 @@ rope_model.numerics:
 rope_model.simulation: .parameter_table .parameters .shaft_parameters .physics .numerics
 rope_model.codegen: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts
 rope_model.engine: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts .codegen
-rope_model.public: .catalogue .parameters .shaft_parameters .numerics .simulation .engine
+rope_model.public: .cases .catalogue .parameters .shaft_parameters .numerics .simulation .engine
 rope_model.version:
 rope_model.texts:
 rope_model: .public .version
-fmu_src.native: rope_model.parameters rope_model.scene_names rope_model.shaft_parameters rope_model.simulation
-    rope_model.numerics rope_model.codegen rope_model.texts fmu_src
-fmu_src.export: rope_model.parameters rope_model.scene_names rope_model.simulation rope_model.version fmu_src .native
-fmu_src: rope_model.parameter_table rope_model.parameters rope_model.scene_names rope_model.shaft_parameters
-    rope_model.simulation rope_model.texts rope_model.version
+fmu_src.native: rope_model.cases rope_model.parameters rope_model.scene_names rope_model.shaft_parameters
+    rope_model.simulation rope_model.numerics rope_model.codegen rope_model.texts fmu_src
+fmu_src.export: rope_model.cases rope_model.parameters rope_model.scene_names rope_model.simulation rope_model.version
+    fmu_src .native
+fmu_src: rope_model.cases rope_model.parameter_table rope_model.parameters rope_model.scene_names
+    rope_model.shaft_parameters rope_model.simulation rope_model.texts rope_model.version
 hoist_demo.parameters: rope_model.physics
 hoist_demo.drive: .parameters rope_model.numerics
 hoist_demo.control: .parameters .drive rope_model.physics

@@ -17,7 +17,7 @@ from native_host import Host
 from numpy.testing import assert_allclose
 from scenes import smooth_trip
 
-from rope_model.parameters import rope_120
+from rope_model.cases import rope_120
 from rope_model.simulation.ends.paths import EndMotion
 
 MASS_PER_LENGTH = rope_120().scene.rope.mass_per_length

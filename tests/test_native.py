@@ -20,10 +20,11 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model import SIGNALS, BalanceRope, EndMotion, Form, PointForces, RopeSimulator, RopeState, balance_rope
+from rope_model.cases import rope_120, rope_240
 from rope_model.codegen.build import sources
 from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import FLAGS, cache_folder, compile_objects, find_compiler, object_files
-from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel, rope_120, rope_240
+from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
 from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
 
 States = Iterator[tuple[RopeState, ...]]
@@ -230,7 +231,9 @@ WIDE = {
     "torsional": BASE,
     "spatial": BASE.with_(model=Model(fidelity="spatial")),
     "planar": BASE.with_(model=Model(fidelity="planar"), left=Swivel(mode="locked")),
-    "curved wires": BASE.with_(rope=Rope(length=30.0, EI_stick=2000.0, initial_curvature=0.05)),
+    "curved wires": BASE.with_(
+        rope=Rope(length=30.0, EI_stick=2000.0, initial_curvature=0.05, curvature_middle_across=0.02)
+    ),
     "shaft": BASE.with_(shaft=SHAFT),
 }
 

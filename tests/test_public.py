@@ -36,9 +36,9 @@ from release.libraries import libraries
 from release.trial import try_wheel
 from release.wheels import PACKAGES, add_bill, build
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public
+from rope_model.cases import rope_120
 from rope_model.codegen.build import library
 from rope_model.numerics.kernels import cache_folder, find_compiler
-from rope_model.parameters import rope_120
 
 PYTHON = "Use the rope in Python"
 SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))

@@ -10,7 +10,8 @@ from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, turn, wound
 
 from rope_model import BalanceRope, EndMotion, Form, RopeSimulator, balance_rope
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, rope_120
+from rope_model.cases import rope_120
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.stepping.statics import find_equilibrium
 

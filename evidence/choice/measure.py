@@ -12,7 +12,8 @@ from evidence.tables import Measures, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import Layout, Model, Scene, Swivel
-from rope_model.parameters import FidelityChoice, rope_120, rope_240
+from rope_model.cases import rope_120, rope_240
+from rope_model.parameters import FidelityChoice
 from rope_model.physics.estimates import Travel, lean_error, longitudinal_error
 from rope_model.simulation.messages import fidelity_rules
 

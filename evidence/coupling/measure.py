@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.parameters import Coupling, Winding
-from rope_model.parameters import Level
+from rope_model.cases import Level
 
 #: N, of a force of 8 kN
 CONVERGED = Iterative("secant", tolerance=1e-3)

@@ -22,7 +22,7 @@ from fmu_src.native.start import Start, binaries_with, c_start
 from fmu_src.native.table import c_places, c_table, start_values
 from fmu_src.profile import Form, Profile, arrays, scalars
 from fmu_src.xml import xml_bytes
-from rope_model.parameters import Level, RopeCase
+from rope_model.cases import Level, RopeCase
 from rope_model.scene_names import Value
 
 _HERE = Path(__file__).resolve().parent

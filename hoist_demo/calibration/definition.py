@@ -34,8 +34,8 @@ def _sought(parameter: Parameter) -> Any:
     def checked(one: Given) -> Given:
         if parameter.name in {f"rope.{name}" for name in FOLLOWING}:
             raise ValueError(f"{parameter.name} follows from the properties, all of which are sought: give [known]")
-        if one.low is None or one.high is None or not 0.0 <= one.low < one.high:
-            raise ValueError(f"{parameter.name} = {one.value!r} must be {{ low, high }}, in order and from 0 on")
+        if one.low is None or one.high is None or one.low >= one.high:
+            raise ValueError(f"{parameter.name} = {one.value!r} must be {{ low, high }}, in order")
         return one
 
     return Annotated[given(parameter), AfterValidator(checked)]

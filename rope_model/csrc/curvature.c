@@ -3,18 +3,30 @@
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {
-    return rope->scene.rope.initial_curvature > 0 && state->fidelity == TORSIONAL;
+    return most_curvature(&rope->scene.rope) > 0 && state->fidelity == TORSIONAL;
+}
+
+Rope partly_curved(const Rope *whole, double part) {
+    Rope rope = *whole;
+    double *const curvatures[] = {
+        &rope.initial_curvature,     &rope.curvature_left,          &rope.curvature_middle,       &rope.curvature_right,
+        &rope.curvature_left_across, &rope.curvature_middle_across, &rope.curvature_right_across,
+    };
+    for (size_t k = 0; k < sizeof curvatures / sizeof *curvatures; k++) *curvatures[k] *= part;
+    return rope;
 }
 
 void curved_reference(Simulator *rope, State *state, const double *q) {
     const Rope *data = &rope->scene.rope;
     const Arrays m = state_arrays(state);
-    double e1[3] = DIRECTOR_START, found[12], *to = rope->curved;
+    double e1[3] = DIRECTOR_START, components[6], found[12], *to = rope->curved, s = 0;
     for (int e = 0; is_curved(rope, state) && e < m.elements; e++, q += DOF, to += CURVED) {
-        const double of_element[] = {q[ANGLE], q[DOF + ANGLE], data->initial_curvature, data->EI};
-        directors(data->initial_curvature_angle, m.lengths[e], q, e1, found);
+        const double of_element[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
+        curvature_components(data, s, m.lengths[e], components);
+        curvature_vectors(components, m.lengths[e], q, e1, found);
         memcpy(to, found, 9 * sizeof *to);
         memcpy(to + 9, of_element, sizeof of_element);
         memcpy(e1, found + 9, sizeof e1);
+        s += m.lengths[e];
     }
 }

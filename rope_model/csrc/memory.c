@@ -40,7 +40,7 @@ static size_t lay_out(Simulator *rope, Room *room) {
     rope->strains = piece(room, sizeof *rope->strains * n);
     rope->frames = piece(room, chain_frames_bytes(rope->elements));
     rope->work = piece(room, chain_work_bytes(rope->elements));
-    if (scene->rope.initial_curvature > 0) rope->curved = numbers(room, CURVED * n);
+    if (most_curvature(&scene->rope) > 0) rope->curved = numbers(room, CURVED * n);
     if (rubs) rope->wires = numbers(room, WIRE_HISTORY * n);
     if (rubs) rope->latest = numbers(room, WIRE_LATEST * (n + 3));
     rope->around = piece(room, sizeof *rope->around);

@@ -13,7 +13,7 @@ enum {
     AIR_LAW = 9,
     AIR = AIR_LAW + 2 * 4,
     AIR_BALANCE = 7,
-    CURVED = 13
+    CURVED = 12
 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };

@@ -92,6 +92,7 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
 
 /* curvature.c */
 int is_curved(const Simulator *rope, const State *state);
+Rope partly_curved(const Rope *whole, double part);
 /* permanent curvature is counted from q, as the frames are; of no effect on a straight rope */
 void curved_reference(Simulator *rope, State *state, const double *q);
 

@@ -2,17 +2,17 @@
 
 physics.element has the energy
 
-    U0 = int EI (1/2 k0^2 - k0 k . d) dx
+    U0 = int EI (1/2 |k0|^2 - k . k0) dx
 
-beside that of bending.  While the element moves, the director d of a section goes from its place in the frame's
+beside that of bending.  While the element moves, k0 of a section goes from its place in the frame's
 reference by the smallest rotation of the tangent and is turned about that by the gain of
 
     theta(x) - (turn of the frame from the left node to x) + x/l (turn of the frame to the right node)
 
 which is the section's turn where tau is uniform; so the energy stays when the present shape becomes the reference.
 
-Behind the frame's entries F has numbers of the element in the reference, (13,): d at the three Gauss points, theta at
-both nodes, k0 and EI.
+Behind the frame's entries F has numbers of the element in the reference, (12,): k0 at the three Gauss points, theta at
+both nodes, and EI.
 """
 
 from functools import cache
@@ -33,10 +33,10 @@ from rope_model.physics.element import (
 )
 from rope_model.physics.elementary import dot, sqrt
 from rope_model.physics.frame import carried, small_turn, smallest_rotation_rate, turned
-from rope_model.physics.initial_curvature import TO_POINTS, directors
+from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
-#: numbers of an element: directors, angles, k0 and EI
-CURVED = 3 * len(POINTS) + 4
+#: numbers of an element: k0 at its points, angles, and EI
+CURVED = 3 * len(POINTS) + 3
 
 
 class CurvedFunctions(NamedTuple):
@@ -57,7 +57,7 @@ def curved_functions() -> CurvedFunctions:
     q, l = ca.SX.sym("q", 2 * NODE_DOF), ca.SX.sym("l")
     F, C, cq = ca.SX.sym("F", FRAME), ca.SX.sym("C", CURVED), ca.SX.sym("cq")
     numbers, frames = ca.vertsplit(C), ca.vertsplit(F[:-3], 6)
-    before, k0, EI = numbers[-4:-2], numbers[-2], numbers[-1]
+    before, EI = numbers[-3:-1], numbers[-1]
     B = [interpolation(xi, l) for xi in POINTS]
     z = [B_p @ relative @ q for B_p in B]
     turn, bend = _turn_function(), _bend_function()
@@ -82,8 +82,8 @@ def curved_functions() -> CurvedFunctions:
         J += B_p.T @ symmetric(w * W_zz[i] - share * f_zz[i]) @ B_p
         coupled = w * (B_p.T @ W_zz[i][:, 6] - 0.5 * W_zz[i][6, 6] * angle_x)
         J -= coupled @ angle_x.T + angle_x @ coupled.T
-        U += w * (0.5 * k0 - W[i])
-    R, U, factor = relative.T @ R, l * EI * k0 * U, -l * EI * k0
+        U += w * (0.5 * ca.sumsqr(C[3 * i : 3 * i + 3]) - W[i])
+    R, U, factor = relative.T @ R, l * EI * U, -l * EI
     J = symmetric(cq * factor * (relative.T @ symmetric(J) @ relative))
     inputs = [q, l, F, C]
     return CurvedFunctions(
@@ -94,15 +94,16 @@ def curved_functions() -> CurvedFunctions:
 
 
 @cache
-def directors_along(elements: int) -> ca.Function:
-    """(e1 at the left end, its angle to d, lengths, nodes (14,)) -> e1 at the right nodes, d at the points (9,).
+def curvature_along(elements: int) -> ca.Function:
+    """(e1 at the left end, curvature_components, lengths, nodes (14,)) -> e1 at the right nodes, k0 at the points (9,).
 
-    Columns belong to elements; the angle is the same in each of them.
+    Columns belong to elements.
     """
-    start, angle, l, nodes = ca.SX.sym("start", 3), ca.SX.sym("angle"), ca.SX.sym("l"), ca.SX.sym("nodes", 2 * NODE_DOF)
-    *found, x, y, z = directors(angle, l, nodes, start)
-    of_element = ca.Function("directors", [start, angle, l, nodes], [ca.vertcat(x, y, z), ca.vertcat(*found)])
-    return of_element.mapaccum(elements)
+    start, l, nodes = ca.SX.sym("start", 3), ca.SX.sym("l"), ca.SX.sym("nodes", 2 * NODE_DOF)
+    components = ca.SX.sym("components", 2 * len(POINTS))
+    *found, x, y, z = curvature_vectors(components, l, nodes, start)
+    inputs = [start, components, l, nodes]
+    return ca.Function("curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*found)]).mapaccum(elements)
 
 
 def _turn_function() -> ca.Function:
@@ -114,7 +115,7 @@ def _turn_function() -> ca.Function:
 
 
 def _bend_function() -> ca.Function:
-    """(z, p, d in the reference, angle there) -> k . d at a point z = (r', r'', theta), and its derivatives."""
+    """(z, p, k0 in the reference, angle there) -> k . k0 at a point z = (r', r'', theta), and its derivatives."""
     z, p, before, angle = ca.SX.sym("z", 7), ca.SX.sym("p", 3), ca.SX.sym("before", 3), ca.SX.sym("angle")
     d, c = z[0:3], z[3:6]
     square = dot(d, d)

@@ -22,6 +22,7 @@ import math
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import larger, log, sqrt
+from rope_model.physics.initial_curvature import most_curvature
 
 #: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at 4 m/s, EI 50 to 1000
 LEAN = 1 / 3
@@ -115,7 +116,7 @@ def twist_torque(rope: Any, angle: Any) -> Any:
 
 def curvature_torque(rope: Any) -> Any:
     """Torque (N m) that turns a rope of permanent curvature in its loop, half a turn of it, at most."""
-    return math.pi * rope.EI * rope.initial_curvature
+    return math.pi * rope.EI * most_curvature(rope)
 
 
 def natural_width(scene: Any) -> Any:

@@ -1,15 +1,16 @@
 """Permanent curvature of a rope, as a reel leaves it, and the direction across the rope in which it lies.
 
-Where nothing bends the rope it has the curvature vector k0 d, per reference length, and bent otherwise it stores
+Where nothing bends the rope it has the curvature vector k0, per reference length, and bent otherwise it stores
 
-    1/2 EI |k - k0 d|^2                  (J/m)
+    1/2 EI |k - k0|^2                  (J/m)
 
-The director d lies in the cross-section and turns with it.  Seen from a vector that goes along the rope without turning
-about the tangent, d is turned by theta and the angle that it has at the left end:
+k0 lies in the cross-section and turns with it.  Seen from a vector that goes along the rope without turning about the
+tangent, it is turned by theta and the angle that it has at the left end:
 
-    d = cos(a + theta) e1 + sin(a + theta) e2,   e1 = Z, e2 = -X at the left end, where the tangent is -Y
+    k0 = x (cos(a + theta) e1 + sin(a + theta) e2) + y (cos(a + theta) e2 - sin(a + theta) e1)
 
-so a = 0 bends the rope as the loop between two conveyances is bent.
+with e1 = Z, e2 = -X at the left end, where the tangent is -Y.  So a = 0 bends the rope as the loop between two
+conveyances is bent.  x is the uniform curvature and what is added to it along that direction, y what is added across.
 
 Within an element e1 goes by the smallest rotation from the left node's tangent p to t, and back by its turn about the
 tangent on the way (physics.frame), which three Gauss points integrate.
@@ -21,7 +22,7 @@ import numpy as np
 
 from rope_model.physics import hermite
 from rope_model.physics.element import POINTS, WEIGHTS
-from rope_model.physics.elementary import cos, dot, sin, sqrt
+from rope_model.physics.elementary import cos, dot, hypot, larger, sin, sqrt
 from rope_model.physics.frame import carried, smallest_rotation_rate, turned
 
 #: e1 where the tangent is -Y
@@ -36,14 +37,50 @@ def _integrals_to(places: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:
     return tuple(map(tuple, rows.tolist()))
 
 
+#: values of a rope's permanent curvature, 1/m
+CURVATURES = (
+    *("initial_curvature", "curvature_left", "curvature_middle", "curvature_right"),
+    *("curvature_left_across", "curvature_middle_across", "curvature_right_across"),
+)
+
+
+def most_curvature(rope: Any) -> Any:
+    """Return a bound (1/m) of the permanent curvature along the rope: 0 of a straight one alone."""
+    left = hypot(rope.curvature_left, rope.curvature_left_across)
+    middle = hypot(rope.curvature_middle, rope.curvature_middle_across)
+    right = hypot(rope.curvature_right, rope.curvature_right_across)
+    return rope.initial_curvature + larger(larger(left, middle), right)
+
+
+def curvature_components(rope: Any, s: Any, l: Any) -> tuple[Any, ...]:
+    """Components (1/m) along e1 of no twist at the POINTS of an element from ``s`` on, then those along e2: (6,)."""
+    c, t = cos(rope.initial_curvature_angle), sin(rope.initial_curvature_angle)
+    at = [2 * (s + xi * l) / rope.length for xi in POINTS]
+    along = [
+        rope.initial_curvature + _linear(x, rope.curvature_left, rope.curvature_middle, rope.curvature_right)
+        for x in at
+    ]
+    across = [
+        _linear(x, rope.curvature_left_across, rope.curvature_middle_across, rope.curvature_right_across) for x in at
+    ]
+    pairs = list(zip(along, across, strict=True))
+    return *(c * x - t * y for x, y in pairs), *(t * x + c * y for x, y in pairs)
+
+
+def _linear(x: Any, left: Any, middle: Any, right: Any) -> Any:
+    """Value at ``x`` in [0, 2] of what is linear between 0, 1 and 2."""
+    before, after = larger(1 - x, 0.0), larger(x - 1, 0.0)
+    return before * left + (1 - before - after) * middle + after * right
+
+
 #: weights of the values at POINTS in their integral from the left node to each of them, in lengths of the element
 TO_POINTS = _integrals_to(POINTS)
 
 
-def directors(angle: Any, l: Any, nodes: Any, start: Any) -> tuple[Any, ...]:
-    """d at the three POINTS of an element with the ``nodes`` (14,), and e1 at its right node: (12,).
+def curvature_vectors(components: Any, l: Any, nodes: Any, start: Any) -> tuple[Any, ...]:
+    """k0 (1/m) at the three POINTS of an element with the ``nodes`` (14,), and e1 at its right node: (12,).
 
-    ``start`` is e1 at its left node, ``angle`` that of d at the left end.
+    ``start`` is e1 at its left node, ``components`` are curvature_components.
     """
     ends = [(nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
     slopes = [[hermite.interpolate(xi, l, *of)[1] for of in ends] for xi in POINTS]
@@ -51,10 +88,12 @@ def directors(angle: Any, l: Any, nodes: Any, start: Any) -> tuple[Any, ...]:
     p = _unit(nodes[3:6])
     turning = [smallest_rotation_rate(p, (0.0, 0.0, 0.0), d, c) for d, c in zip(slopes, bends, strict=True)]
     found: list[Any] = []
-    for xi, to, d in zip(POINTS, TO_POINTS, slopes, strict=True):
-        at = angle + (1 - xi) * nodes[6] + xi * nodes[13] - l * dot(to, turning)
-        found += _turned(_unit(d), p, start, at)
-    return *found, *_turned(_unit(nodes[10:13]), p, start, -l * dot(WEIGHTS, turning))
+    for k, (xi, to, d) in enumerate(zip(POINTS, TO_POINTS, slopes, strict=True)):
+        at = (1 - xi) * nodes[6] + xi * nodes[13] - l * dot(to, turning)
+        x, y, c, t = components[k], components[3 + k], cos(at), sin(at)
+        found += _turned(_unit(d), p, start, c * x - t * y, t * x + c * y)
+    back = -l * dot(WEIGHTS, turning)
+    return *found, *_turned(_unit(nodes[10:13]), p, start, cos(back), sin(back))
 
 
 def _unit(d: Any) -> list[Any]:
@@ -62,6 +101,6 @@ def _unit(d: Any) -> list[Any]:
     return [d[i] / length for i in range(3)]
 
 
-def _turned(t: Any, p: Any, x: Any, angle: Any) -> list[Any]:
-    """``x`` from the tangent p to t, and turned about that."""
-    return turned(t, carried(p, t, x), cos(angle), sin(angle))
+def _turned(t: Any, p: Any, x: Any, along: Any, across: Any) -> list[Any]:
+    """``x`` from the tangent p to t, then ``along`` times it and ``across`` times what is at a right angle to it."""
+    return turned(t, carried(p, t, x), along, across)

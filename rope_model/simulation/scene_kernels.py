@@ -1,12 +1,10 @@
 """Kernels that the rope of a scene needs, by its effects and by the fidelity that its ends ask for."""
 
-from dataclasses import replace
-
 from rope_model.parameters import Scene
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity
 from rope_model.physics.wire_friction import wire_stiffness
 from rope_model.simulation.contact.surroundings import surroundings
-from rope_model.simulation.curvature import is_curved
+from rope_model.simulation.curvature import is_curved, partly_curved
 from rope_model.simulation.fidelity import FIDELITIES, Ends, choose_fidelity, flexible
 from rope_model.simulation.rope_kernels import AIR, CURVED, WIRES, Kinds
 from rope_model.simulation.rope_system import air_parameters
@@ -27,7 +25,7 @@ def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Kin
     higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]
     around = surroundings(scene)
     needed: list[tuple[ElementFidelity, Kinds]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
-    straight = scene.with_(rope=replace(scene.rope, initial_curvature=0.0))  # as every rope is first hung up
+    straight = scene.with_(rope=partly_curved(scene.rope, 0.0))  # as every rope is first hung up
     needed += [
         (fidelity, (*acting_along(hung, fidelity, rubs), *near))
         for fidelity in map(flexible, higher)

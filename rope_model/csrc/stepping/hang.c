@@ -57,19 +57,19 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
 
 /* the state at rest, its rope straight first and then curved by and by */
 static int let_curve(Simulator *rope, State *state, char *message) {
-    const double k0 = rope->scene.rope.initial_curvature;
+    const Rope whole = rope->scene.rope;
     const int parts = is_curved(rope, state) ? CURVATURE_STEPS : 0;
     int found = 1;
     for (int k = 0; k <= parts && found; k++) {
-        if (parts > 0) rope->scene.rope.initial_curvature = k0 * k / parts;
+        if (parts > 0) rope->scene.rope = partly_curved(&whole, (double)k / parts);
         found = equilibrium_in_frame(rope, state, INFINITY, message);
     }
-    const double reached = rope->scene.rope.initial_curvature;
-    rope->scene.rope.initial_curvature = k0;
+    const double reached = most_curvature(&rope->scene.rope);
+    rope->scene.rope = whole;
     if (!found && parts > 0 && reached > 0) {
         char why[MESSAGE];
         memcpy(why, message, MESSAGE);
-        say_fails_at_curvature(message, reached, k0, why);
+        say_fails_at_curvature(message, reached, most_curvature(&whole), why);
     }
     return found;
 }

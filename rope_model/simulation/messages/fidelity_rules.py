@@ -9,6 +9,7 @@ from rope_model.physics import estimates
 from rope_model.physics.elementary import both, either, larger, where
 from rope_model.physics.guard import guarded
 from rope_model.physics.inextensible import lowest, pull
+from rope_model.physics.initial_curvature import most_curvature
 from rope_model.simulation.contact.bodies import may_touch
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import fidelity_messages
@@ -92,7 +93,8 @@ def _twisted(scene: Any) -> tuple[Any, ...]:
 
 
 def _curved(scene: Any) -> tuple[Any, ...]:
-    return scene.rope.initial_curvature > 0, scene.rope.initial_curvature
+    largest = most_curvature(scene.rope)
+    return largest > 0, largest
 
 
 def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:

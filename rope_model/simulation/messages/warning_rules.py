@@ -6,6 +6,7 @@ from typing import Any
 from rope_model.physics.accuracy import length_for, mesh_error, turned_by_mesh
 from rope_model.physics.elementary import both, either, floor, smaller, where
 from rope_model.physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
+from rope_model.physics.initial_curvature import most_curvature
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.ends.following import FEWEST_BREAKS
 from rope_model.simulation.mesh.mesh_fit import LONGEST, NATURAL_RADIUS
@@ -70,7 +71,7 @@ def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
 def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
     _, curvature, installed, ends = _torques(scene, turned)
     largest = both(curvature >= installed, curvature >= ends)
-    return largest, scene.rope.initial_curvature, scene.rope.initial_curvature_angle
+    return largest, most_curvature(scene.rope), scene.rope.initial_curvature_angle
 
 
 def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:

@@ -15,7 +15,8 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
-from rope_model.simulation.curvature import is_curved
+from rope_model.physics.initial_curvature import most_curvature
+from rope_model.simulation.curvature import is_curved, partly_curved
 from rope_model.simulation.ends.ends import partly_placed
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
@@ -70,14 +71,14 @@ def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
     if not is_curved(rope, flexible(state.fidelity)):
         return equilibrium_in_frame(model, state)
     for k in range(CURVATURE_STEPS + 1):
-        k0 = rope.initial_curvature * k / CURVATURE_STEPS
-        part = replace(model, scene=model.scene.with_(rope=replace(rope, initial_curvature=k0)))
+        part = replace(model, scene=model.scene.with_(rope=partly_curved(rope, k / CURVATURE_STEPS)))
         try:
             state, corrections = equilibrium_in_frame(part, state)
         except StaticsError as error:
             if k == 0:
                 raise
-            raise StaticsError(messages.fails_at_curvature(k0, rope.initial_curvature, str(error))) from error
+            reached, whole = most_curvature(part.scene.rope), most_curvature(rope)
+            raise StaticsError(messages.fails_at_curvature(reached, whole, str(error))) from error
         made += corrections
     return state, made
 
