@@ -36,8 +36,8 @@ def access(standard: str, function: Any, rope: int, numbers: Any, values: NDArra
 
 def codes_of(fidelities: NDArray[Any]) -> NDArray[np.float64]:
     """Codes of fidelities that are kept as TEXT."""
-    names, places = np.unique(fidelities, return_inverse=True)
-    return np.array([code_of(name.decode()) for name in names.tolist()])[places].reshape(fidelities.shape)
+    codes = {name: code_of(name.decode()) for name in set(fidelities.ravel().tolist())}
+    return np.array([codes[name] for name in fidelities.ravel().tolist()]).reshape(fidelities.shape)
 
 
 class Table(NamedTuple):
