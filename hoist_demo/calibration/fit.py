@@ -125,7 +125,15 @@ def _solve(residuals: Residuals, start: Array, held: Array) -> Fit:
     def slopes(u: Array) -> Array:
         return np.vstack((sensitivities(residuals, u), held))
 
-    found = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=1e-8)
+    first = _all(residuals, held, start)
+
+    def tried(u: Array) -> Array:
+        try:
+            return _all(residuals, held, u)
+        except RuntimeError:  # a rope that cannot be computed: infinite, so that a shorter step is taken
+            return np.full(first.size, np.inf)
+
+    found = least_squares(tried, start, slopes, (0.0, 1.0), xtol=1e-6, ftol=1e-8)
     values = found.fun.size - len(held)
     return Fit(found.x, found.fun[:values], found.jac[:values], held)
 
