@@ -110,21 +110,18 @@ def approaches(heights: Array, f: Array, shapes: Array) -> list[tuple[float, ...
 def exchange_rows(t: Table) -> NDArray[np.bool_]:
     """Rows of ``approaches`` at which the shapes after it are rather those of the other mode before it."""
     swapped, kept = (np.array([t[name] for name in names]) for names in (SWAPPED, KEPT))
-    found: NDArray[np.bool_] = swapped.min(axis=0) > kept.max(axis=0)
-    return found
+    return np.asarray(swapped.min(axis=0) > kept.max(axis=0))
 
 
 def veerings(t: Table) -> NDArray[np.bool_]:
     """Rows of ``approaches`` out of plane at which two curves come close without touching and exchange their shapes."""
-    found: NDArray[np.bool_] = (t["plane"] == "out") & exchange_rows(t)
-    return found
+    return np.asarray((t["plane"] == "out") & exchange_rows(t))
 
 
 def ranges(tables: Tables, plane: str) -> Array:
     """Largest over smallest frequency of each mode along the travel, less one, in %."""
     f = np.array([tables["frequencies"][column(plane, k)] for k in range(SHOWN)])
-    spread: Array = 100 * (f.max(axis=1) / f.min(axis=1) - 1)
-    return spread
+    return np.asarray(100 * (f.max(axis=1) / f.min(axis=1) - 1))
 
 
 def reference_error(tables: Tables) -> float:
