@@ -165,7 +165,9 @@ def draw(tables: Tables) -> Figure:
             for height in (0.0, 80.0):
                 ax.plot(height, REFERENCE_HZ[plane, height][k], "o", mfc="white", mec="black", ms=5, zorder=3)
         for i in np.flatnonzero(veerings(close)) if plane == "out" else ():
-            ax.plot(close["H [m]"][i], _middle(t, plane, close, int(i)), "s", mfc="none", mec="#c0392b", ms=11)
+            k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
+            middle = np.mean([t[column(plane, k + j)][at][0] for j in (0, 1)])  # Hz, between the two curves
+            ax.plot(close["H [m]"][i], middle, "s", mfc="none", mec="#c0392b", ms=11)
         ax.set(xlabel="height difference H [m]", ylim=(0.0, 0.28), xticks=range(-80, 81, 40))
         ax.set_title("Out of plane" if plane == "out" else "In plane")
     front = axes[0, 0]
@@ -174,12 +176,6 @@ def draw(tables: Tables) -> Figure:
     front.plot([], [], "s", mfc="none", mec="#c0392b", ms=9, label="veering")
     made.legend(*front.get_legend_handles_labels(), loc="outside lower center", ncols=6)
     return made
-
-
-def _middle(t: Table, plane: str, close: Table, i: int) -> float:
-    """Hz, between the two curves of row ``i`` of ``approaches``."""
-    k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
-    return float(np.mean([t[column(plane, k + j)][at][0] for j in (0, 1)]))
 
 
 SECTION = Section("Natural frequencies", claims, ("frequencies", "approaches"))
