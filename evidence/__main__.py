@@ -9,6 +9,7 @@ import argparse
 import sys
 from importlib import import_module
 
+from evidence.claims import missed
 from evidence.pages import BLOCKS, PAGES, fill, publish
 from evidence.rendering import DOCS
 from evidence.tables import read, write
@@ -26,7 +27,8 @@ def measure(room: str, part: str) -> list[str]:
     for name, tables in module.MEASURES.items():
         if part in ("", name):
             write(tables(), DOCS / "data" / room)
-    return list(module.missed(read(DOCS / "data" / room))) if hasattr(module, "missed") else []
+    found = read(DOCS / "data" / room)
+    return [*missed(found), *(module.missed(found) if hasattr(module, "missed") else ())]
 
 
 def main() -> int:
@@ -42,13 +44,13 @@ def main() -> int:
     asked = [x.partition(":")[::2] for x in options.measure]
     if unknown := {room for room, _ in asked} - set(ROOMS):
         parser.error(f"there is no room {', '.join(sorted(unknown))}; choose of {', '.join(ROOMS)}")
-    missed = [claim for room, part in asked for claim in measure(room, part)]
+    told = [claim for room, part in asked for claim in measure(room, part)]
     for name in options.names or known:
         for path in publish(PAGES[name]) if name in PAGES else [fill(BLOCKS[name])]:
             print(path)
-    for claim in missed:
+    for claim in told:
         print(f"missed: {claim}", file=sys.stderr)
-    return int(bool(missed))
+    return int(bool(told))
 
 
 if __name__ == "__main__":

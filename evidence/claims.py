@@ -5,7 +5,7 @@ from dataclasses import astuple, dataclass, fields
 from typing import Literal
 
 from evidence.rendering import with_unit
-from evidence.tables import Table, table
+from evidence.tables import Table, Tables, table
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,7 @@ def recorded(t: Table) -> list[tuple[tuple[str, ...], Measurement]]:
     return [(row[:-size], Measurement(*row[-size:])) for row in rows]
 
 
-def missed(t: Table) -> Iterator[str]:
-    """Yield the claims of a table that do not hold."""
-    return (f"{', '.join(about)}: {m.what} {text(m)}" for about, m in recorded(t) if not m.holds)
+def missed(tables: Tables) -> Iterator[str]:
+    """Yield the claims that do not hold, of the tables that have claims."""
+    for t in (t for t in tables.values() if "relation" in t):
+        yield from (f"{', '.join(about)}: {m.what} {text(m)}" for about, m in recorded(t) if not m.holds)

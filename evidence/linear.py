@@ -120,8 +120,7 @@ def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> C
     moved = (np.array(both[0]) - both[1]) / 2
     decay = np.exp(-np.outer(s, np.arange(steps) * H))
     # the command is held over a step, outputs go straight from one to the next; the first is 0
-    found: Complex = (decay @ moved) * H / ((decay @ given) * (1 - np.exp(-s * H)) / s)[:, None]
-    return found
+    return np.asarray((decay @ moved) * H / ((decay @ given) * (1 - np.exp(-s * H)) / s)[:, None])
 
 
 def errors(found: Complex, exact: Complex) -> tuple[Array, Array]:

@@ -67,7 +67,6 @@ class Saving(NamedTuple):
     speed: float  # m/s
     coupling: str
     wanted: float  # m, loop_error that the mesh is made for
-    equal_elements: float  # with the same loop error
     saved: float  # % of the equal elements' time
 
 
@@ -79,13 +78,10 @@ def savings(t: Table) -> list[Saving]:
         for name in ("rope", "coupling", "travel [m]", "speed [m/s]"):
             same &= t[name] == t[name][i]
         error, bound = t["loop error [m]"][same], float(t["loop error [m]"][i])
-        time, elements = (
-            math.nan if bound > error.max() else cost_at(t[name][same], error, bound)
-            for name in ("processor time [s/s]", "elements")
-        )
+        time = math.nan if bound > error.max() else cost_at(t["processor time [s/s]"][same], error, bound)
         saved = 100 * (1 - float(t["processor time [s/s]"][i]) / time)
         length, speed, wanted = (float(t[name][i]) for name in ("length [m]", "speed [m/s]", "loop_error [m]"))
-        found.append(Saving(length, speed, str(t["coupling"][i]), wanted, elements, saved))
+        found.append(Saving(length, speed, str(t["coupling"][i]), wanted, saved))
     return found
 
 

@@ -8,12 +8,12 @@ from evidence.chart import depth
 from evidence.chart.front import cheapest, cost_at
 from evidence.chart.levels import levels
 from evidence.chart.measure import COST
-from evidence.chart.reading import FORCE, LOOP, finest, limit, the
+from evidence.chart.reading import FORCE, LOOP, finest, limit
 from evidence.latency.page import latencies
 from evidence.promise.judging import ESTIMATES, completed, near, over_asked
 from evidence.promise.scenes import JUDGE
 from evidence.rendering import number, quantity, render
-from evidence.tables import Table, Tables, rows
+from evidence.tables import Table, Tables, records, rows
 
 COUPLINGS = ("coupled", "uncoupled")
 #: asked for in the tables: fraction of the largest force, m
@@ -64,11 +64,9 @@ def _fastest(t: Table, coupling: str, error: str, bound: float) -> str:
 
 def _against_complete(t: Table, coupling: str, names: tuple[str, ...]) -> list[dict[str, Any]]:
     """Return how much faster each fidelity is than the complete model, and its errors."""
-    r = rows(t, family="fidelities", coupling=coupling)
-    full = the(r, "torsional", COST)
-    return [
-        {"name": n, "ratio": full / the(r, n, COST), "force": the(r, n, FORCE), "loop": the(r, n, LOOP)} for n in names
-    ]
+    r = {point["name"]: point for point in records(rows(t, family="fidelities", coupling=coupling))}
+    full = r["torsional"][COST]
+    return [{"name": n, "ratio": full / r[n][COST], "force": r[n][FORCE], "loop": r[n][LOOP]} for n in names]
 
 
 def equal_errors(t: Table) -> dict[str, Any]:

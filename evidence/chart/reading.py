@@ -8,12 +8,6 @@ from evidence.tables import Array, Table, rows
 FORCE, LOOP, TWIST = ERRORS
 
 
-def the(t: Table, name: str, column: str, **wanted: str) -> float:
-    """One number of the point of this name; NaN where there is no such point."""
-    found = rows(t, name=name, **wanted)[column]
-    return float(found[0]) if found.size else float("nan")
-
-
 def finest(t: Table, coupling: str) -> tuple[float, float]:
     """Elements and step (s) of the reference solution."""
     r = rows(t, family="reference", coupling=coupling)

@@ -92,11 +92,6 @@ def errors(coarse: Brush, fine: Brush) -> tuple[float, float, float]:
     return pressure, end_error(coarse.forces, fine.forces), place_error(coarse.loop, fine.loop)
 
 
-def equal(elements: int) -> Mesh:
-    """Elements of one length."""
-    return Mesh("eem", elements=elements)
-
-
 #: elements, 0 for the fitted mesh; step (s); stiffness (N/m^2)
 CASES = (
     *((elements, step, STIFFNESS) for elements in (0, 480) for step in (10e-3, 5e-3, 2e-3)),
@@ -110,7 +105,7 @@ def brushes() -> Table:
     """Peak (N), impulse (N s) and estimated error of the pressure, of CASES."""
     rows = []
     for elements, step, stiffness in CASES:
-        x = brush(past(stiffness), equal(elements) if elements else FITTED, step)
+        x = brush(past(stiffness), Mesh("eem", elements) if elements else FITTED, step)
         rows.append((elements, step, stiffness, x.peak, x.impulse, x.told[0]))
     return table(COLUMNS, rows)
 
@@ -121,8 +116,8 @@ HEIGHTS, FINEST = tuple(-25.0 - 0.2 * k for k in range(9)), (960, 2e-3, 5.0)
 MESHES = {
     "as fitted": FITTED,
     "fitted, without its window": fit_mesh(past().scene.with_(mesh=FITTED)),
-    "270 equal elements": equal(270),
-    "480 equal elements": equal(480),
+    "270 equal elements": Mesh("eem", 270),
+    "480 equal elements": Mesh("eem", 480),
 }
 
 
@@ -131,7 +126,7 @@ def heights() -> Table:
     rows = []
     for y in HEIGHTS:
         trip = past(y=y)._replace(stop=FINEST[2])
-        fine = brush(trip, equal(FINEST[0]), FINEST[1])
+        fine = brush(trip, Mesh("eem", FINEST[0]), FINEST[1])
         for name, mesh in MESHES.items():
             rows.append((y, name, brush(trip, mesh).peak / fine.peak - 1.0))
     return table(("y", "mesh", "peak off by"), rows)

@@ -8,11 +8,12 @@ import numpy as np
 
 from evidence.claims import Measurement, above, below
 from evidence.contact import wall
-from evidence.contact.brush import FINE, FITTED, brush, equal, errors, leaning, past
+from evidence.contact.brush import FINE, FITTED, brush, errors, leaning, past
 from evidence.contact.plectoneme import grown, soft_rod
 from evidence.contact.rebound import exact_speed, rebound
 from evidence.contact.scenes import fallen, let_down, pulled, touch_down
 from evidence.contact.turned import struck_legs, turned
+from rope_model.parameters import Mesh
 
 #: s, steps of the rebound; and s/m, its damping
 STEPS, DAMPING = (2e-3, 1e-3, 5e-4, 2.5e-4), 0.5
@@ -37,12 +38,12 @@ def _pulled() -> Iterator[Measurement]:
 
 
 def _leaning() -> Iterator[Measurement]:
-    off = leaning(FITTED) / leaning(equal(1000)) - 1.0
+    off = leaning(FITTED) / leaning(Mesh("eem", 1000)) - 1.0
     yield below("force at rest, off that of 1000 elements by", abs(off), 0.01)
 
 
 def _brushed() -> Iterator[Measurement]:
-    ours, fine = brush(past()), brush(past(), equal(FINE[0]), FINE[1])
+    ours, fine = brush(past()), brush(past(), Mesh("eem", FINE[0]), FINE[1])
     yield below("samples inside the divider without a force", ours.gaps + fine.gaps, 1)
     what = f"impulse, off that of {FINE[0]} elements and steps of {1e3 * FINE[1]:g} ms by"
     yield below(what, abs(ours.impulse / fine.impulse - 1.0), 0.01)

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.contact.brush import FITTED, Brush, Trip, brush, equal, errors
+from evidence.contact.brush import FITTED, Brush, Trip, brush, errors
 from evidence.sampling import BENDING, MASS, SPACING, STIFFNESS, Draws
-from rope_model.parameters import Layout, Rope, Scene
+from rope_model.parameters import Layout, Mesh, Rope, Scene
 from rope_model.physics import contact_error
 from rope_model.physics.contact_error import with_contact_at_ends, with_contact_of_place
 from rope_model.shaft_parameters import Contact, Divider, Shaft
@@ -69,7 +69,7 @@ class Judged(NamedTuple):
 
 def judge(trip: Trip) -> list[Judged]:
     """On either mesh; nothing where the divider is hardly touched."""
-    fine = brush(trip, equal(round(4.0 * trip.scene.rope.length)), 4e-3)
+    fine = brush(trip, Mesh("eem", round(4.0 * trip.scene.rope.length)), 4e-3)
     free = fit_mesh(trip.scene.with_(mesh=FITTED, shaft=Shaft()))
     return [_judged(trip, brush(trip, mesh), fine) for mesh in (free, FITTED)] if fine.peak > LEAST else []
 

@@ -1,10 +1,8 @@
 """The checks of contact, and the brushes of a divider: three minutes each."""
 
-from collections.abc import Iterator
-
 from tqdm import tqdm
 
-from evidence import claims
+from evidence.claims import as_table
 from evidence.contact.brush import brushes, heights
 from evidence.contact.checks import CASES
 from evidence.tables import Measures, Tables
@@ -13,12 +11,7 @@ from evidence.tables import Measures, Tables
 def checks() -> Tables:
     """Make the checks of all cases."""
     cases = tqdm(CASES.items(), desc="contact", unit="case", leave=False)
-    return {"checks": claims.as_table(("case",), [((case,), m) for case, measure in cases for m in measure()])}
-
-
-def missed(tables: Tables) -> Iterator[str]:
-    """Yield the checks that miss."""
-    return claims.missed(tables["checks"])
+    return {"checks": as_table(("case",), [((case,), m) for case, measure in cases for m in measure()])}
 
 
 MEASURES: Measures = {"checks": checks, "brushes": lambda: {"brushes": brushes(), "heights": heights()}}

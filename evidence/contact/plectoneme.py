@@ -33,7 +33,7 @@ from evidence.contact.scenes import GRAVITY
 from evidence.contact.turned import helix
 from evidence.ropes import at_rest, follow, smooth_step
 from rope_model import EndMotion
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
 from rope_model.physics.rope_on_rope import rope_touch
 from rope_model.shaft_parameters import Air, Contact, Shaft
 
@@ -107,8 +107,6 @@ def grown() -> Grown:
         Scene(
             Rope(LENGTH, MASS, AXIAL, 0.0, 0.0, TORSION, EI=BEND, diameter=DIAMETER),
             Layout(SPACING),
-            Swivel("locked"),
-            Swivel("locked"),
             mesh=Mesh("eem", elements=ELEMENTS),
             solver=Solver(step_max=STEP, tolerance=1e5),
             shaft=Shaft(contact=_CONTACT, air=Air(density=100.0, drag=10.0)),

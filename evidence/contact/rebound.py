@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.stability.chain import StaticBoundary
+from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Contact, Shaft, Sump
@@ -42,12 +42,9 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     assert around
     q = np.zeros((ELEMENTS + 1, 7))
     q[:, 0], q[:, 3] = np.linspace(0.0, LENGTH, ELEMENTS + 1), 1.0
-    lengths = np.diff(q[:, 0])
-    boundary = StaticBoundary.without_supports(q)
-    boundary.held[:, [2, 5, 6]] = True
     kernels = partial(RopeKernels, ELEMENTS, "portable", fidelity="planar")
-    near, parts = partial(kernels, bodies=around.kinds), (lengths, parameter_vector(rope, 0.0), boundary, q)
-    system = RopeSystem(kernels(), *parts, around=around, touching=near)
+    parts = np.diff(q[:, 0]), parameter_vector(rope, 0.0), StaticBoundary.at(q, OUT_OF_PLANE), q
+    system = RopeSystem(kernels(), *parts, around=around, touching=partial(kernels, bodies=around.kinds))
     v = np.zeros_like(q)
     v[:, 1] = -speed
     motion, start = restart(system, 0.0, q, v, np.zeros_like(q))

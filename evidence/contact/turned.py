@@ -19,7 +19,7 @@ from evidence.contact.scenes import WEIGHT, unexplained
 from evidence.ropes import at_rest, follow
 from evidence.tables import Array
 from rope_model import EndMotion
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Swivel
+from rope_model.parameters import Layout, Mesh, Rope, Scene
 from rope_model.shaft_parameters import Air, Contact, Shaft
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.rope_system import arc_lengths
@@ -70,8 +70,8 @@ def struck_legs(stiffness: float) -> float:
 
 
 def _scene(shaft: Shaft) -> Scene:
-    rope, locked = Rope(length=LENGTH, EI=200.0, Qb=0.0, Qc=0.0), Swivel("locked")
-    return Scene(rope, Layout(SPACING), locked, locked, mesh=Mesh("eem", elements=ELEMENTS), shaft=shaft)
+    rope = Rope(length=LENGTH, EI=200.0, Qb=0.0, Qc=0.0)
+    return Scene(rope, Layout(SPACING), mesh=Mesh("eem", elements=ELEMENTS), shaft=shaft)
 
 
 def _end(t: float, time: float) -> EndMotion:

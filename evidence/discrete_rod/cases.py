@@ -8,13 +8,13 @@ lies between 2 and 4 and shows only once its mesh is fine.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from evidence.discrete_rod.rod import Friction, Material, Rod
-from evidence.discrete_rod.solve import Record, equilibrium, first_guess, lowest_point, modes, move
+from evidence.discrete_rod.rod import Rod
+from evidence.discrete_rod.solve import HELD, Record, equilibrium, first_guess, lowest_of, modes, move
 from evidence.ropes import at_rest, require
 from evidence.tables import Array
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel
@@ -32,6 +32,8 @@ OF_AN_END = ("fx", "fy", "fz", "swivel.torque", "swivel.angle")
 READ = ("loop.x", "loop.y", "loop.z", "loop.yaw", *(f"{side}.{name}" for side in SIDES for name in OF_AN_END))
 TRAVEL, DURATION = 12.0, 8.0  # m, s
 RELEASE = 0.1  # s
+#: s, instants that are compared of a winding and of a release
+WOUND, LET_GO = np.linspace(0.0, 10.0, 101), np.linspace(0.0, 2.0, 101)
 #: a dirty swivel: it slips, sticks, and slips again
 DIRTY = Swivel(mode="coulomb", mu_static=0.02, mu_kinetic=0.015, release_time=RELEASE)
 
@@ -60,16 +62,6 @@ class Winding:
         ends[0, :, 0] = -0.5 * SPACING, 0.5 * SPACING
         ends[:, :, 1] = (y, self.travel - y), (v, -v), (a, -a)
         return ends
-
-
-def rod_of(rope: Rope, lengths: Array, ends: Winding, right: Swivel | None = None) -> Rod:
-    """The discrete rod of the same data; friction on the right only."""
-    names = ("Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
-    data = {name: value for name, value in asdict(rope).items() if name in names}
-    s = right or Swivel()
-    arm = 0.5 * s.mean_diameter
-    frictions = Friction(inertia=s.inertia), Friction(arm * s.mu_static, arm * s.mu_kinetic, s.inertia)
-    return Rod(lengths, Material(rope.mass_per_length, **data, beta=rope.beta_K), ends.rod, frictions)
 
 
 def grade(length: float, bottom: float, edges: int) -> Array:
@@ -112,18 +104,19 @@ def _rest(reaction: Array, moment: Array, bottom: Array, yaw: float) -> Results:
     return {name: np.array(value) for name, value in values.items()}
 
 
-def statics_ours(elements: int, rope: Rope = PUBLISHED) -> Results:
+def statics_ours(elements: int) -> Results:
     """120 m, both swivels locked, ends at equal height."""
-    r = rope_of(Scene(rope=rope, mesh=Mesh("eem", elements=elements)), Winding(0.0, np.inf))
+    r = rope_of(Scene(rope=PUBLISHED, mesh=Mesh("eem", elements=elements)), Winding(0.0, np.inf))
     return _rest(*present(r)[:4])
 
 
-def statics_rod(edges: int, rope: Rope = PUBLISHED) -> Results:
+def statics_rod(edges: int) -> Results:
     """The same."""
-    rod = rod_of(rope, grade(rope.length, 0.5 * rope.length, edges), Winding(0.0, np.inf))
+    lengths = grade(PUBLISHED.length, 0.5 * PUBLISHED.length, edges)
+    rod = Rod(lengths, PUBLISHED, Winding(0.0, np.inf).rod)
     y = equilibrium(rod, first_guess(rod))
-    loads = rod.evaluate(0.0, y[:, None], (0.0, 0.0))
-    return _rest(loads.reaction[:, :, 0], loads.moment[:, 0], *lowest_point(rod, 0.0, y))
+    loads = rod.evaluate(0.0, y[:, None], HELD)
+    return _rest(loads.reaction[:, :, 0], loads.moment[:, 0], *lowest_of(rod.s, rod.nodes(0.0, y)))
 
 
 # small vibration
@@ -159,9 +152,8 @@ def modes_ours(case: str, elements: int) -> Results:
 def modes_rod(case: str, edges: int) -> Results:
     """The same."""
     rope, height, named = VIBRATIONS[case]
-    rod = rod_of(rope, grade(rope.length, 0.5 * (rope.length - height), edges), Winding(height, np.inf))
-    found = modes(rod, equilibrium(rod, first_guess(rod)), 10)
-    return named(found.frequencies, found.out_of_plane)
+    rod = Rod(grade(rope.length, 0.5 * (rope.length - height), edges), rope, Winding(height, np.inf).rod)
+    return named(*modes(rod, equilibrium(rod, first_guess(rod)), 10))
 
 
 # in time
@@ -176,7 +168,7 @@ def follow(rope: BalanceRope, ends: Winding, times: Array) -> Record:
         if np.abs(times - k * interval).min() < 1e-9:
             rows.append(present(rope))
     reaction, moment, bottom, yaw, angle = (np.array(x) for x in zip(*rows, strict=True))
-    return Record(times, reaction, moment, bottom, yaw, angle, tuple(switches))
+    return Record(reaction, moment, bottom, yaw, angle, tuple(switches))
 
 
 def _histories(r: Record) -> Results:
@@ -193,16 +185,16 @@ def _histories(r: Record) -> Results:
     }
 
 
-def winding_ours(multiple: int, times: Array) -> Results:
+def winding_ours(multiple: int, times: Array = WOUND) -> Results:
     """40 m, swivels locked, 12 m in 8 s; TMN-ETM, the loop's elements 0.25 m over ``multiple``."""
     mesh = Mesh("tmn", coarse_length=2.0 / multiple, counts=tuple(multiple * n for n in (2, 4, 40, 4, 2)))  # type: ignore[arg-type]
     ends = Winding(TRAVEL, DURATION)
     return _histories(follow(rope_of(Scene(rope=SHORT, mesh=mesh), ends), ends, times))
 
 
-def winding_rod(edges: int, times: Array) -> Results:
+def winding_rod(edges: int, times: Array = WOUND) -> Results:
     """The same, on equal edges."""
-    rod = rod_of(SHORT, np.full(edges, SHORT.length / edges), Winding(TRAVEL, DURATION))
+    rod = Rod(np.full(edges, SHORT.length / edges), SHORT, Winding(TRAVEL, DURATION).rod)
     return _histories(move(rod, equilibrium(rod, first_guess(rod)), times))
 
 
@@ -214,17 +206,17 @@ def _release(r: Record) -> Results:
     return results | {name: np.array(t) for name, t in zip(names, r.switches[1:3], strict=False)}
 
 
-def release_ours(elements: int, times: Array) -> Results:
+def release_ours(elements: int, times: Array = LET_GO) -> Results:
     """40 m at rest, ends 12 m apart in height; the right swivel is let go at 0.1 s, with dry friction."""
     ends = Winding(TRAVEL, np.inf)
     scene = Scene(rope=SHORT, right=DIRTY, mesh=Mesh("eem", elements=elements))
     return _release(follow(rope_of(scene, ends, 2e-4), ends, times))
 
 
-def release_rod(edges: int, times: Array) -> Results:
+def release_rod(edges: int, times: Array = LET_GO) -> Results:
     """The same."""
-    rod = rod_of(SHORT, np.full(edges, SHORT.length / edges), Winding(TRAVEL, np.inf), DIRTY)
-    return _release(move(rod, equilibrium(rod, first_guess(rod)), times, (np.inf, RELEASE)))
+    rod = Rod(np.full(edges, SHORT.length / edges), SHORT, Winding(TRAVEL, np.inf).rod, DIRTY)
+    return _release(move(rod, equilibrium(rod, first_guess(rod)), times, RELEASE))
 
 
 # side by side
@@ -282,7 +274,6 @@ class Case:
 
 def cases() -> list[Case]:
     """What the page shows."""
-    wound, let_go = np.linspace(0.0, 10.0, 101), np.linspace(0.0, 2.0, 101)
     edges, rest = (80, 160, 320), (150, 300, 600)
     return [
         Case("rest, published coupling, 120 m", statics_ours, statics_rod, (600, 1200), rest),
@@ -290,12 +281,6 @@ def cases() -> list[Case]:
             Case(f"frequencies, 120 m, {name}", partial(modes_ours, name), partial(modes_rod, name), (600, 1200), rest)
             for name in VIBRATIONS
         ),
-        Case("winding", partial(winding_ours, times=wound), partial(winding_rod, times=wound), (1, 2), edges),
-        Case(
-            "release of a swivel",
-            partial(release_ours, times=let_go),
-            partial(release_rod, times=let_go),
-            (80, 160),
-            edges,
-        ),
+        Case("winding", winding_ours, winding_rod, (1, 2), edges),
+        Case("release of a swivel", release_ours, release_rod, (80, 160), edges),
     ]

@@ -33,12 +33,14 @@ Elastic Rods, ACM Transactions on Graphics 27 (2008); coupling, clamps, damping 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+
+from rope_model import Rope, Swivel
 
 Array = NDArray[Any]  # real, or complex when differentiated
 #: t -> (3, 2, 3): position, velocity and acceleration of the left and the right end
@@ -47,30 +49,7 @@ Ends = Callable[[float], Array]
 HALF_BAND = 23
 #: tangents of the clamps
 CLAMPS = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
-
-
-@dataclass(frozen=True)
-class Material:
-    """The rope's data, SI."""
-
-    rho: float
-    Qa: float
-    Qb: float
-    Qc: float
-    Qd: float
-    EI: float
-    rhoJ: float
-    beta: float
-    gravity: float = 9.81
-
-
-@dataclass(frozen=True)
-class Friction:
-    """A swivel: mu d_m / 2 (m) of stick and slip, and its inertia (kg m^2)."""
-
-    static: float = 0.0
-    dynamic: float = 0.0
-    inertia: float = 0.05
+GRAVITY = 9.81  # m/s^2
 
 
 class Parts(NamedTuple):
@@ -114,17 +93,23 @@ def join(p: Parts) -> Array:
 
 @dataclass(frozen=True)
 class Rod:
-    """A discrete rod with edges of reference length ``lengths`` (N,), hanging from ``ends``."""
+    """A discrete rod with edges of reference length ``lengths`` (N,) between ``ends``, the right one at ``swivel``."""
 
     lengths: Array
-    material: Material
+    rope: Rope
     ends: Ends
-    swivels: tuple[Friction, Friction] = (Friction(), Friction())
+    swivel: Swivel = field(default_factory=Swivel)
 
     @property
     def cells(self) -> Array:
         """(N + 1,): reference lengths of the nodes' cells, m."""
-        return np.asarray(0.5 * (np.append(self.lengths, 0.0) + np.append(0.0, self.lengths)))
+        return _halves(self.lengths)
+
+    @property
+    def arms(self) -> tuple[float, float]:
+        """Friction moments of the swivel, static and kinetic, over the force on it, m."""
+        half = 0.5 * self.swivel.mean_diameter
+        return half * self.swivel.mu_static, half * self.swivel.mu_kinetic
 
     @property
     def s(self) -> Array:
@@ -136,9 +121,9 @@ class Rod:
         left, right = self.ends(t)[0]
         return np.vstack((left, split(y).x, right))
 
-    def evaluate(self, t: float, y: Array, slip: tuple[float, float]) -> Loads:
-        """Rates of the state ``y`` (size, columns); ``slip`` is the sense in which each swivel slips, 0: it holds."""
-        c, l, L = self.material, self.lengths[:, None], self.cells[:, None]
+    def evaluate(self, t: float, y: Array, slip: float) -> Loads:
+        """Rates of the state ``y`` (size, columns); ``slip`` is the sense in which the swivel slips, 0: it holds."""
+        c, l, L = self.rope, self.lengths[:, None], self.cells[:, None]
         p, (place, speed, acceleration) = split(y), (z[:, :, None] for z in self.ends(t))
         edge, dv = (np.diff(_with_ends(z, inner), axis=0) for z, inner in ((place, p.x), (speed, p.v)))
         size = np.sqrt(_dot(edge, edge))
@@ -150,7 +135,7 @@ class Rod:
         tangent, turning = _with_ends(CLAMPS[:, :, None], t_e), _with_ends(np.zeros((2, 3, 1)), t_t)
         spin = np.concatenate((p.b_t[:1], p.w, p.b_t[1:]))
         omega = _cross(tangent, turning) + spin[:, None] * tangent
-        (t1, t2), (d1, d2) = _sides(tangent), _sides(turning)
+        t1, t2, d1, d2 = tangent[:-1], tangent[1:], turning[:-1], turning[1:]
 
         # strains of the nodes, and their rates as seen from the section
         q = 1 + _dot(t1, t2)[:, None]
@@ -162,9 +147,10 @@ class Rod:
         # forces and moments
         tau, tau_t, Qs = p.m / L, m_t / L, 0.5 * (c.Qb + c.Qc)
         along, along_t = (_halves(l * z) / L for z in (e, e_t))
-        T = c.Qa * (e + c.beta * e_t) + _mean(c.Qb * tau + c.beta * Qs * tau_t)
-        M = c.Qc * along + c.Qd * tau + c.beta * (Qs * along_t + c.Qd * tau_t)
-        n = c.EI * (K + c.beta * seen) / L[:, None]
+        twisted = c.Qb * tau + c.beta_K * Qs * tau_t
+        T = c.Qa * (e + c.beta_K * e_t) + 0.5 * (twisted[:-1] + twisted[1:])
+        M = c.Qc * along + c.Qd * tau + c.beta_K * (Qs * along_t + c.Qd * tau_t)
+        n = c.EI * (K + c.beta_K * seen) / L[:, None]
 
         # what multiplies the tangents' rates and the spins in the virtual power
         turn, bend = _cross(K, n), _dot(n, K)[:, None]
@@ -179,25 +165,20 @@ class Rod:
         force = T[:, None] * t_e + (g - t_e * _dot(g, t_e)[:, None]) / size[:, None]
         F = _with_ends(np.zeros((2, 3, 1)), np.diff(force, axis=0))
         F[0], F[-1] = force[0], -force[-1]
-        F[:, 1] -= c.rho * c.gravity * L
-        mass = c.rho * L[:, None]
+        F[:, 1] -= c.mass_per_length * GRAVITY * L
+        mass = c.mass_per_length * L[:, None]
         reaction = mass[[0, -1]] * acceleration - F[[0, -1]]
-        b_tt = self._swivel_acceleration(reaction, torque[[0, -1]], slip)
+        b_tt = np.zeros_like(p.b)
+        if slip:
+            b_tt[1] = (torque[-1] - self.arms[1] * reaction[1, 1] * slip) / self.swivel.inertia
         a, w_t = F[1:-1] / mass[1:-1], torque[1:-1] / (c.rhoJ * l)
         return Loads(reaction, -torque[[0, -1]], join(Parts(p.b_t, b_tt, p.v, a, m_t, w_t)))
 
-    def _swivel_acceleration(self, reaction: Array, torque: Array, slip: tuple[float, float]) -> Array:
-        rows = []
-        for side, (swivel, sense) in enumerate(zip(self.swivels, slip, strict=True)):
-            friction = swivel.dynamic * reaction[side, 1] * sense
-            rows.append((torque[side] - friction) / swivel.inertia if sense else 0 * torque[side])
-        return np.stack(rows)
-
-    def rates(self, t: float, y: Array, slip: tuple[float, float]) -> Array:
+    def rates(self, t: float, y: Array, slip: float) -> Array:
         """(size,): rates of one state (size,)."""
         return self.evaluate(t, y[:, None], slip).rates[:, 0]
 
-    def jacobian(self, t: float, y: Array, slip: tuple[float, float]) -> sp.csc_matrix:
+    def jacobian(self, t: float, y: Array, slip: float) -> sp.csc_matrix:
         """Derivative of ``rates``, sparse: complex steps along all columns of the band that touch no common row."""
         size, width = y.size, 2 * HALF_BAND + 1
         column = np.arange(size)
@@ -223,14 +204,6 @@ def _with_ends(ends: Array, inner: Array) -> Array:
     """``inner`` with the row of the left end before it and that of the right end behind it."""
     shape = (1, *inner.shape[1:])
     return np.concatenate((np.broadcast_to(ends[0], shape), inner, np.broadcast_to(ends[1], shape)))
-
-
-def _sides(tangents: Array) -> tuple[Array, Array]:
-    return tangents[:-1], tangents[1:]
-
-
-def _mean(z: Array) -> Array:
-    return np.asarray(0.5 * (z[:-1] + z[1:]))
 
 
 def _halves(z: Array) -> Array:

@@ -7,11 +7,10 @@ With places p = (b, x, m) and speeds u = (b_t, v, w) the rod's equations are p_t
     modes    H'G u = -omega^2 u
     motion   scipy's Radau (order 5, L-stable) with the sparse Jacobian; its events end a phase of a swivel
 
-A swivel holds or slips, without regularisation: it slips off when |moment| passes the static limit, holds when its rate
-comes to zero and the static limit allows.
+The right swivel holds or slips, without regularisation: it slips off when |moment| passes the static limit, holds when
+its rate comes to zero and the static limit allows.  The left one always holds.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,7 +22,7 @@ from scipy.sparse.linalg import eigs, splu
 
 from evidence.discrete_rod.rod import CLAMPS, Array, Parts, Rod, join, split, swept_area
 
-HELD = (0.0, 0.0)
+HELD = 0.0
 #: m and rad by which a correction may move the rod
 LARGEST_MOVE = 0.3
 
@@ -84,41 +83,27 @@ def tangents(rod: Rod, inner: Array) -> Array:
     return np.asarray(edge / np.linalg.norm(edge, axis=1)[:, None])
 
 
-@dataclass(frozen=True)
-class Modes:
-    """Frequencies (n,), Hz, ascending, and the share of the Z motion in each."""
-
-    frequencies: Array
-    out_of_plane: Array
-
-
-def modes(rod: Rod, y: Array, count: int) -> Modes:
-    """The ``count`` lowest about the equilibrium ``y``."""
+def modes(rod: Rod, y: Array, count: int) -> tuple[Array, Array]:
+    """Frequencies (Hz) of the ``count`` lowest about the equilibrium ``y``, and the share of the Z motion in each."""
     A, speeds = _second_order(rod, y)
     squares, vectors = eigs(-A, count, sigma=-1e-3, v0=np.ones(speeds.size))
     order = np.argsort(squares.real)
     v = np.abs(vectors[: 3 * (rod.lengths.size - 1), order].reshape(-1, 3, count)) ** 2
     weighted = np.einsum("i,ijk->jk", rod.cells[1:-1], v)
     hertz = np.sqrt(np.maximum(squares.real[order], 0.0)) / (2 * np.pi)
-    return Modes(hertz, weighted[2] / weighted.sum(axis=0))
+    return hertz, weighted[2] / weighted.sum(axis=0)
 
 
 @dataclass(frozen=True)
 class Record:
-    """What a run is judged by, at the times ``t`` (n,)."""
+    """What a run is judged by, at n times."""
 
-    t: Array
     reaction: Array  # (n, 2, 3) N, of the conveyances on the rope
     moment: Array  # (n, 2) N m, about the tangent, of the conveyances on the rope
     bottom: Array  # (n, 3) m, the loop's lowest point
     yaw: Array  # (n,) rad, of the tangent there, about Y
     angle: Array  # (n, 2) rad, of the swivels
     switches: tuple[float, ...] = ()  # s, when a swivel began to slip or to stick
-
-
-def lowest_point(rod: Rod, t: float, y: Array) -> tuple[Array, float]:
-    """Return ``lowest_of`` the rod's nodes."""
-    return lowest_of(rod.s, rod.nodes(t, y))
 
 
 def lowest_of(s: Array, x: Array) -> tuple[Array, float]:
@@ -131,25 +116,24 @@ def lowest_of(s: Array, x: Array) -> tuple[Array, float]:
     return np.asarray(curve(at)), float(np.arctan2(-d[2], d[0]))
 
 
-def move(
-    rod: Rod, y: Array, times: Array, release: tuple[float, float] = (np.inf, np.inf), rtol: float = 1e-5
-) -> Record:
-    """Integrate from ``y`` at ``times[0]`` and record at ``times``; swivels hold until ``release``, one of them."""
+def move(rod: Rod, y: Array, times: Array, release: float = np.inf, rtol: float = 1e-5) -> Record:
+    """Integrate from ``y`` at ``times[0]`` and record at ``times``; the swivel holds until ``release``, one of them."""
     t, end, slip = float(times[0]), float(times[-1]), HELD
     rows, switches = [(t, y, slip)], list[float]()
-    due = tuple(r == t for r in release)
+    due = t == release
     while t < end:
-        before, (y, slip) = slip, _switch(rod, t, y, slip, due)
-        switches += [t for new, old in zip(slip, before, strict=True) if new != old]
-        stop = min(end, *(r for r in (*release, end) if r > t))
-        events = [_phase_end(rod, side, slip, t >= release[side]) for side in (0, 1)]
+        if due:
+            before, (y, slip) = slip, _switch(rod, t, y, slip)
+            if slip != before:
+                switches.append(t)
+        stop = release if t < release < end else end
         run = solve_ivp(
             rod.rates,
             (t, stop),
             y,
             "Radau",
             times[(times > t) & (times <= stop)],
-            events=events,
+            events=_phase_end(rod, slip) if t >= release else None,
             args=(slip,),
             jac=rod.jacobian,
             rtol=rtol,
@@ -158,61 +142,40 @@ def move(
         if run.status < 0:
             raise RuntimeError(f"t = {t:.6g} s and later: {run.message}")
         rows += [(float(at), state, slip) for at, state in zip(run.t, np.transpose(run.y), strict=True)]
-        if run.status == 1:
-            due = tuple(at.size > 0 for at in run.t_events)
-            side = due.index(True)
-            t, y = float(run.t_events[side][0]), run.y_events[side][0]
-        else:
-            t, y = stop, run.y[:, -1]
-            due = tuple(r == t for r in release)
+        due = run.status == 1 or stop == release
+        t, y = (float(run.t_events[0][0]), run.y_events[0][0]) if run.status == 1 else (stop, run.y[:, -1])
     return replace(_record(rod, rows), switches=tuple(switches))
 
 
-def _switch(
-    rod: Rod, t: float, y: Array, slip: tuple[float, float], sides: tuple[bool, ...]
-) -> tuple[Array, tuple[float, float]]:
-    """State and phases after the swivels on ``sides`` were let go, came to rest or passed their static limit."""
-    senses = list(slip)
-    for side in (side for side, due in enumerate(sides) if due):
-        y = y.copy()
-        y[1 if side == 0 else -1] = 0.0
-        loads = rod.evaluate(t, y[:, None], slip)
-        moment = float(loads.moment[side, 0])
-        limit = rod.swivels[side].static * float(loads.reaction[side, 1, 0])
-        holds = slip[side] != 0 and abs(moment) <= limit
-        senses[side] = 0.0 if holds or moment == 0 else -float(np.sign(moment))
-    return y, (senses[0], senses[1])
+def _switch(rod: Rod, t: float, y: Array, slip: float) -> tuple[Array, float]:
+    """State and phase after the swivel was let go, came to rest or passed its static limit."""
+    y = y.copy()
+    y[-1] = 0.0
+    loads = rod.evaluate(t, y[:, None], slip)
+    moment, limit = float(loads.moment[1, 0]), rod.arms[0] * float(loads.reaction[1, 1, 0])
+    holds = slip != 0 and abs(moment) <= limit
+    return y, HELD if holds or moment == 0 else -float(np.sign(moment))
 
 
-def _phase_end(rod: Rod, side: int, slip: tuple[float, float], released: bool) -> Callable[..., float]:
-    """Event of ``solve_ivp`` that falls through zero when a swivel must leave its phase."""
+def _phase_end(rod: Rod, slip: float) -> Any:
+    """Event of ``solve_ivp`` that falls through zero when the swivel must leave its phase."""
 
     def reserve(t: float, y: Array, _: Any) -> float:
-        if not released:
-            return 1.0
-        if slip[side]:
-            return float(slip[side] * split(y).b_t[side])
+        if slip:
+            return float(slip * split(y).b_t[1])
         loads = rod.evaluate(t, y[:, None], slip)
-        limit = rod.swivels[side].static * loads.reaction[side, 1, 0]
-        return float(limit - abs(loads.moment[side, 0]))
+        return float(rod.arms[0] * loads.reaction[1, 1, 0] - abs(loads.moment[1, 0]))
 
     reserve.terminal, reserve.direction = True, -1.0  # type: ignore[attr-defined]
     return reserve
 
 
-def _record(rod: Rod, rows: list[tuple[float, Array, tuple[float, float]]]) -> Record:
+def _record(rod: Rod, rows: list[tuple[float, Array, float]]) -> Record:
     loads = [rod.evaluate(t, y[:, None], slip) for t, y, slip in rows]
     moment = np.array([x.moment[:, 0] for x in loads])
     reaction = np.array([x.reaction[:, :, 0] for x in loads])
-    for side, swivel in enumerate(rod.swivels):
-        sense = np.array([slip[side] for _, _, slip in rows])
-        moment[:, side] = np.where(sense != 0, -sense * swivel.dynamic * reaction[:, side, 1], moment[:, side])
-    lowest = [lowest_point(rod, t, y) for t, y, _ in rows]
-    return Record(
-        t=np.array([t for t, _, _ in rows]),
-        reaction=reaction,
-        moment=moment,
-        bottom=np.array([place for place, _ in lowest]),
-        yaw=np.array([yaw for _, yaw in lowest]),
-        angle=np.array([y[[0, -2]] for _, y, _ in rows]),
-    )
+    _, states, slip = (np.array(x) for x in zip(*rows, strict=True))
+    moment[:, 1] = np.where(slip != 0, -slip * rod.arms[1] * reaction[:, 1, 1], moment[:, 1])
+    lowest = (lowest_of(rod.s, rod.nodes(t, y)) for t, y, _ in rows)
+    bottom, yaw = (np.array(x) for x in zip(*lowest, strict=True))
+    return Record(reaction, moment, bottom, yaw, states[:, [0, -2]])

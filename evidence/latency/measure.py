@@ -19,7 +19,7 @@ import gc
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -33,7 +33,6 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from benchmarks.kinematic import ends_at
-from evidence.machine import machine
 from evidence.ropes import at_rest, moving
 from evidence.tables import Array, Measures, Tables, table
 from fmu_src.native.build import host_platform
@@ -183,8 +182,7 @@ def percentiles(case: Case, times: Array, elements: int) -> tuple[object, ...]:
     """Return a row of STEPS from the times (rounds, steps)."""
     as_run = np.median(np.percentile(times, PERCENTILES, axis=1), axis=1)
     late = float(np.median(np.mean(times > case.h, axis=1)))
-    head = case.scene, case.trip, case.level, case.place, case.h, elements, times.shape[1]
-    return *head, *as_run, late, times.min(axis=0).max()
+    return *astuple(case), elements, times.shape[1], *as_run, late, times.min(axis=0).max()
 
 
 def causes(case: Case, times: Array, counts: NDArray[np.int64]) -> tuple[object, ...]:
@@ -193,7 +191,7 @@ def causes(case: Case, times: Array, counts: NDArray[np.int64]) -> tuple[object,
     slow, every = order[-max(1, round(SLOWEST * order.size)) :], order
     shares = [float(np.mean(counts[chosen, k] > 0)) for chosen in (slow, every) for k in range(len(CAUSES))]
     means = [float(np.mean(counts[chosen, -1])) for chosen in (slow, every)]
-    return case.scene, case.trip, case.level, case.place, case.h, *shares, *means
+    return *astuple(case), *shares, *means
 
 
 def tables() -> Tables:
@@ -218,7 +216,7 @@ def tables() -> Tables:
     ]
     names = [f"{name}, {which}" for which in ("slowest", "all") for name in CAUSES]
     named = table((*HEAD, *names, "count.newton, slowest", "count.newton, all"), slowest)
-    return {"steps": table(STEPS, rows), "causes": named, "machine": machine()}
+    return {"steps": table(STEPS, rows), "causes": named}
 
 
 MEASURES: Measures = {"latency": tables}

@@ -9,7 +9,7 @@ No other module knows Exudyn.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import exudyn as exu
@@ -17,16 +17,51 @@ import numpy as np
 from exudyn import itemInterface as items
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 
-from evidence.peer.elements import BEAM, ELEMENTS
 from evidence.tables import Array
 from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
 from rope_model.simulation.mesh.transfer import interpolate
 
+CABLE_NODE, BEAM_NODE = "NodePoint2DSlope1", "NodeRigidBody2D"
+CABLE, BEAM = "ObjectANCFCable2D", "ObjectBeamGeometricallyExact2D"
 #: prescribed coordinates of an end node
 HELD = (0, 1, 2)
 #: N, of the elements with shear; 1e5 to 1.2e8 N move the loop by less than 0.6 mm.
 SHEAR_STIFFNESS = 1e6
+
+
+@dataclass(frozen=True)
+class Element:
+    """One of Exudyn's elements, three coordinates of an end node of which are prescribed; ``options`` are its own."""
+
+    label: str
+    item: str
+    node: str
+    middle: bool = False  # has a node in its middle
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def coordinates(self, q: Array) -> Array:
+        """Return its nodes' coordinates for ours, (nodes, 7), in the plane."""
+        if self.node == CABLE_NODE:
+            return q[:, [0, 1, 3, 4]]
+        return np.column_stack((q[:, :2], np.unwrap(np.arctan2(q[:, 4], q[:, 3]))))
+
+    def ours(self, c: Array) -> Array:
+        """Return (nodes, 7): r, r' and a zero angle for its nodes' coordinates."""
+        q = np.zeros((c.shape[0], 7))
+        if self.node == CABLE_NODE:
+            q[:, [0, 1, 3, 4]] = c
+        else:
+            q[:, [0, 1]], q[:, 3], q[:, 4] = c[:, :2], np.cos(c[:, 2]), np.sin(c[:, 2])
+        return q
+
+
+ELEMENTS = {
+    "ancf": Element("ANCFCable2D, Gauss", CABLE, CABLE_NODE, options={"useReducedOrderIntegration": 1}),
+    "ancf-lobatto": Element("ANCFCable2D, Lobatto", CABLE, CABLE_NODE, options={"useReducedOrderIntegration": 2}),
+    "beam": Element("BeamGeometricallyExact2D, linear", BEAM, BEAM_NODE),
+    "beam-quadratic": Element("BeamGeometricallyExact2D, quadratic", BEAM, BEAM_NODE, middle=True),
+}
 
 
 @dataclass(frozen=True)
@@ -41,12 +76,10 @@ class Method:
 
 @dataclass(frozen=True)
 class Record:
-    """Samples of a run: times (n,), s; vertical end forces (n, 2), N; lowest points' nodes as (n, nodes, 7)."""
+    """Samples of a run: vertical end forces (n, 2), N, and nodes as (n, nodes, 7)."""
 
-    t: Array
     force: Array
     q: Array
-    lengths: Array
     cpu: float  # s, of the time steps alone
 
 
@@ -124,16 +157,10 @@ class PeerRope:
         times = np.array([t for t, _, _ in self._samples])
         rows = [int(np.argmin(np.abs(times - t))) for t in wanted]
         return Record(
-            t=wanted,
             force=-np.array([self._samples[k][2] for k in rows]),  # its multipliers change sign with the solver
             q=np.array([self._ours(self._samples[k][1]) for k in rows]),
-            lengths=self.lengths,
             cpu=cpu,
         )
-
-    def configuration(self) -> Array:
-        """(nodes, 7): r, r' and a zero angle, now."""
-        return self._ours(np.array(self.mbs.systemData.GetODE2Coordinates()))
 
     def end_forces(self) -> tuple[float, float]:
         """Vertical forces on the ends, N, up."""
@@ -162,16 +189,11 @@ class PeerRope:
             self.mbs.AddNode(node(referenceCoordinates=r, initialCoordinates=u))
             for r, u in zip(self._reference.tolist(), displaced.tolist(), strict=True)
         ]
-        make, data, stride = (
-            getattr(items, element.item),
-            {"length": rope.length / count} | self._section(rope),
-            1 + element.middle,
-        )
-        self._objects = []
+        make, stride = getattr(items, element.item), 1 + element.middle
+        data = {"length": rope.length / count} | self._section(rope) | element.options
         for k in range(count):
-            nodes = self._nodes[stride * k : stride * (k + 1) + 1]
-            self._objects.append(self.mbs.AddObject(make(nodeNumbers=nodes, **data, **element.options)))
-            marker = self.mbs.AddMarker(items.MarkerBodyMass(bodyNumber=self._objects[-1]))
+            body = self.mbs.AddObject(make(nodeNumbers=self._nodes[stride * k : stride * (k + 1) + 1], **data))
+            marker = self.mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
             self.mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
 
     def _section(self, rope: Rope) -> dict[str, Any]:

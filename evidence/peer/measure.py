@@ -7,8 +7,7 @@ import numpy as np
 
 from benchmarks.kinematic import fixed_steps
 from evidence.errors import force_error
-from evidence.peer.elements import ELEMENTS
-from evidence.peer.exudyn_rope import Method, PeerRope
+from evidence.peer.exudyn_rope import ELEMENTS, Method, PeerRope
 from evidence.peer.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 from evidence.ropes import require
 from evidence.tables import Measures, Tables, table

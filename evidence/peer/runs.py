@@ -74,7 +74,7 @@ def exudyn(element: str, count: int, method: Method) -> Run:
     except PeerError as failed:
         force, bottom = np.full((samples, 2), np.nan), np.full((samples, 3), np.nan)
         return Run("Exudyn", element, label, count, method.step, np.nan, force, bottom, str(failed))
-    bottom = np.array([loop_bottom(q, record.lengths).position for q in record.q])
+    bottom = np.array([loop_bottom(q, rope.lengths).position for q in record.q])
     return Run("Exudyn", element, label, count, method.step, record.cpu, record.force, bottom)
 
 

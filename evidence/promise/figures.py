@@ -3,13 +3,12 @@
 from collections.abc import Callable
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
 from evidence.promise.judging import ESTIMATES, NEAR, completed
 from evidence.promise.wind import REQUESTS
-from evidence.tables import Table, Tables
+from evidence.tables import Tables
 
 _COLOURS = dict(zip(REQUESTS, (COLOURS["left"], ACCENTS[2], COLOURS["right"]), strict=True))
 _LABELS = {"end force": "end force, RMS / largest", "loop": "place of the loop [m]"}
@@ -18,23 +17,18 @@ _LABELS = {"end force": "end force, RMS / largest", "loop": "place of the loop [
 def distributions(tables: Tables) -> Figure:
     """Estimates against errors, of end force and loop, for each request."""
     made, axes = figure(1, 2, 3.6)
-    for ax, estimate in zip(axes.flat, ESTIMATES, strict=True):
-        _estimates(ax, tables["scenes"], estimate)
+    for ax, (estimate, (found, told)) in zip(axes.flat, ESTIMATES.items(), strict=True):
+        for asked, colour in _COLOURS.items():
+            done = completed(tables["scenes"], asked)
+            ax.loglog(done[found], done[told], ".", ms=4, color=colour, label=asked)
+            limit = getattr(REQUESTS[asked], "end_force" if estimate == "end force" else "loop")
+            ax.axvline(limit, color=colour, lw=0.5)
+        line = np.array([tables["scenes"][found].min(), tables["scenes"][found].max()])
+        for factor in (1.0 / NEAR, 1.0, NEAR):
+            ax.loglog(line, factor * line, color=REFERENCE, lw=1.0 if factor == 1 else 0.5)
+        ax.set(xlabel="error", ylabel="estimate", title=_LABELS[estimate])
+        ax.legend()
     return made
-
-
-def _estimates(ax: Axes, t: Table, estimate: str) -> None:
-    found, told = ESTIMATES[estimate]
-    for asked, colour in _COLOURS.items():
-        done = completed(t, asked)
-        ax.loglog(done[found], done[told], ".", ms=4, color=colour, label=asked)
-        limit = getattr(REQUESTS[asked], "end_force" if estimate == "end force" else "loop")
-        ax.axvline(limit, color=colour, lw=0.5)
-    line = np.array([t[found].min(), t[found].max()])
-    for factor in (1.0 / NEAR, 1.0, NEAR):
-        ax.loglog(line, factor * line, color=REFERENCE, lw=1.0 if factor == 1 else 0.5)
-    ax.set(xlabel="error", ylabel="estimate", title=_LABELS[estimate])
-    ax.legend()
 
 
 FIGURES: dict[str, Callable[[Tables], Figure]] = {"distributions": distributions}

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,9 @@ import numpy as np
 from benchmarks.kinematic import ends_at
 from evidence.errors import end_error, place_error
 from evidence.promise.scenes import Sample
+from evidence.ropes import at_rest, follow
 from evidence.tables import Array
-from rope_model import Accuracy, Mesh, Scene, Solver, balance_rope
+from rope_model import Accuracy, Mesh, Scene, Solver
 
 #: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely
 SETTLE, EVERY = 3.0, 0.02
@@ -49,21 +51,17 @@ class Run:
 def wind(sample: Sample, interval: float, **changes: Any) -> Run:
     """The scene on its trip, with parts of it changed."""
     scene: Scene = sample.scene.with_(**changes)
-    trip, rope = sample.trajectory, balance_rope(scene)
+    trip = sample.trajectory
+    ends = partial(ends_at, trip, sample.trip.travel)
     every = max(round(max(EVERY, sample.interval) / interval), 1)
-    status = rope.initialize(0.0, *ends_at(trip, sample.trip.travel, 0.0))
-    read, rows = rope.reader(_SIGNALS), []
-    for k in range(1, round((trip.duration + SETTLE) / interval) + 1) if status.valid else ():
-        status = rope.advance_to(k * interval, *ends_at(trip, sample.trip.travel, k * interval))
-        if not status.valid:
-            break
-        if k % every == 0:
-            rows.append(read())
-    if not status.valid:
-        return Run(np.zeros((0, len(_SIGNALS))), np.nan, np.nan, np.nan, np.nan, status.message)
+    try:
+        rope = at_rest(scene, *ends(0.0))
+        rows = follow(rope, interval, trip.duration + SETTLE, ends, rope.reader(_SIGNALS))[every - 1 :: every]
+    except RuntimeError as failed:
+        return Run(np.zeros((0, len(_SIGNALS))), np.nan, np.nan, np.nan, np.nan, str(failed))
     told = rope.signals(("status.end_force_error", "status.loop_error", "count.newton", "count.swivel_events"))
     force, loop, corrections, events = told.values()
-    return Run(np.array(rows), force, loop, corrections * rope.elements, events)
+    return Run(rows, force, loop, corrections * rope.elements, events)
 
 
 def errors(run: Run, fine: Run) -> tuple[float, float]:

@@ -15,11 +15,6 @@ class Claim:
     measured: Measurement
     because: str = ""
 
-    @property
-    def holds(self) -> bool:
-        """Whether ours shows what the source states."""
-        return self.measured.holds
-
 
 @dataclass(frozen=True)
 class Section:

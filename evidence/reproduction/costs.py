@@ -29,16 +29,10 @@ def median_time(tables: Tables, coupling: str, mesh: str) -> float:
     return float(np.median(rows(tables["times"], coupling=coupling, mesh=mesh)["processor time [s]"]))
 
 
-def line(tables: Tables) -> tuple[float, float]:
-    """Return the time of equal elements as a + b n: a in s, b in s per element."""
-    t = tables["costs"]
-    b, a = np.polyfit(t["elements"], t["processor time [s]"], 1)
-    return float(a), float(b)
-
-
 def claims(tables: Tables) -> list[Claim]:
     """Compare what the source says of the computation time."""
-    a, b = line(tables)
+    # the time of equal elements as a + b n, s
+    b, a = np.polyfit(tables["costs"]["elements"], tables["costs"]["processor time [s]"], 1)
     elements = {m: int(rows(tables["times"], mesh=m)["elements"][0]) for m in ("TMN-ETM", "EEM")}
     by_count = 100 * (1 - elements["TMN-ETM"] / elements["EEM"])
     source_by_count = 100 * (1 - SOURCE_ELEMENTS[1] / SOURCE_ELEMENTS[0])

@@ -110,21 +110,18 @@ def approaches(heights: Array, f: Array, shapes: Array) -> list[tuple[float, ...
 def exchange_rows(t: Table) -> NDArray[np.bool_]:
     """Rows of ``approaches`` at which the shapes after it are rather those of the other mode before it."""
     swapped, kept = (np.array([t[name] for name in names]) for names in (SWAPPED, KEPT))
-    found: NDArray[np.bool_] = swapped.min(axis=0) > kept.max(axis=0)
-    return found
+    return np.asarray(swapped.min(axis=0) > kept.max(axis=0))
 
 
 def veerings(t: Table) -> NDArray[np.bool_]:
     """Rows of ``approaches`` out of plane at which two curves come close without touching and exchange their shapes."""
-    found: NDArray[np.bool_] = (t["plane"] == "out") & exchange_rows(t)
-    return found
+    return np.asarray((t["plane"] == "out") & exchange_rows(t))
 
 
 def ranges(tables: Tables, plane: str) -> Array:
     """Largest over smallest frequency of each mode along the travel, less one, in %."""
     f = np.array([tables["frequencies"][column(plane, k)] for k in range(SHOWN)])
-    spread: Array = 100 * (f.max(axis=1) / f.min(axis=1) - 1)
-    return spread
+    return np.asarray(100 * (f.max(axis=1) / f.min(axis=1) - 1))
 
 
 def reference_error(tables: Tables) -> float:
@@ -168,7 +165,9 @@ def draw(tables: Tables) -> Figure:
             for height in (0.0, 80.0):
                 ax.plot(height, REFERENCE_HZ[plane, height][k], "o", mfc="white", mec="black", ms=5, zorder=3)
         for i in np.flatnonzero(veerings(close)) if plane == "out" else ():
-            ax.plot(close["H [m]"][i], _middle(t, plane, close, int(i)), "s", mfc="none", mec="#c0392b", ms=11)
+            k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
+            middle = np.mean([t[column(plane, k + j)][at][0] for j in (0, 1)])  # Hz, between the two curves
+            ax.plot(close["H [m]"][i], middle, "s", mfc="none", mec="#c0392b", ms=11)
         ax.set(xlabel="height difference H [m]", ylim=(0.0, 0.28), xticks=range(-80, 81, 40))
         ax.set_title("Out of plane" if plane == "out" else "In plane")
     front = axes[0, 0]
@@ -177,12 +176,6 @@ def draw(tables: Tables) -> Figure:
     front.plot([], [], "s", mfc="none", mec="#c0392b", ms=9, label="veering")
     made.legend(*front.get_legend_handles_labels(), loc="outside lower center", ncols=6)
     return made
-
-
-def _middle(t: Table, plane: str, close: Table, i: int) -> float:
-    """Hz, between the two curves of row ``i`` of ``approaches``."""
-    k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
-    return float(np.mean([t[column(plane, k + j)][at][0] for j in (0, 1)]))
 
 
 SECTION = Section("Natural frequencies", claims, ("frequencies", "approaches"))

@@ -14,17 +14,17 @@ FIGURES = {"frequencies": frequencies.draw, "release": release.draw}
 def page(tables: Tables) -> str:
     """Return the page, claims first."""
     claims = [("" if k else s.title, c) for s in SECTIONS for k, c in enumerate(s.claims(tables))]
-    reasons = dict.fromkeys(c.because for _, c in claims if not c.holds)
+    reasons = dict.fromkeys(c.because for _, c in claims if not c.measured.holds)
     data = {
         "assumed": ASSUMED_DATA,
         "rounds": ROUNDS,
         "summary": [
-            (title, c.source, c.measured.what, _value(c), _bound(c), "yes" if c.holds else "**no**")
+            (title, c.source, c.measured.what, _value(c), _bound(c), "yes" if c.measured.holds else "**no**")
             for title, c in claims
         ],
-        "kept": sum(c.holds for _, c in claims),
+        "kept": sum(c.measured.holds for _, c in claims),
         "missed": [
-            ([f"{c.source} ({_value(c)})" for _, c in claims if c.because == why and not c.holds], why)
+            ([f"{c.source} ({_value(c)})" for _, c in claims if c.because == why and not c.measured.holds], why)
             for why in reasons
         ],
         "data": [name for section in SECTIONS for name in section.data],

@@ -69,8 +69,7 @@ def measure() -> Tables:
 def after(tables: Tables, name: str, until: float = END) -> Array:
     """Return a column of the table of the loop, from the release on."""
     t = tables["release-loop"]
-    column: Array = t[name][(t["t [s]"] > RELEASE) & (t["t [s]"] <= until)]
-    return column
+    return t[name][(t["t [s]"] > RELEASE) & (t["t [s]"] <= until)]
 
 
 def change(tables: Tables, quantity: str, until: float = END) -> float:
@@ -96,9 +95,7 @@ def reach(tables: Tables, kind: str) -> tuple[float, float]:
 def instants(tables: Tables, what: str = "") -> Array:
     """Return when the right swivel changes its phase, s."""
     t = tables["release-events"]
-    chosen = (t["side"] == "right") & (np.char.find(t["what"].astype(str), what) >= 0)
-    times: Array = t["t [s]"][chosen]
-    return times
+    return np.asarray(t["t [s]"][(t["side"] == "right") & (np.char.find(t["what"].astype(str), what) >= 0)])
 
 
 def jump(tables: Tables, quantity: str) -> float:

@@ -1,6 +1,5 @@
 """The 120 m winding with EEM and TMN-ETM, uncoupled and coupled: what is seen at the samples, and processor times."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import product
 
@@ -8,7 +7,7 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.kinematic import Winding, wind
-from evidence.tables import Array, Table, Tables, table
+from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
@@ -18,13 +17,15 @@ from rope_model.simulation.rope_system import arc_lengths
 
 COUPLINGS = ("uncoupled", "coupled")
 SCENE = rope_120().scene
-#: the default mesh in numbers
-DEFAULT_MESH = fit_mesh(SCENE)
-MESHES = {"TMN-ETM": DEFAULT_MESH, "EEM": Mesh(kind="eem", elements=600)}
+#: the default mesh in numbers, and the source's
+MESHES = {"TMN-ETM": fit_mesh(SCENE), "EEM": Mesh(kind="eem", elements=600)}
 TRAVEL, SETTLE = 90.0, 3.0  # m, s after the conveyances have stopped
 ROUNDS = 11  # a winding of some tenths of a second is told to a few per cent by their median
 SAMPLE = 5  # communication steps of 10 ms
 STRESSES = ("bending", "torsion")
+#: of a sample: where the loop is; of each norm its largest value, where that is, the rope's share above half of it
+OF_A_NORM = ("largest [MPa]", "largest at s [m]", "above half [%]")
+PLACES = ("loop s [m]", *(f"{kind} {x}" for kind in STRESSES for x in OF_A_NORM))
 SIDES = ("left", "right")
 
 
@@ -36,24 +37,25 @@ def scene_of(coupling: str, mesh: Mesh) -> Scene:
 
 @dataclass
 class Stresses:
-    """Stress norms (Pa) of the elements at every sample, and where the loop is.
+    """Of the elements at every sample: where the loop is, and of either norm what PLACES names.
 
     ``python`` looks at the states that the rope comes to.
     """
 
     python: RopeSimulator
-    bottom: list[float] = field(default_factory=list)  # m, arc length
-    nodes: list[Array] = field(default_factory=list)  # m, arc lengths
-    values: list[tuple[Array, ...]] = field(default_factory=list)
+    rows: list[list[float]] = field(default_factory=list)
 
     def watch(self, rope: BalanceRope) -> None:
         """Look at the rope."""
         state, python = rope.state, self.python
         python.restore(state)
-        self.bottom.append(python.loop.s)
-        self.nodes.append(arc_lengths(state.partition.lengths))
+        nodes, row = arc_lengths(state.partition.lengths), [python.loop.s]
         strains, torsional = python.system.strains(state.motion.q), float(state.fidelity == "torsional")
-        self.values.append(material_values(rope.scene.rope, torsional, strains.T)[:2])
+        for norm in material_values(rope.scene.rope, torsional, strains.T)[:2]:
+            largest = int(np.argmax(norm))
+            above = np.diff(nodes)[norm > 0.5 * norm[largest]].sum()
+            row += 1e-6 * norm[largest], nodes[largest : largest + 2].mean(), 100 * above / nodes[-1]
+        self.rows.append(row)
 
 
 def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding:
@@ -78,12 +80,12 @@ def measure() -> Tables:
     tables = {f"winding-{c}": _observations({name: runs[c, name] for name in MESHES}) for c in COUPLINGS}
     events = [(c, event) for c in COUPLINGS for event in runs[c, "TMN-ETM"].events]
     changes = [(c, e.t, e.kinetic) for c, e in events if e.what == "transformation"]
-    t = np.array(runs["coupled", "EEM"].t)
+    places = {f"{name} {x}": of for name in MESHES for x, of in table(PLACES, stresses[name].rows).items()}
     return {
         "times": table(names, times),
         **tables,
         "transformations": table(("coupling", "t [s]", "kinetic [J]"), changes),
-        "stress-places": {"t [s]": t, **{k: v for name in MESHES for k, v in _places(name, stresses[name])}},
+        "stress-places": {"t [s]": np.array(runs["coupled", "EEM"].t), **places},
     }
 
 
@@ -104,18 +106,3 @@ def _observations(runs: dict[str, Winding]) -> Table:
         # six digits of a large number are too few for a small difference
         columns[name.replace(first, "difference", 1)] = columns[name] - columns[name.replace(first, second, 1)]
     return columns
-
-
-def _places(name: str, stresses: Stresses) -> Iterator[tuple[str, Array]]:
-    """Where the loop is, the largest values, where they are, and the share of the rope above half of them."""
-    yield f"{name} loop s [m]", np.array(stresses.bottom)
-    for i, kind in enumerate(STRESSES):
-        rows = []
-        for nodes, values in zip(stresses.nodes, stresses.values, strict=True):
-            norm, largest = values[i], int(np.argmax(values[i]))
-            above = np.diff(nodes)[norm > 0.5 * norm[largest]].sum()
-            rows.append((1e-6 * norm[largest], nodes[largest : largest + 2].mean(), 100 * above / nodes[-1]))
-        columns = np.array(rows).T
-        yield f"{name} {kind} largest [MPa]", columns[0]
-        yield f"{name} {kind} largest at s [m]", columns[1]
-        yield f"{name} {kind} above half [%]", columns[2]

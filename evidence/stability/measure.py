@@ -1,10 +1,8 @@
 """Run all entries, by chapter; takes some minutes."""
 
-from collections.abc import Iterator
-
 from tqdm import tqdm
 
-from evidence import claims
+from evidence.claims import as_table
 from evidence.stability import discretisation, frames, motion, swivel
 from evidence.stability.entry import Entry
 from evidence.tables import Measures, Tables
@@ -26,12 +24,7 @@ def tables() -> Tables:
             found += [((entry.key, side), m) for m in getattr(finding, side)]
         if finding.curves is not None:
             curves[entry.key] = finding.curves
-    return {"claims": claims.as_table(("scene", "side"), found), **curves}
-
-
-def missed(tables: Tables) -> Iterator[str]:
-    """Yield the claims that do not hold."""
-    return claims.missed(tables["claims"])
+    return {"claims": as_table(("scene", "side"), found), **curves}
 
 
 MEASURES: Measures = {"entries": tables}

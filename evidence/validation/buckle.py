@@ -16,8 +16,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
+from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, table
-from evidence.validation.statics import clamped, rod, turned
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_system import ANGLE, POSITION
 from rope_model.simulation.stepping.statics import find_equilibrium

@@ -18,7 +18,7 @@ from benchmarks.kinematic import fixed_steps
 from evidence.ropes import AT_ZERO, at_rest, moving, require
 from evidence.tables import Array, Table, table
 from rope_model import EndMotion
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Swivel
+from rope_model.parameters import Layout, Mesh, Model, Rope, Scene
 from rope_model.simulation.rope_system import ANGLE, POSITION
 
 ROPE, GRAVITY = Rope(Qb=0.0, Qc=0.0), Layout().gravity
@@ -79,15 +79,12 @@ def sampled(motion: Callable[[float], EndMotion]) -> list[EndMotion]:
 
 def our_winding(rope: Rope, elements: int, ends: Sequence[EndMotion]) -> Course:
     """By the native rope, without damping."""
-    locked = Swivel("locked")
     scene = Scene(
         rope=replace(rope, beta_K=0.0),
         layout=Layout(spacing=SPACING, gravity=GRAVITY),
         mesh=Mesh("eem", elements=elements),
         model=Model("torsional"),
         solver=fixed_steps(STEP),
-        left=locked,
-        right=locked,
     )
     form = at_rest(scene, ends[0])
     motions = [form.state.motion]
@@ -112,18 +109,17 @@ class Cable:
     spacing: float  # m
     twist: float
     drop: float = 0.0
-    step: float = STEP  # s
 
     def follow(self, ends: Sequence[EndMotion], roll: Array) -> Found:
         """Run CableDyn's driver, which the package ``cabledyn`` carries; its motions start at rest."""
         import cabledyn
 
         motion = [
-            f"{k * self.step:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g} {x:.12g}"
+            f"{k * STEP:.6f} 1 0 0 {e.y:.16g} 0 0 {e.vy:.16g} 0 0 {e.ay:.16g} {x:.12g}"
             for k, (e, x) in enumerate(zip(ends, roll, strict=True))
         ]
-        duration, rho = (len(ends) - 1) * self.step, fixed_steps(self.step).rho_inf
-        options = f"{self.step} dtM", f"{duration} TMax", f"{rho} rhoInf", "motion.txt motionFile"
+        duration, rho = (len(ends) - 1) * STEP, fixed_steps(STEP).rho_inf
+        options = f"{STEP} dtM", f"{duration} TMax", f"{rho} rhoInf", "motion.txt motionFile"
         outputs = "FairTen1", "AnchTen1", "Torq1N1"
         data = {"d": ROPE.diameter, "rho": ROPE.mass_per_length, "EI": ROPE.EI, "GAs": 0.4 * ROPE.Qa, "GJ": ROPE.Qd}
         lines = {"options": "\n".join(options), "outputs": "\n".join(f'"{name}"' for name in outputs)}

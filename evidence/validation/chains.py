@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from scipy.special import jn_zeros
 
-from evidence.stability.chain import StaticBoundary
+from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from evidence.tables import Array, Table, table
 from evidence.validation.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 from rope_model.parameters import Rope
@@ -59,9 +59,7 @@ def swings(elements: int = 80) -> Table:
     s = np.linspace(0.0, rope.length, elements + 1)
     q = np.zeros((s.size, 7))
     q[:, 1], q[:, 4] = -s, -1.0
-    boundary = StaticBoundary.without_supports(q)
-    boundary.held[:, [2, 5, 6]] = True
-    boundary.held[0, POSITION] = True
+    boundary = StaticBoundary.at(q, OUT_OF_PLANE, (0, POSITION))
     system = RopeSystem(RopeKernels(elements), np.diff(s), parameter_vector(rope, GRAVITY), boundary, q)
     q = find_equilibrium(system, q).q
     ours = natural_modes(system.with_reference(q), q, MODES).frequencies

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import quad
 
-from evidence.stability.chain import StaticBoundary, potential
+from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from evidence.tables import Array
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
@@ -43,13 +43,15 @@ def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     kernels, P = RopeKernels(elements), parameter_vector(rope, GRAVITY)
 
     def hold(values: Array, nodes: list[int]) -> RopeSystem:
-        boundary = StaticBoundary.without_supports(values)
-        boundary.held[:, [2, 5, 6]] = True
-        boundary.held[nodes, POSITION] = True
-        return RopeSystem(kernels, np.diff(s), P, boundary, q)
+        return RopeSystem(kernels, np.diff(s), P, StaticBoundary.at(values, OUT_OF_PLANE, (nodes, POSITION)), q)
 
     hanging = find_equilibrium(hold(q, [0, -1]), q).q
-    return hold(hanging.copy(), [0]), hanging
+    return hold(hanging, [0]), hanging
+
+
+def potential(balance: dict[str, float]) -> float:
+    """Strain and potential energy, J."""
+    return sum(balance[name] for name in ("axial", "coupling", "torsion", "bending", "gravity"))
 
 
 def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:

@@ -12,10 +12,10 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.stability.chain import is_stable
+from evidence.statics import clamped, rod
 from evidence.tables import Array, Table, table
-from evidence.validation.statics import clamped, rod
 from rope_model.parameters import Rope
+from rope_model.simulation.outputs.modal import ROUNDING, softest
 from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
 
 BEND, TWIST_STIFFNESS, AXIAL, TENSION = 1.0, 0.7, 1e3, 1.0  # N m^2, N m^2, N, N
@@ -37,11 +37,11 @@ def straight_rod(elements: int, length: float) -> tuple[RopeSystem, Array]:
     return rod(rope, 0.0, q, clamped(q)), q
 
 
-def with_torque(system: RopeSystem, q: Array, torque: float) -> tuple[RopeSystem, Array]:
-    """The straight rod with its far end turned until it carries ``torque`` (N m)."""
+def is_stable(system: RopeSystem, q: Array, torque: float) -> bool:
+    """Whether no small motion lowers the straight rod's energy, its end turned until it carries ``torque`` (N m)."""
     q = q.copy()
     q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(system.lengths)
-    return system.with_boundary(clamped(q)), q
+    return softest(system.with_boundary(clamped(q)).with_reference(q), q) > -ROUNDING
 
 
 def theory(slenderness: float) -> float:
@@ -72,7 +72,7 @@ def ours(slenderness: float, elements: int = 80) -> float:
     low, high = 0.9 * INFINITE, 1.5 * INFINITE
     while high - low > 1e-5:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if is_stable(*with_torque(system, q, middle)) else (low, middle)
+        low, high = (middle, high) if is_stable(system, q, middle) else (low, middle)
     return 0.5 * (low + high) / INFINITE
 
 

@@ -18,9 +18,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from evidence.stability.chain import StaticBoundary
+from evidence.statics import StaticBoundary, rod
 from evidence.tables import Array, Table, read, rows, table
-from evidence.validation.statics import rod
 from evidence.validation.wires import GRAVITY, WIRES, Wire
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.simulation.stepping.statics import find_equilibrium
@@ -60,24 +59,18 @@ def shape(wire: Wire, EI: float, GJ: float, pose: Pose) -> Array:
     s = np.linspace(0.0, 1.0, ELEMENTS + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, SLOPE] = LENGTH * s, (1.0, 0.0, 0.0)
-    system = rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, _clamped(q))
+    system = rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, StaticBoundary.at(q, [0, -1]))
     for part in np.arange(1, MOVES + 1) / MOVES:
         hand = HAND * Rotation.from_rotvec(part * np.array(pose.tilt), degrees=True)
         q[0, POSITION] = OURS @ (part * np.array(pose.way))
         q[0, SLOPE] = OURS @ hand.apply((0.0, 0.0, 1.0))
         if part == 1 / MOVES:  # a straight wire in compression is at rest too: it sags
             q[1:-1, 1] -= 0.01 * np.sin(np.pi * s[1:-1])
-        q = find_equilibrium(system.with_boundary(_clamped(q)), q).q
+        q = find_equilibrium(system.with_boundary(StaticBoundary.at(q, [0, -1])), q).q
     for _ in range(round(abs(pose.turn) / 360.0 * TURNS)):
         q[:, ANGLE] += math.copysign(2.0 * math.pi / TURNS, pose.turn) * s
-        q = find_equilibrium(system.with_boundary(_clamped(q)), q).q
+        q = find_equilibrium(system.with_boundary(StaticBoundary.at(q, [0, -1])), q).q
     return np.asarray(q[:, POSITION])
-
-
-def _clamped(q: Array) -> StaticBoundary:
-    boundary = StaticBoundary.without_supports(q.copy())
-    boundary.held[[0, -1]] = True
-    return boundary
 
 
 @cache

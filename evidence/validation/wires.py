@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, rows, table
-from evidence.validation.statics import clamped, rod, turned
 from rope_model.parameters import Rope
 from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium

@@ -11,9 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from evidence.discrete_rod import cases
-from evidence.discrete_rod.cases import SHORT, Case, Comparison, Winding, rod_of
-from evidence.discrete_rod.rod import Rod, join, split
+from evidence.discrete_rod.cases import SHORT, Case, Comparison, Winding
+from evidence.discrete_rod.rod import GRAVITY, Rod, join, split
 from evidence.discrete_rod.solve import HELD, first_guess
+from rope_model.parameters import LEAST
 
 Array = NDArray[np.float64]
 
@@ -30,13 +31,12 @@ def disturb(rod: Rod, size: float) -> Array:
 
 
 def short(edges: int, **changes: float) -> Rod:
-    rod = rod_of(SHORT, np.full(edges, SHORT.length / edges), REST)
-    return replace(rod, material=replace(rod.material, **changes))
+    return Rod(np.full(edges, SHORT.length / edges), replace(SHORT, **changes), REST.rod)
 
 
 def energy(rod: Rod, y: Array) -> Array:
     """J, of the columns of ``y``; written without the rod's own forces."""
-    c, p, L, l = rod.material, split(y), rod.cells[:, None], rod.lengths[:, None]
+    c, p, L, l = rod.rope, split(y), rod.cells[:, None], rod.lengths[:, None]
     left, right = (np.broadcast_to(z[:, None], (3, y.shape[1]))[None] for z in rod.ends(0.0)[0])
     x = np.concatenate((left, p.x, right))
     edge = np.diff(x, axis=0)
@@ -48,18 +48,18 @@ def energy(rod: Rod, y: Array) -> Array:
     mean = 0.5 * (np.concatenate((l * e, 0 * e[:1])) + np.concatenate((0 * e[:1], l * e))) / L
     strain = 0.5 * c.Qa * l.T @ e**2 + (L.T @ (c.Qb * mean * tau + 0.5 * c.Qd * tau**2))
     bending = 0.5 * c.EI * (1 / L).T @ (4 * (1 - cosine) / (1 + cosine))
-    gravity = c.rho * c.gravity * L.T @ x[:, 1]
-    motion = 0.5 * c.rho * L[1:-1].T @ (p.v**2).sum(axis=1) + 0.5 * c.rhoJ * l.T @ p.w**2
+    gravity = c.mass_per_length * GRAVITY * L.T @ x[:, 1]
+    motion = 0.5 * c.mass_per_length * L[1:-1].T @ (p.v**2).sum(axis=1) + 0.5 * c.rhoJ * l.T @ p.w**2
     return np.asarray((strain + bending + gravity + motion)[0])
 
 
 def test_an_undamped_elastic_rod_keeps_its_energy() -> None:
-    rod = short(24, beta=0.0, Qb=1e5, Qc=1e5)
+    rod = short(24, beta_K=0.0, Qb=1e5, Qc=1e5)
     y = disturb(rod, 0.05)
     rates = rod.rates(0.0, y, HELD)
     power = energy(rod, y[:, None] + 1e-30j * rates[:, None])[0].imag / 1e-30
     # against the power of one kind of force alone
-    assert abs(power) < 1e-11 * np.abs(rates * y).sum() * rod.material.rho
+    assert abs(power) < 1e-11 * np.abs(rates * y).sum() * rod.rope.mass_per_length
 
 
 def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
@@ -71,7 +71,7 @@ def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
     edge = np.diff(np.vstack((place[0], p.x, place[1])), axis=0)
     w = (edge / np.linalg.norm(edge, axis=1)[:, None]) @ omega
     y = join(p._replace(v=np.cross(omega, p.x), w=w, b_t=np.array([-0.7, 0.7])))
-    rods = turning, replace(turning, material=replace(turning.material, beta=0.0))
+    rods = turning, replace(turning, rope=replace(turning.rope, beta_K=0.0))
     damped, free = (rod.evaluate(0.0, y[:, None], HELD).rates[:, 0] for rod in rods)
     np.testing.assert_allclose(split(damped).m, 0.0, atol=1e-13)
     np.testing.assert_allclose(damped, free, atol=1e-9 * np.abs(free).max())
@@ -79,10 +79,10 @@ def test_turning_as_a_whole_neither_strains_nor_is_damped() -> None:
 
 def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     # no stiffness but along: the clamps pass on no couple, and what is left is the spin's
-    rod = short(16, EI=0.0, Qb=0.0, Qc=0.0, Qd=0.0)
+    rod = short(16, EI=LEAST, Qb=0.0, Qc=0.0, Qd=LEAST)
     y = disturb(rod, 0.05)
     y[[3, *range(11, y.size - 3, 8)]] += 1e4  # rad/s
-    loads, p, c = rod.evaluate(0.0, y[:, None], HELD), split(y), rod.material
+    loads, p, c = rod.evaluate(0.0, y[:, None], HELD), split(y), rod.rope
     rates = split(loads.rates[:, 0])
     ends = rod.ends(0.0)[0]
     edge, edge_t = (
@@ -90,12 +90,12 @@ def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     )
     t = edge / np.linalg.norm(edge, axis=1)[:, None]
     t_t = (edge_t - t * np.sum(t * edge_t, axis=1)[:, None]) / np.linalg.norm(edge, axis=1)[:, None]
-    mass = c.rho * rod.cells[1:-1, None]
-    weight = np.array([0.0, -c.gravity, 0.0])
+    mass = c.mass_per_length * rod.cells[1:-1, None]
+    weight = np.array([0.0, -GRAVITY, 0.0])
     spin = np.sum(c.rhoJ * (rod.lengths * p.w)[:, None] * t_t, axis=0)
     change = np.sum(np.cross(p.x, mass * rates.v), axis=0) + spin
     couple = np.sum(np.cross(p.x, mass * weight), axis=0)
-    end_weight = c.rho * rod.cells[[0, -1], None] * weight
+    end_weight = c.mass_per_length * rod.cells[[0, -1], None] * weight
     couple += np.sum(np.cross(ends, loads.reaction[:, :, 0] + end_weight), axis=0)
     assert np.linalg.norm(spin) > 1.0
     np.testing.assert_allclose(change, couple, atol=1e-9 * np.abs(loads.reaction).max() * SHORT.length)
@@ -105,8 +105,8 @@ def test_the_sparse_jacobian_is_the_derivative_of_the_rates() -> None:
     rod = short(12)
     y = disturb(rod, 0.05)
     direction = np.random.default_rng(5).standard_normal(y.size)
-    slope = rod.evaluate(0.0, (y + 1e-30j * direction)[:, None], (1.0, -1.0)).rates[:, 0].imag / 1e-30
-    np.testing.assert_allclose(rod.jacobian(0.0, y, (1.0, -1.0)) @ direction, slope, rtol=1e-10, atol=1e-6)
+    slope = rod.evaluate(0.0, (y + 1e-30j * direction)[:, None], -1.0).rates[:, 0].imag / 1e-30
+    np.testing.assert_allclose(rod.jacobian(0.0, y, -1.0) @ direction, slope, rtol=1e-10, atol=1e-6)
 
 
 def judge(case: Case) -> dict[str, Comparison]:

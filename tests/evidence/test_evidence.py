@@ -6,12 +6,12 @@ from pathlib import Path
 import jinja2
 import pytest
 
-from evidence.claims import Measurement
+from evidence.claims import Measurement, missed
 from evidence.coupling.page import order, theory
 from evidence.pages import BLOCKS, PAGES, fill, page_text
 from evidence.rendering import DOCS, fill_block, render
 from evidence.stability.entry import Entry
-from evidence.stability.measure import CHAPTERS, missed
+from evidence.stability.measure import CHAPTERS
 from evidence.tables import read
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.stability import MARGIN
