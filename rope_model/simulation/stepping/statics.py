@@ -90,8 +90,11 @@ def find_equilibrium(
         following = system.evaluate(trial, rest, rest, now).reaction
         force = _imbalance(system, following)
         # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
-        # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given
-        if not np.isfinite(force) or not (np.sum(following * x) <= 3.0 * error or force <= previous + rounding):
+        # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given.  Where
+        # the tangent is not positive for want of inertia, the correction itself goes up
+        climbs = error < 0 and previous > rounding
+        ends_low = np.sum(following * x) <= 3.0 * error or force <= previous + rounding
+        if climbs or not np.isfinite(force) or not ends_low:
             tau, last = 0.3 * tau, 0.0
             if tau < 1e-7:
                 break
