@@ -132,6 +132,11 @@ _SINGLE_LAYER = Datum(0.07, 0.12, "1", "assumed", _LAY)
 _OF_SIX_STRANDS = Datum(9.0e10, 9.6e10, "N/m2", "derived", _SIX_STRANDS)
 _OF_MORE_LAYERS = Datum(9.0e10, 1.3e11, "N/m2", "assumed", _SETTLED)
 
+
+def _head_rope(description: str, mass: tuple[float, float], area: tuple[float, float], wires: int) -> Construction:
+    return Construction(description, mass, area, wires, _OF_SIX_STRANDS, _SINGLE_LAYER)
+
+
 #: constructions with a source of their factors; 35x6, 35x7 and ropes of 16 outer strands have none
 CONSTRUCTIONS = {
     "34x7": Construction(
@@ -150,38 +155,16 @@ CONSTRUCTIONS = {
         _OF_MORE_LAYERS,
         Datum(0.02, 0.05, "1", "assumed", _TWO_LAYERS),
     ),
-    "6x19": Construction(
-        "one layer of strands, a head rope; as a balance rope it turns its loop",
-        (0.359, 0.400),
-        (0.384, 0.449),
-        6 * 19,
-        _OF_SIX_STRANDS,
-        _SINGLE_LAYER,
+    "6x19": _head_rope(
+        "one layer of strands, a head rope; as a balance rope it turns its loop", (0.359, 0.400), (0.384, 0.449), 6 * 19
     ),
-    "6x36": Construction(
-        "one layer of strands, a head rope, as 6x19",
-        (0.367, 0.409),
-        (0.393, 0.460),
-        6 * 36,
-        _OF_SIX_STRANDS,
-        _SINGLE_LAYER,
-    ),
-    "8x36": Construction(
-        "one layer of eight strands, a head rope, as 6x19",
-        (0.348, 0.417),
-        (0.357, 0.468),
-        8 * 36,
-        _OF_SIX_STRANDS,
-        _SINGLE_LAYER,
-    ),
+    "6x36": _head_rope("one layer of strands, a head rope, as 6x19", (0.367, 0.409), (0.393, 0.460), 6 * 36),
+    "8x36": _head_rope("one layer of eight strands, a head rope, as 6x19", (0.348, 0.417), (0.357, 0.468), 8 * 36),
 }
 
-_ROLLING = (
-    "thrust ball to spherical roller thrust bearings; https://koyo.jtekt.co.jp/en/support/bearing-knowledge/8-4000.html"
-)
-_PLAIN = (
-    "plain bearings, from well kept to special cases; https://koyo.jtekt.co.jp/en/support/bearing-knowledge/8-4000.html"
-)
+_KOYO = "https://koyo.jtekt.co.jp/en/support/bearing-knowledge/8-4000.html"
+_ROLLING = f"thrust ball to spherical roller thrust bearings; {_KOYO}"
+_PLAIN = f"plain bearings, from well kept to special cases; {_KOYO}"
 _STARTING = "starting up to twice running; https://roymech.org/Useful_Tables/Tribology/Bearing-Friction.html"
 #: friction of a swivel by its bearing: running, and starting over running
 BEARINGS = {

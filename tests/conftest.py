@@ -94,6 +94,14 @@ def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(import_module("hoist_demo.report.figures"), "write_figures", lambda *_: [])
 
 
+@pytest.fixture(params=["native", "python"])
+def form(request: pytest.FixtureRequest) -> Any:
+    """Either form of the rope."""
+    if request.param == "native" and not find_compiler():
+        pytest.skip("needs a C compiler")
+    return request.param
+
+
 @pytest.fixture(params=VERSIONS)
 def fmi(request: pytest.FixtureRequest) -> int:
     return int(request.param)

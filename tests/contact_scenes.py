@@ -13,13 +13,8 @@ from rope_model.simulation.contact.self_contact import touches_of
 
 #: m, N/m^2, and m by which the planes of two ropes are apart
 DIAMETER, STIFFNESS, GAP = Rope().diameter, 1e6, 0.3
-SCENE = Scene(
-    rope=Rope(length=6.0, EI=100.0),
-    layout=Layout(0.6),
-    mesh=Mesh("eem", elements=16),
-    solver=Solver(step_max=0.01, tolerance=1e5),
-    shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS)),
-)
+SHORT = Scene(Rope(length=6.0, EI=100.0), Layout(0.6), solver=Solver(step_max=0.01, tolerance=1e5))
+SCENE = SHORT.with_(mesh=Mesh("eem", elements=16), shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS)))
 #: m, where two hang that swing against each other
 FACING = [(0.0, 0.0, -0.5 * GAP), (0.0, 0.0, 0.5 * GAP)]
 #: s that two swing against each other, the middle of each at 1 m/s

@@ -73,13 +73,21 @@ def hung(rope: AnyRope, left: EndMotion = REST, right: EndMotion = REST, t: floa
     return rope
 
 
-def wound(rope: AnyRope, motion: Motion, steps: int, step: float = 0.01, first: int = 0) -> AnyRope:
-    """The rope after it has followed ``motion(t)``; initialised if it begins at step 0."""
+def followed(rope: BalanceRope, motion: Motion, steps: int, step: float = 0.01, first: int = 0) -> Iterator[int]:
+    """Numbers of the steps to which the rope has followed ``motion(t)``; at 0, where that begins, it is hung up."""
     if first == 0:
         hung(rope, *motion(0.0))
+        yield 0
     for k in range(first + 1, first + steps + 1):
         status = rope.advance_to(k * step, *motion(k * step))
         assert status.valid, status.message
+        yield k
+
+
+def wound(rope: AnyRope, motion: Motion, steps: int, step: float = 0.01, first: int = 0) -> AnyRope:
+    """The rope behind the last step of ``followed``."""
+    for _ in followed(rope, motion, steps, step, first):
+        pass
     return rope
 
 
@@ -109,10 +117,7 @@ def going_aside(t: float) -> Ends:
 
 def stations(rope: BalanceRope, steps: int) -> Iterator[BalanceRope]:
     """The rope each 10 ms while its ends go aside."""
-    yield wound(rope, going_aside, 0)
-    for k in range(1, steps + 1):
-        assert rope.advance_to(0.01 * k, *going_aside(0.01 * k)).valid
-        yield rope
+    return (rope for _ in followed(rope, going_aside, steps))
 
 
 @dataclass(frozen=True)

@@ -287,12 +287,8 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
 
 def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> None:
     """TMN-ETM on 30 m of rope, whose loop drags over the floor through several transformations."""
-    scene = Scene(
-        rope=Rope(length=30.0),
-        mesh=Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)),
-        shaft=Shaft(sump=Sump(level=-13.6)),
-    )
-    speed, ramp = 3.0, 1.0
+    mesh, shaft = Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)), Shaft(sump=Sump(level=-13.6))
+    scene, speed, ramp = Scene(rope=Rope(length=30.0), mesh=mesh, shaft=shaft), 3.0, 1.0
 
     def motion(t: float) -> tuple[EndMotion, EndMotion]:
         s = min(t / ramp, 1.0)

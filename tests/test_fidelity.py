@@ -1,6 +1,7 @@
 """The fidelities of the model: what equals what, what cannot follow, and what 'auto' makes of it."""
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -39,8 +40,12 @@ def start(scene: Scene, **model: object) -> BalanceRope:
     return wound(balance_rope(scene.with_(model=Model(**model))), ends_at, 0)  # type: ignore[arg-type]
 
 
-def advance(rope: BalanceRope, k: int, h: float = H, **motion: float) -> None:
-    assert rope.advance_to(k * h, *ends_at(k * h, **motion)).valid
+def together(ropes: Sequence[BalanceRope], steps: int, **motion: float) -> Iterator[int]:
+    """Numbers of the steps, each done by all ropes."""
+    for k in range(1, steps + 1):
+        for rope in ropes:
+            assert rope.advance_to(k * H, *ends_at(k * H, **motion)).valid
+        yield k
 
 
 def end_force(rope: BalanceRope) -> np.ndarray:
@@ -54,9 +59,7 @@ def test_spatial_and_torsional_without_inertia_are_the_same() -> None:
     rope = replace(UNCOUPLED, rhoJ=UNCOUPLED.rhoJ * 0.01, beta_K=0.0)
     scene = EVEN.with_(rope=rope, left=swivel, right=swivel)
     ropes = [start(scene, fidelity="torsional"), start(scene, fidelity="spatial")]
-    for k in range(1, 401):
-        for each in ropes:
-            advance(each, k, z=0.2)
+    for _ in together(ropes, 400, z=0.2):
         one, other = ([*each.signals(("loop.x", "loop.y", "loop.z")).values()] for each in ropes)
         # a hundredth of the inertia leaves a hundredth of the 2e-5 m
         assert np.linalg.norm(np.subtract(one, other)) < 1e-6
@@ -66,9 +69,7 @@ def test_spatial_and_torsional_without_inertia_are_the_same() -> None:
 
 def test_planar_equals_torsional_without_torque_through_transformations() -> None:
     full, planar = start(SHORT, fidelity="torsional"), start(SHORT, fidelity="planar")
-    for k in range(1, 400):
-        advance(full, k)
-        advance(planar, k)
+    for _ in together((full, planar), 399):
         # the same equations, apart from rounding, which Newton's method and the stiff axial direction amplify
         assert_allclose(end_force(planar), end_force(full), rtol=1e-9)
         assert_allclose(planar.state.motion.q, full.state.motion.q, rtol=0, atol=1e-9 * SHORT.rope.length)
@@ -116,9 +117,7 @@ def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_b
 def test_energy_balance_of_the_rigid_rope_closes_at_second_order_in_the_step() -> None:
     residuals = []
     for h in (0.04, 0.02, 0.01):
-        rope = start(EVEN, fidelity="rigid")
-        for k in range(1, round(2.0 / h) + 1):
-            advance(rope, k, h)
+        rope = wound(balance_rope(EVEN.with_(model=Model("rigid"))), ends_at, round(2.0 / h), h)
         residuals.append(abs(rope.state.energy_balance.residual))
     assert_allclose(np.divide(residuals[:-1], residuals[1:]), 4.0, rtol=0.05)
     assert residuals[-1] < 1e-4 * abs(rope.state.energy_balance.work_ends)
@@ -128,9 +127,7 @@ def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> Non
     coupled = EVEN.with_(rope=Rope(length=30.0))
     for scene, fidelities in ((coupled, ("torsional", "planar")), (EVEN, ("planar", "rigid"))):
         ropes, forces = [start(scene, fidelity=fidelity) for fidelity in fidelities], []
-        for k in range(1, 1001):
-            for rope in ropes:
-                advance(rope, k, duration=10.0)
+        for _ in together(ropes, 1000, duration=10.0):
             forces.append([end_force(rope) for rope in ropes])
         full, lower = np.moveaxis(np.array(forces), 1, 0)
         error = math.sqrt(np.mean((lower - full) ** 2)) / np.abs(full).max()
@@ -147,8 +144,7 @@ def test_rigid_and_planar_rope_err_less_than_estimated_at_gentle_motion() -> Non
     ],
 )
 def test_fidelity_by_name_says_what_it_cannot_follow_and_changes_nothing(fidelity, motion, name):
-    rope = start(EVEN, fidelity=fidelity)
-    advance(rope, 1)
+    rope = wound(balance_rope(EVEN.with_(model=Model(fidelity))), ends_at, 1)
     before = rope.save()
     status = rope.advance_to(2.0, *ends_at(2.0, **motion))
     assert not status.valid
@@ -172,9 +168,7 @@ def test_auto_switches_up_without_a_jump(swivel: Swivel, motion: dict[str, float
     # a restart does not know how the acceleration changed over the last step, jerk times step (the jerk is 0.15 m/s^3
     # at 1 s): as much force on half the rope, and jerk times step^2 in the speeds
     blow, drift = 120.0 * 0.16 * H, 0.16 * H**2
-    for k in range(1, 201):
-        advance(rope, k, **motion)
-        advance(whole, k, **motion)
+    for k in together((rope, whole), 200, **motion):
         allowed = 0.0 if k <= 100 else 1.0
         assert_allclose(end_force(rope), end_force(whole), rtol=1e-9, atol=allowed * blow)
         q = whole.state.motion.q[:, :3]
@@ -190,9 +184,7 @@ def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(tol
     rope, planar = start(EVEN, force_tolerance=tolerance), start(EVEN, fidelity="planar")
     assert rope.state.fidelity == "rigid"
     forces = []
-    for k in range(1, 101):
-        for each in (rope, planar):
-            advance(each, k, duration=2.0)  # up to 11 m/s^2
+    for _ in together((rope, planar), 100, duration=2.0):  # up to 11 m/s^2
         forces.append((end_force(rope), end_force(planar)))
     assert rope.state.fidelity == "planar"
     assert "rigid model cannot follow" in rope.state.fidelity_reason

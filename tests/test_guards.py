@@ -54,7 +54,6 @@ def test_the_first_cause_stays() -> None:
     assert tripped.since == (NEVER,) * 5
 
 
-@pytest.mark.parametrize("form", ["python", "native"])
 def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
     soft = Scene(Rope(length=60.0, Qa=2e5, Qb=0.0, Qc=0.0, EI=20.0), mesh=Mesh("eem", elements=120))
     rope = balance_rope(soft, form)  # type: ignore[arg-type]
@@ -89,7 +88,6 @@ EACH = {
 }
 
 
-@pytest.mark.parametrize("form", ["python", "native"])
 @pytest.mark.parametrize(
     ("fidelity", "blind"),
     [

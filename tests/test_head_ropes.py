@@ -111,12 +111,8 @@ def test_a_conveyance_that_is_carried_through_is_not_called_jammed() -> None:
     assert "went through" in incidents(recording)
 
 
-HOISTS = {
-    "plain": Hoist(lining=Lining(), brake=Brake(torque=8e5)),
-    "everything": Hoist(
-        lining=Lining(), brake=Brake(torque=8e5), head_rope_modes=2, drive_shaft=DriveShaft(), play=Play()
-    ),
-}
+PLAIN = Hoist(lining=Lining(), brake=Brake(torque=8e5))
+HOISTS = {"plain": PLAIN, "everything": replace(PLAIN, head_rope_modes=2, drive_shaft=DriveShaft(), play=Play())}
 PULL = -4e3
 LINING = LOSS_NAMES.index("lining")
 

@@ -19,7 +19,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
-from rope_model import EndMotion, parameters
+from rope_model import EndMotion, Level
 
 INSTALLED = {name: find_case(name) for name in HOISTS if not name.startswith("rope-")}
 every_scene = pytest.mark.parametrize("name", HOISTS)
@@ -85,7 +85,7 @@ def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
 
 @every_scene
 @pytest.mark.parametrize("level", ["draft", "standard"])
-def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, level: parameters.Level) -> None:
+def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, level: Level) -> None:
     case = find_case(name)
     exported = case_with("rope-120", level, {**case.rope, "right.y": abs(case.winding.travel)})
     assert exported.scene == rope_data(case.rope, level)

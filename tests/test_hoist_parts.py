@@ -207,10 +207,8 @@ def ends(plant: Plant, state: PlantState, u: PlantInput) -> tuple[EndMotion, End
 def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
     plant = Plant(FULL)
     state, u = rest_at(plant, (30.0, 60.0))
-    state = state_with(
-        plant, state, x_left=1e-3, z_right=-2e-3, yaw_right=1e-3, yaw_right_rate=0.1, v_left=2.0, x_left_rate=0.3
-    )
-    left, right = ends(plant, state, u)
+    aside = {"x_left": 1e-3, "x_left_rate": 0.3, "z_right": -2e-3, "yaw_right": 1e-3, "yaw_right_rate": 0.1}
+    left, right = ends(plant, state_with(plant, state, v_left=2.0, **aside), u)
     assert (left.x, left.y, left.vx, left.vy) == (1e-3, 30.0, 0.3, 2.0)
     assert (right.z, right.y, right.yaw, right.yaw_rate) == (-2e-3, 60.0, 1e-3, 0.1)
     plain = Plant(Hoist())

@@ -204,12 +204,9 @@ def test_a_rope_file_reads_back(tmp_path: Path) -> None:
         datum = Datum(1.0, 2.0, "1", text, text)  # type: ignore[arg-type]
         known = SimpleNamespace(construction=text, diameter=0.05, length=60.0, lay=text, data={"torque_factor": datum})
         bench = SimpleNamespace(rope=lambda shares: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={})
-        found = SimpleNamespace(
-            known=known,
-            data={},
-            fit=SimpleNamespace(shares=None, contradicted=False),
-            measured=SimpleNamespace(bench=bench, path=SimpleNamespace(name=text)),
-        )
+        fit = SimpleNamespace(shares=None, contradicted=False)
+        measured = SimpleNamespace(bench=bench, path=SimpleNamespace(name=text))
+        found = SimpleNamespace(known=known, data={}, fit=fit, measured=measured)
         path = write_rope_file(found, tmp_path / "rope.toml")  # type: ignore[arg-type]
         read = tomllib.loads(path.read_text(encoding="utf-8"))
         assert read["rope"]["construction"] == read["rope"]["lay"] == text

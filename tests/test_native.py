@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scenes import ends_at, fixed_steps, hung, smooth_step, turn, wound
+from scenes import Ends, ends_at, fixed_steps, followed, hung, smooth_step, turn, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
@@ -75,12 +75,8 @@ MEETS["stick and slip"] = {"left swivel slips -", "left swivel sticks"}
 
 def together(ropes: Sequence[BalanceRope], motions: Sequence[Motions], duration: float, h: float) -> States:
     """The states of all ropes at the start and after each step, each rope moved in its own way."""
-    for rope, ends in zip(ropes, motions, strict=True):
-        hung(rope, *ends(0.0))
-    yield tuple(rope.state for rope in ropes)
-    for k in range(1, round(duration / h) + 1):
-        for rope, ends in zip(ropes, motions, strict=True):
-            assert rope.advance_to(k * h, *ends(k * h)).valid
+    pairs = zip(ropes, motions, strict=True)
+    for _ in zip(*(followed(rope, ends, round(duration / h), h) for rope, ends in pairs), strict=True):
         yield tuple(rope.state for rope in ropes)
 
 
@@ -193,15 +189,13 @@ def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter
     scene = rope_data(find_case("kiruna-710").rope).with_(left=released, right=released, solver=even)
     twisted = scene.with_(rope=replace(scene.rope, installed_twist=9.0), model=Model("torsional"))
     step, ends = scene.solver.step_max, winding(400.0, 16.0)
-    rope = hung(NativeRope(twisted), *ends(0.0))
-    for k in range(1, round(13.2 / step) + 1):
-        assert rope.advance_to(k * step, *ends(k * step)).valid
+    rope = NativeRope(twisted)
+    for k in followed(rope, ends, round(13.2 / step), step):
         assert k * step > 10.0 or rope.signals(("count.rejections",))["count.rejections"] == 0
     assert rope.state.counts.swivel_events > 5
     assert rope.state.counts.rejections > 1
 
 
-@pytest.mark.parametrize("form", ["native", "python"])
 def test_a_transformation_without_equilibrium_gets_less_time_and_is_refused_at_the_least(form: Form) -> None:
     motions, h = winding(45.0, 8.0), 0.02
     scene = Scene(rope=PLAIN, solver=fixed_steps(h))
@@ -262,13 +256,10 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> type[NativeRope]:
 
 @pytest.mark.parametrize("name", WIDE)
 def test_both_forms_have_the_same_bits(plain: type[NativeRope], name: str) -> None:
-    told = []
-    for form in (NativeRope, plain):
-        rope = hung(form(WIDE[name]))
-        told.append([rope.signals()])
-        for k in range(1, 21):
-            t = 0.01 * k
-            moved = EndMotion(y=0.5 * t * t, vy=t, ay=1.0), EndMotion(y=-0.5 * t * t, vy=-t, ay=-1.0)
-            assert rope.advance_to(t, *moved).valid
-            told[-1].append(rope.signals())
-    assert told[0] == told[1]
+    def parting(t: float) -> Ends:
+        up = float(t > 0.0)  # from rest, at once
+        return EndMotion(y=0.5 * t * t, vy=t, ay=up), EndMotion(y=-0.5 * t * t, vy=-t, ay=-up)
+
+    ropes = NativeRope(WIDE[name]), plain(WIDE[name])
+    wide, narrow = ([rope.signals() for _ in followed(rope, parting, 20)] for rope in ropes)
+    assert wide == narrow

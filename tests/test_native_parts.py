@@ -226,22 +226,20 @@ def element_counts(twos: tuple[int, int], fours: tuple[int, int], fine: int) -> 
     return 2 * twos[0], 4 * fours[0], 8 * fine, 4 * fours[1], 2 * twos[1]
 
 
-meshes = st.builds(
-    lambda kind, elements, l, twos, fours, fine, levels, growth, error: Mesh(
-        kind, elements, l, element_counts(twos, fours, fine), levels, growth, error * (kind == "auto")
-    ),
-    st.sampled_from(KINDS),
-    st.integers(2, 400),
-    st.floats(0.3, 6.0),
-    st.just((0, 0)) | st.tuples(st.integers(1, 3), st.integers(1, 3)),
-    st.just((0, 0)) | st.tuples(st.integers(1, 3), st.integers(1, 3)),
-    st.integers(1, 8),
-    st.integers(0, 8),
-    st.just(0.0) | st.floats(1e-3, 1e3),
-    st.floats(1e-4, 0.2),
-)
-ropes = st.builds(lambda length, EI: Rope(length=length, EI=EI), st.floats(10.0, 600.0), st.floats(10.0, 3000.0))
 zero = st.just(0.0)
+pairs = st.just((0, 0)) | st.tuples(st.integers(1, 3), st.integers(1, 3))
+meshes = st.builds(
+    lambda kind, error, **more: Mesh(kind, loop_error=error * (kind == "auto"), **more),
+    st.sampled_from(KINDS),
+    st.floats(1e-4, 0.2),
+    elements=st.integers(2, 400),
+    coarse_length=st.floats(0.3, 6.0),
+    counts=st.builds(element_counts, pairs, pairs, st.integers(1, 8)),
+    end_levels=st.integers(0, 8),
+    grading_length=zero | st.floats(1e-3, 1e3),
+)
+fitted = meshes.filter(lambda mesh: mesh.kind != "auto")
+ropes = st.builds(lambda length, EI: Rope(length=length, EI=EI), st.floats(10.0, 600.0), st.floats(10.0, 3000.0))
 layouts = st.builds(Layout, st.floats(0.3, 5.0))
 shafts = st.builds(
     lambda name, divider, stiffness: Shaft(contact=Contact(stiffness=stiffness), **{name: divider}),
@@ -272,12 +270,7 @@ def has_legs(mesh: Mesh, length: float) -> bool:
     return mesh.kind == "tmn" and length / mesh.coarse_length - inner_length(mesh.counts) > 3.0
 
 
-@given(
-    mesh=meshes.filter(lambda mesh: mesh.kind != "auto"),
-    length=st.floats(10.0, 400.0),
-    part=st.floats(-0.1, 1.1),
-    faced=faces,
-)
+@given(mesh=fitted, length=st.floats(10.0, 400.0), part=st.floats(-0.1, 1.1), faced=faces)
 @settings(max_examples=100, deadline=None)
 def test_partition_is_the_same_to_the_bit(
     parts: SimpleNamespace, mesh: Mesh, length: float, part: float, faced: tuple[float, ...]
@@ -287,7 +280,7 @@ def test_partition_is_the_same_to_the_bit(
     assert ours == outcome(lambda: as_in_c(partition(mesh, length, part * length, faced)))
 
 
-@given(mesh=meshes.filter(lambda mesh: mesh.kind != "auto"), length=st.floats(10.0, 400.0), data=st.data())
+@given(mesh=fitted, length=st.floats(10.0, 400.0), data=st.data())
 @settings(max_examples=50, deadline=None)
 def test_loop_that_travels_is_alike(parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject) -> None:
     bottom, faced = data.draw(st.floats(0.0, length)), data.draw(faces if has_legs(mesh, length) else st.just(NOWHERE))

@@ -131,11 +131,8 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
 @pytest.mark.slow
 def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     """The Python form at a lower bound, the native one at the bounds of both."""
-    scene = Scene(
-        Rope(length=11.0, EI=88.0, installed_twist=99.0),
-        shaft=Shaft(lining=Lining(width=2.4, depth=0.08)),
-        solver=Solver(kernels="portable"),
-    )
+    rope, shaft = Rope(length=11.0, EI=88.0, installed_twist=99.0), Shaft(lining=Lining(width=2.4, depth=0.08))
+    scene = Scene(rope, shaft=shaft, solver=Solver(kernels="portable"))
     native, python = NativeRope(scene), RopeSimulator(scene)
     said = native.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
     assert re.match(r"at \S+ of 99 rad of twist \(last increment \S+ rad, \d+ iterations in all\): no equil", said)

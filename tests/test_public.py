@@ -91,12 +91,6 @@ def test_importing_loads_no_more_than_it_needs(module: str, unloaded: str) -> No
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=ROOT).returncode == 0
 
 
-@pytest.fixture(params=[pytest.param("native", marks=needs_compiler), "python"])
-def form(request: pytest.FixtureRequest) -> public.Form:
-    chosen: public.Form = request.param
-    return chosen
-
-
 def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> None:
     rope = balance_rope(SMALL, form)
     assert rope.initialize(2.0, EndMotion(), EndMotion(y=10.0)).valid

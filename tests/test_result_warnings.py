@@ -166,11 +166,8 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
     assert rope.warnings() == {}
 
 
-ROPES = {
-    "coupled": rope_120().scene.rope,
-    "twisted": replace(rope_120().scene.rope, Qb=0.0, Qc=0.0, installed_twist=0.5),
-    "plain": replace(rope_120().scene.rope, Qb=0.0, Qc=0.0),
-}
+PLAIN = replace(rope_120().scene.rope, Qb=0.0, Qc=0.0)
+ROPES = {"coupled": rope_120().scene.rope, "twisted": replace(PLAIN, installed_twist=0.5), "plain": PLAIN}
 
 
 def following_of_misfits(chance: random.Random) -> Following:

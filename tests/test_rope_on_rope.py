@@ -183,7 +183,6 @@ def end(t: float, turns: float, time: float) -> EndMotion:
     return EndMotion(yaw=turn * s**3 * (10 - 15 * s + 6 * s * s), yaw_rate=turn * 30 * (s * (1 - s)) ** 2 / time)
 
 
-@pytest.mark.parametrize("form", ["python", "native"])
 def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: Any) -> None:
     one, other = (wound(balance_rope(twisted(x), form), lambda t: (end(t, 1.5, 2.0),) * 2, 20).state for x in (0.0, K))
     assert_array_equal(one.motion.q, other.motion.q)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +12,7 @@ from conftest import Array
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from scenes import Ends, ends_at, going_aside, hung, stations, wound
+from scenes import Ends, ends_at, followed, going_aside, hung, stations, wound
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
@@ -175,11 +176,8 @@ def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
     least = np.minimum.accumulate(now, axis=0)
     assert np.all(so_far <= least + RESOLUTION)
     assert np.all(so_far >= least - RESOLUTION)
-    times = (
-        wound(balance_rope(SHORT, "native"), going_aside, 25)
-        .signals([f"nearest.{kind}.time" for kind in KINDS])
-        .values()
-    )
+    rope = wound(balance_rope(SHORT, "native"), going_aside, 25)
+    times = rope.signals([f"nearest.{kind}.time" for kind in KINDS]).values()
     assert 0.0 in times  # what moves away
     assert 0.0 < max(times) <= 0.25
 
@@ -230,7 +228,6 @@ def test_legs_that_pass_through_each_other_without_any_yaw_are_counted() -> None
     assert abs(seen.loop_yaw) < 0.1
 
 
-@pytest.mark.parametrize("form", ["python", "native"])
 @pytest.mark.parametrize("fidelity", ["planar", "rigid"])
 def test_a_rope_whose_right_end_hangs_left_of_its_left_end_has_passed_through_nothing(form: Any, fidelity: Any) -> None:
     rope = balance_rope(Scene(Rope(length=15.0, Qb=0.0, Qc=0.0), model=Model(fidelity)), form)
@@ -242,9 +239,8 @@ def test_turns_are_the_yaw_but_for_what_passed_through() -> None:
     # it hangs into a divider where the loop of 120 m between ends at 0 and 90 m has its bottom
     shaft = Shaft(divider_3=Divider(0.5, -14.0), contact=PASSED)
     rope = balance_rope(Scene(Rope(installed_twist=12.0), shaft=shaft), "native")
-    values = hung(rope, right=EndMotion(y=90.0), t=1.5).signals(
-        ("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at")
-    )
+    names = ("loop.yaw", "loop.turns", "loop.crossings", "loop.crossed_at")
+    values = hung(rope, right=EndMotion(y=90.0), t=1.5).signals(names)
     assert values["loop.crossings"] == 1.0
     assert values["loop.crossed_at"] == 1.5
     assert_allclose(values["loop.yaw"] / (2 * math.pi) - values["loop.turns"], 1.0, atol=1e-9)
@@ -316,9 +312,7 @@ def test_contact_holds_what_would_come_through(name: str, stiffness: float) -> N
     scene, trip = STRUCK[name]
     scene = scene.with_(shaft=replace(scene.shaft, contact=Contact(stiffness=stiffness)))
     rope, reference, lines = balance_rope(scene), s_curve(trip), []
-    hung(rope, *ends_at(reference, trip.travel, 0.0))
-    for k in range(1, round((reference.duration + 2.0) / 0.01) + 1):
-        assert rope.advance_to(0.01 * k, *ends_at(reference, trip.travel, 0.01 * k)).valid
+    for k in followed(rope, partial(ends_at, reference, trip.travel), round((reference.duration + 2.0) / 0.01)):
         if k % 5 == 0:
             q, lengths = rope.state.motion.q, rope.state.partition.lengths
             lines.append(shape(q, lengths, 0.5 * scene.rope.length, scene.layout.spacing, 161))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from scenes import hung, recorded, smooth_step, smooth_trip, wound
+from scenes import followed, hung, recorded, smooth_step, smooth_trip, wound
 
 from rope_model import BalanceRope, EndMotion, RopeSimulator, at_level, balance_rope, rope_120, rope_240
 from rope_model.engine import NativeRope
@@ -183,11 +183,10 @@ def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps
     for name, lengths in (("long", (H, H)), ("short", (H / 4, H / 4)), ("changed", (H, H / 4))):
         at = [scene.with_(solver=replace(scene.solver, tolerance=1e6, step_max=h)) for h in lengths]
         rope, record = wound(NativeRope(at[0]), partial(motion, height=200.0), 1380), []
-        for k in range(1381, 1421):
-            if k == 1400:
-                rope.retune(at[1])
-            assert rope.advance_to(k * H, *motion(k * H, 200.0)).valid
+        for k in followed(rope, partial(motion, height=200.0), 40, H, first=1380):
             record.append([*rope.signals(LOADS[:6]).values()])
+            if k == 1399:
+                rope.retune(at[1])
         largest[name] = jumps_of(np.array(record)).max()
     assert max(largest["long"], largest["short"]) < 1.0 < 3.0 < largest["changed"] < 20.0
 

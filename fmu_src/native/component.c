@@ -147,19 +147,12 @@ void component_fail(Component *c) {
 
 int component_allows(Component *c, const char *function, int modes) {
     if (c->mode & modes) return 1;
-    switch (c->mode) {
-    case INSTANTIATED:
-        return refuse(c, "%s is not allowed before a successful initialisation", function);
-    case INITIALIZATION:
-        return refuse(c, "%s is not allowed during initialisation; exit it first", function);
-    case STEPPING:
-        return refuse(c, "%s is not allowed after initialisation; reset the FMU first", function);
-    case TERMINATED:
-        return refuse(c, "%s is not allowed after termination; reset the FMU first", function);
-    default:
-        return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; the failure: %s",
-                      function, c->status);
-    }
+    if (c->mode == INSTANTIATED) return refuse(c, "%s is not allowed before a successful initialisation", function);
+    if (c->mode == INITIALIZATION) return refuse(c, "%s is not allowed during initialisation; exit it first", function);
+    if (c->mode == STEPPING) return refuse(c, "%s is not allowed after initialisation; reset the FMU first", function);
+    if (c->mode == TERMINATED) return refuse(c, "%s is not allowed after termination; reset the FMU first", function);
+    return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; the failure: %s", function,
+                  c->status);
 }
 
 /* life cycle */
@@ -319,26 +312,17 @@ int component_has_token(const char *token) {
 int component_get(Component *c, size_t scalar, double *value) {
     char why[MODEL_MESSAGE] = "";
     *value = 0.0;
-    switch (MODEL_VARIABLES[scalar].source) {
-    case FROM_ENTRY:
-        *value = c->values[scalar];
+    const Variable *variable = &MODEL_VARIABLES[scalar];
+    if (variable->source == FROM_ENTRY) *value = c->values[scalar];
+    if (variable->source == FROM_STATUS_VALID) *value = c->valid;
+    if (variable->source == FROM_TIME) *value = component_time(c);
+    if (variable->source != FROM_MODEL) return 1;
+    if (have_model(c) && (model_output(c->model, scalar, value, why) || refuse(c, "%s", why))) {
+        if (variable->kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX); /* of what counts on and on */
         return 1;
-    case FROM_STATUS_VALID:
-        *value = c->valid;
-        return 1;
-    case FROM_TIME:
-        *value = component_time(c);
-        return 1;
-    default:
-        if (have_model(c) && (model_output(c->model, scalar, value, why) || refuse(c, "%s", why))) {
-            /* of what counts on and on */
-            if (MODEL_VARIABLES[scalar].kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX);
-            return 1;
-        }
-        /* nothing that looks like a force */
-        if (MODEL_VARIABLES[scalar].kind == KIND_REAL) *value = NAN;
-        return 0;
     }
+    if (variable->kind == KIND_REAL) *value = NAN; /* nothing that looks like a force */
+    return 0;
 }
 
 int component_get_text(Component *c, size_t scalar, const char **text) {

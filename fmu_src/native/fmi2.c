@@ -112,10 +112,6 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
                   component_step(i->component, currentCommunicationPoint, communicationStepSize, NULL));
 }
 
-fmi2Status fmi2CancelStep(fmi2Component c) {
-    return refuse_unsupported(c, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel");
-}
-
 /* values */
 
 #define VARIABLES_OF(Type, kind)                                                                                       \
@@ -156,12 +152,6 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return fmi2OK;
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                        const fmi2Integer order[], fmi2Real value[]) {
-    (void)vr, (void)nvr, (void)order, (void)value;
-    return refuse_unsupported(c, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none");
-}
-
 /* not every argument is read from here on */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
@@ -180,6 +170,13 @@ STATUS_OF(RealStatus, fmi2Real, component_time(i->component), s == fmi2LastSucce
 STATUS_OF(IntegerStatus, fmi2Integer, 0, 0)
 STATUS_OF(BooleanStatus, fmi2Boolean, fmi2False, s == fmi2Terminated)
 STATUS_OF(StringStatus, fmi2String, "", 0)
+
+/* what steps in the background and capability flags rule out */
+
+REFUSED(CancelStep, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel",
+        fmi2Component instance)
+REFUSED(GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none",
+        fmi2Component instance, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], fmi2Real value[])
 
 /* model exchange: a complete library has these functions, this FMU has no such interface */
 

@@ -67,27 +67,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     return NULL;
 }
 
-fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
-                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                          fmi3InstanceEnvironment instanceEnvironment,
-                                          fmi3LogMessageCallback logMessage) {
-    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
-    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", CO_SIMULATION_ONLY);
-    return NULL;
-}
-
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
-                                               fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                               fmi3InstanceEnvironment instanceEnvironment,
-                                               fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
-                                               fmi3LockPreemptionCallback lockPreemption,
-                                               fmi3UnlockPreemptionCallback unlockPreemption) {
-    (void)instanceName, (void)instantiationToken, (void)resourcePath, (void)visible, (void)loggingOn;
-    (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
-    if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", CO_SIMULATION_ONLY);
-    return NULL;
-}
-
 /* life cycle */
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
@@ -249,7 +228,19 @@ REFUSED(SetShiftFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueRefer
 REFUSED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
         fmi3Float64 activationTime)
 
-/* model exchange */
+/* other kinds of simulation: what is behind the environment begins with logMessage */
+
+#define OTHER_KIND(name, ...)                                                                                          \
+    fmi3Instance fmi3Instantiate##name(fmi3String instanceName, fmi3String instantiationToken,                         \
+                                       fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,            \
+                                       fmi3InstanceEnvironment instanceEnvironment, __VA_ARGS__) {                     \
+        if (logMessage) logMessage(instanceEnvironment, fmi3Error, "logStatusError", CO_SIMULATION_ONLY);              \
+        return NULL;                                                                                                   \
+    }
+
+OTHER_KIND(ModelExchange, fmi3LogMessageCallback logMessage)
+OTHER_KIND(ScheduledExecution, fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
+           fmi3LockPreemptionCallback lockPreemption, fmi3UnlockPreemptionCallback unlockPreemption)
 
 REFUSED(GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
         size_t nContinuousStates)

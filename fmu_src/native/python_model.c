@@ -92,14 +92,9 @@ static const char LOAD[] =
 #ifdef _WIN32
 
 static SRWLOCK starting = SRWLOCK_INIT;
-
-static void begin_alone(void) {
-    AcquireSRWLockExclusive(&starting);
-}
-
-static void end_alone(void) {
-    ReleaseSRWLockExclusive(&starting);
-}
+#define BEGIN_ALONE() AcquireSRWLockExclusive(&starting)
+#define END_ALONE() ReleaseSRWLockExclusive(&starting)
+#define SYMBOL(from, name) ((void *)GetProcAddress(from, name))
 
 /* the forwarder to whichever python3x.dll is beside it */
 static HMODULE library(void) {
@@ -107,21 +102,12 @@ static HMODULE library(void) {
     return found ? found : LoadLibraryA("python3.dll");
 }
 
-static void *symbol(HMODULE from, const char *name) {
-    return (void *)GetProcAddress(from, name);
-}
-
 #else
 
 static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
-
-static void begin_alone(void) {
-    pthread_mutex_lock(&starting);
-}
-
-static void end_alone(void) {
-    pthread_mutex_unlock(&starting);
-}
+#define BEGIN_ALONE() pthread_mutex_lock(&starting)
+#define END_ALONE() pthread_mutex_unlock(&starting)
+#define SYMBOL(from, name) dlsym(from, name)
 
 #ifdef __APPLE__
 static const char NAME[] = "libpython3.%d.dylib";
@@ -139,10 +125,6 @@ static void *library(void) {
         if ((found = dlopen(name, RTLD_LAZY | RTLD_GLOBAL))) return found;
     }
     return NULL;
-}
-
-static void *symbol(void *from, const char *name) {
-    return dlsym(from, name);
 }
 
 #endif
@@ -165,12 +147,11 @@ static int find_python(char *message) {
         return 0;
     }
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
-        void *found = symbol(from, entries[i].name);
+        void *found = SYMBOL(from, entries[i].name);
         if (!found) {
             snprintf(message, MODEL_MESSAGE,
-                     "the Python of this process has no %s; this FMU needs Python 3.%d or "
-                     "newer",
-                     entries[i].name, OLDEST);
+                     "the Python of this process has no %s; this FMU needs Python 3.%d or newer", entries[i].name,
+                     OLDEST);
             return 0;
         }
         memcpy(entries[i].place, &found, sizeof found);
@@ -184,9 +165,9 @@ static int find_python(char *message) {
 
 static int have_python(char *message) {
     int there;
-    begin_alone();
+    BEGIN_ALONE();
     there = find_python(message);
-    end_alone();
+    END_ALONE();
     return there;
 }
 
@@ -239,28 +220,24 @@ static double as_number(PyObject *answer) {
 /* the functions of model.h */
 
 int model_open(const char *resources, char *message) {
-    PyObject *loaded = NULL;
-    int gil, there;
     if (!have_python(message)) return 0;
-    gil = python.PyGILState_Ensure();
-    if (make) {
-        python.PyGILState_Release(gil);
-        return 1;
+    int gil = python.PyGILState_Ensure();
+    PyObject *loaded = make;
+    if (!loaded) {
+        PyObject *builtins = python.PyImport_ImportModule("builtins");
+        PyObject *scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
+        PyObject *done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
+        /* threads that come meanwhile import the same module, which Python loads once, and find the same class */
+        if (!done)
+            report(message);
+        else if (!(loaded = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
+            copy(python.PyUnicode_AsUTF8AndSize(python.PyDict_GetItemString(scope, "wrong"), NULL), message);
+        if (loaded) make = loaded;
+        python.Py_DecRef(done);
+        python.Py_DecRef(builtins);
     }
-    PyObject *builtins = python.PyImport_ImportModule("builtins");
-    PyObject *scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
-    PyObject *done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
-    /* threads that come meanwhile import the same module, which Python loads once, and find the same class */
-    if (!done)
-        report(message);
-    else if (!(loaded = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
-        copy(python.PyUnicode_AsUTF8AndSize(python.PyDict_GetItemString(scope, "wrong"), NULL), message);
-    if (loaded) make = loaded;
-    python.Py_DecRef(done);
-    python.Py_DecRef(builtins);
-    there = loaded != NULL;
     python.PyGILState_Release(gil);
-    return there;
+    return loaded != NULL;
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
@@ -279,20 +256,16 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     memcpy(model->values, values, room);
     memset(model->outputs, 0, 2 * room + MODEL_SCALARS);
     int gil = python.PyGILState_Ensure();
+    PyObject *answer = NULL;
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
-        ok = check_answer(model->object,
-                          python.PyObject_CallMethod(
-                              model->object, "create", "NNNN",
-                              python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
-                              python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
-                              python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
-                              python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE)),
-                          message);
-    else {
-        report(message);
-        ok = 0;
-    }
+        answer = python.PyObject_CallMethod(
+            model->object, "create", "NNNN",
+            python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
+            python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
+            python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
+            python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE));
+    ok = check_answer(model->object, answer, message);
     python.PyGILState_Release(gil);
     if (ok) return model;
     model_destroy(model);
@@ -309,35 +282,28 @@ void model_destroy(ModelInstance *model) {
     model->give_back(model);
 }
 
-/* the entries for Python to read; what was computed from others is known no longer */
-static void hand_over(ModelInstance *model, const double *values) {
+/* whether a method succeeds with these entries, and with as many of the numbers as its format has; else why */
+static int succeeds(ModelInstance *model, const double *values, const char *method, const char *format, double t,
+                    double h, char *message) {
+    int gil = python.PyGILState_Ensure(), ok;
     memcpy(model->values, values, MODEL_SCALARS * sizeof(double));
-    memset(model->known, 0, MODEL_SCALARS);
+    memset(model->known, 0, MODEL_SCALARS); /* what was computed from other entries */
+    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, method, format, t, h), message);
+    python.PyGILState_Release(gil);
+    return ok;
 }
 
 int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
-    int gil = python.PyGILState_Ensure(), ok;
-    hand_over(model, values);
-    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "initialize", "d", t), message);
-    python.PyGILState_Release(gil);
-    return ok;
+    return succeeds(model, values, "initialize", "d", t, 0.0, message);
 }
 
 int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
     (void)event; /* FMI 2.0 has no event mode */
-    int gil = python.PyGILState_Ensure(), ok;
-    hand_over(model, values);
-    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "do_step", "dd", t, h), message);
-    python.PyGILState_Release(gil);
-    return ok;
+    return succeeds(model, values, "do_step", "dd", t, h, message);
 }
 
 int model_retune(ModelInstance *model, const double *values, char *message) {
-    int gil = python.PyGILState_Ensure(), ok;
-    hand_over(model, values);
-    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "retune", NULL), message);
-    python.PyGILState_Release(gil);
-    return ok;
+    return succeeds(model, values, "retune", NULL, 0.0, 0.0, message);
 }
 
 double model_time(const ModelInstance *model) {

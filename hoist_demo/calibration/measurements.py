@@ -307,16 +307,10 @@ class Track(InShaft):
         """The signal at the times (s) of each value, to the millisecond; each trip is wound once."""
         trips = self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
         rounded = [[round(t, 3) for t in some] for some in times]
-        runs = {
-            trip: trial.track(
-                self.signal,
-                sorted({t for of, some in zip(trips, rounded, strict=True) if of == trip for t in some}),
-                trip[0],
-                trip[1],
-                trip[2:],
-            )
-            for trip in dict.fromkeys(trips)
-        }
+        asked: dict[tuple[float, ...], set[float]] = {}
+        for trip, some in zip(trips, rounded, strict=True):
+            asked.setdefault(trip, set()).update(some)
+        runs = {trip: trial.track(self.signal, sorted(t), trip[0], trip[1], trip[2:]) for trip, t in asked.items()}
         return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
 
     @model_validator(mode="after")

@@ -68,18 +68,12 @@ class WoundRun:
             said = without_remarked(said, self.own(rope))
         rows = summarize(self.result, run.hoist, run.winding, run.coupling, [rope.name for rope in self.ropes])
         rows += (*(row for exposed in self.exposed.items() for row in exposure_rows(*exposed)), *told(self.known))
-        given = tables(
-            {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}, status
-        )
+        parts = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
+        given = tables(parts, status)
         for rope in self.ropes:
             given += rope_tables(rope, fidelities_of(self.own(rope)), status)
-        return Report(
-            self.title,
-            judge(self.result, run.hoist, self.ropes, said, self.pairs, run.arrival),
-            self._changed(),
-            rows,
-            given,
-        )
+        verdict = judge(self.result, run.hoist, self.ropes, said, self.pairs, run.arrival)
+        return Report(self.title, verdict, self._changed(), rows, given)
 
     def _changed(self) -> Table:
         case, own = find_case(self.run.case), build(self.run.case, {})

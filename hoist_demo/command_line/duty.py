@@ -53,9 +53,8 @@ def add_duty(commands: Commands) -> None:
     duty = add_command(commands, "duty", _duty, about, _DESCRIPTION, _EPILOG)
     duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/reference/files.md")
     duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
-    duty.add_argument(
-        "--exposure", action="store_true", help="also count what each place in the rope goes through: exposure.csv"
-    )
+    about = "also count what each place in the rope goes through: exposure.csv"
+    duty.add_argument("--exposure", action="store_true", help=about)
     add_results(duty, "duty")
 
 

@@ -25,12 +25,10 @@ interrupted.
 
 def add_identify(commands: Commands) -> None:
     """Add the subcommand `identify`."""
-    identify = add_command(
-        commands, "identify", _identify, "find a rope's properties from measurements", _DESCRIPTION, _EPILOG
-    )
-    identify.add_argument(
-        "measured", type=Path, metavar="MEASURED.toml", help="what was measured, see docs/reference/files.md"
-    )
+    about = "find a rope's properties from measurements"
+    identify = add_command(commands, "identify", _identify, about, _DESCRIPTION, _EPILOG)
+    about = "what was measured, see docs/reference/files.md"
+    identify.add_argument("measured", type=Path, metavar="MEASURED.toml", help=about)
     add_results(identify, "identify")
 
 

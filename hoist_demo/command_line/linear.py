@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoist_demo.cases.case import NAMED, Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import Commands, add_command, named, results_folder
+from hoist_demo.command_line.results import Commands, Run, add_command, named, results_folder
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -31,45 +31,29 @@ Coulomb friction, play and slip on the lining are left out; see docs/howto/contr
 
 def add_linear(commands: Commands) -> None:
     """Add the subcommands `linearise` and `modes`."""
-    linearise = add_command(
-        commands,
-        "linearise",
-        _linearise,
-        "linear models for controller design",
-        _LINEARISE,
-        _EPILOG.format(name="linearise"),
-    )
-    modes = add_command(
-        commands, "modes", _modes, "frequencies and damping along the trip", _MODES, _EPILOG.format(name="modes")
-    )
-    for command, name in ((linearise, "linearise"), (modes, "modes")):
-        known = ", ".join(NAMED)
-        command.add_argument(
-            "hoist", nargs="?", default="rope-120", metavar="HOIST", help=f"a file, or one of {known} (%(default)s)"
-        )
-        command.add_argument(
-            "--at",
-            type=float,
-            nargs="+",
-            default=_HEIGHTS,
-            metavar="PART",
-            help="left height over travel (five from 0 to 1)",
-        )
-        command.add_argument(
-            "--swivels", choices=("as given", "locked", "free", "sticking"), default="as given", help="(%(default)s)"
-        )
-        command.add_argument("--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)")
-        command.add_argument(
-            "--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)"
-        )
-    linearise.add_argument(
-        "--speed", type=float, default=0.0, metavar="M/S", help="of the left conveyance, upwards (%(default)s)"
-    )
+    linearise = _add(commands, "linearise", _linearise, "linear models for controller design", _LINEARISE)
+    modes = _add(commands, "modes", _modes, "frequencies and damping along the trip", _MODES)
+    about = "of the left conveyance, upwards (%(default)s)"
+    linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=about)
     linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
     linearise.add_argument("--states", type=int, default=17, metavar="N", help="of each model (%(default)s)")
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
         linearise.add_argument(name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})")
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
+
+
+def _add(commands: Commands, name: str, run: Run, about: str, description: str) -> argparse.ArgumentParser:
+    """Add a subcommand with the options that both have."""
+    command = add_command(commands, name, run, about, description, _EPILOG.format(name=name))
+    about = f"a file, or one of {', '.join(NAMED)} (%(default)s)"
+    command.add_argument("hoist", nargs="?", default="rope-120", metavar="HOIST", help=about)
+    about = "left height over travel (five from 0 to 1)"
+    command.add_argument("--at", type=float, nargs="+", default=_HEIGHTS, metavar="PART", help=about)
+    swivels = ("as given", "locked", "free", "sticking")
+    command.add_argument("--swivels", choices=swivels, default=swivels[0], help="(%(default)s)")
+    command.add_argument("--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)")
+    command.add_argument("--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)")
+    return command
 
 
 def _one_rope(options: argparse.Namespace) -> Case:

@@ -14,7 +14,7 @@ from rope_model import Level
 from rope_model.scene_names import choices_of
 
 KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
-_TRIP = ("speed", "travel", "creep_distance", "creep_speed")
+TRIP = ("speed", "travel", "creep_distance", "creep_speed")  #: Values of the trip that are options.
 SET = """\
 a parameter of the rope by its name in docs/reference/variables.md, or of the host as hoist.payload_left, in SI or with
 a unit; counts as if it stood in the hoist's file; may be repeated, and overrides other options"""
@@ -22,7 +22,7 @@ a unit; counts as if it stood in the hoist's file; may be repeated, and override
 
 def add_trip(wind: argparse.ArgumentParser) -> None:
     """Add the options that change the hoist's trip."""
-    for name in _TRIP:
+    for name in TRIP:
         about = f"{host_parameters()[f'winding.{name}'].about} (that of the hoist)"
         wind.add_argument(f"--{name.replace('_', '-')}", type=float, metavar=name[0].upper(), help=about)
     about = "emergency stop from time T [s], at the hoist's winding.emergency_deceleration"

@@ -11,7 +11,7 @@ from typing import Any
 from hoist_demo.cases.case import NAMED, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.demo_results import REPORT, WoundRun, missing_outputs, write
-from hoist_demo.command_line.options import KERNELS, add_data, add_trip, settings
+from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
@@ -75,36 +75,23 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     run = partial(_wind, default=fmu)
     about = "wind once and write figures, CSV and a report"
     wind = add_command(commands, "wind", run, about, _DESCRIPTION, _EPILOG, "demo")
-    wind.add_argument(
-        "hoist",
-        nargs="?",
-        metavar="HOIST",
-        help=f"hoist, trip, controller and ropes: a file, or one of {', '.join(NAMED)} ({_HOIST}, or that of --resume)",
-    )
+    about = f"hoist, trip, controller and ropes: a file, or one of {', '.join(NAMED)} ({_HOIST}, or that of --resume)"
+    wind.add_argument("hoist", nargs="?", metavar="HOIST", help=about)
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
-    rope.add_argument(
-        "--fmu", type=Path, metavar="PATH", help=f"the rope, FMI 2.0 or 3.0 ({fmu} for a hoist by name, if it is there)"
-    )
+    about = f"the rope, FMI 2.0 or 3.0 ({fmu} for a hoist by name, if it is there)"
+    rope.add_argument("--fmu", type=Path, metavar="PATH", help=about)
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
     wind.add_argument("--out", type=named, metavar="DIR", help="results (out/demo; of a file out/wind and its name)")
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
     wind.add_argument("--step", type=float, metavar="H", help="communication step [s] (that of the hoist)")
-    wind.add_argument(
-        "--scheme",
-        choices=tuple(SCHEMES),
-        metavar="NAME",
-        help=f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)",
-    )
+    about = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
+    wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=about)
     wind.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     add_trip(wind)
     add_data(wind)
-    wind.add_argument(
-        "--quick",
-        action="store_true",
-        help="10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of settling: a check, "
-        "not a result",
-    )
+    about = "10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of settling: a check, "
+    wind.add_argument("--quick", action="store_true", help=f"{about}not a result")
 
 
 def _wind(options: argparse.Namespace, default: Path) -> int:
@@ -212,14 +199,8 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     """Trip and coupling by the names of a study; values given by hand count more than --quick."""
     if options.estop_law and options.estop_at is None:
         raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
-    chosen = {
-        "travel": options.travel,
-        "speed": options.speed,
-        "creep_distance": options.creep_distance,
-        "creep_speed": options.creep_speed,
-        "emergency_at": options.estop_at,
-        "emergency_law": options.estop_law,
-    }
+    chosen = {name: getattr(options, name) for name in TRIP}
+    chosen |= {"emergency_at": options.estop_at, "emergency_law": options.estop_law}
     given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
     quick = dict[str, float]()
     if options.quick:

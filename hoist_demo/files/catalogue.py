@@ -52,18 +52,11 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
 @cache
 def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
-    return {
-        p.name: Parameter(
-            p.name,
-            p.facts.unit or "1",
-            p.kind,
-            p.value,
-            Bounds(p.minimum, p.maximum),
-            choices_of(p.name),
-            p.facts.description,
-        )
-        for p in named_parameters(Scene())
-    }
+    found = dict[str, Parameter]()
+    for p in named_parameters(Scene()):
+        unit, about, bounds, choices = p.facts.unit, p.facts.description, (p.minimum, p.maximum), choices_of(p.name)
+        found[p.name] = Parameter(p.name, unit or "1", p.kind, p.value, Bounds(*bounds), choices, about)
+    return found
 
 
 SWIVELS, ENDS = "swivels", ("left", "right")

@@ -77,31 +77,23 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
             "give it one, as hoist.brake.torque = 5.5e5 (N m)"
         )
     deceleration, capacity = winding.emergency_deceleration, hoist.brake.torque / hoist.sheave_radius
-    require(
-        deceleration,
-        winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity,
-        "emergency_deceleration",
-        f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses",
-        "brake more gently or fit a stronger brake",
-    )
+    enough = winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity
+    bound = f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses"
+    require(deceleration, enough, "emergency_deceleration", bound, "brake more gently or fit a stronger brake")
 
 
 def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
     """Reject a jam that its conveyance does not come to in a trip from landing: the trip would show nothing of it."""
     low, high = sorted((0.0, hoist.shaft_travel)[winding.travel < 0.0] + part for part in (0.0, winding.travel))
-    for name, jam, bounds in (
+    for name, jam, (least, most) in (
         ("jam_left", hoist.jam_left, (low, high)),
         ("jam_right", hoist.jam_right, (hoist.shaft_travel - high, hoist.shaft_travel - low)),
     ):
         if jam is not None:
-            require(
-                jam.height,
-                bounds[0] - jam.distance < jam.height < bounds[1] + jam.distance,
-                f"{name}.height",
-                f"within {jam.distance:g} m of {bounds[0]:g} to {bounds[1]:g} m, where its conveyance comes in a trip "
-                f"of {winding.travel:g} m",
-                f"move the jam (hoist.{name}.height), or wind further (demo --quick winds 10 m)",
-            )
+            on_the_way = least - jam.distance < jam.height < most + jam.distance
+            bound = f"within {jam.distance:g} m of {least:g} to {most:g} m, where its conveyance comes in a trip of "
+            cure = f"move the jam (hoist.{name}.height), or wind further (demo --quick winds 10 m)"
+            require(jam.height, on_the_way, f"{name}.height", f"{bound}{winding.travel:g} m", cure)
 
 
 def start_heights(hoist: Hoist, winding: Winding) -> tuple[float, float]:

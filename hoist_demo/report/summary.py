@@ -186,16 +186,9 @@ def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
     tail = (elapsed >= arrival) & (elapsed <= arrival + Arrival().window)
     if not bool(tail.any()):
         return []
-    seconds = float(np.ptp(elapsed[tail]))
-    return [
-        SummaryRow(
-            "Drive",
-            f"swing after arrival, {end}, within {seconds:.2g} s, peak to peak",
-            1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])),
-            "mm",
-        )
-        for end in ("left", "right")
-    ]
+    within = f"within {float(np.ptp(elapsed[tail])):.2g} s, peak to peak"
+    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])) for end in ("left", "right")}
+    return [SummaryRow(_DRIVE, f"swing after arrival, {end}, {within}", swing, "mm") for end, swing in swings.items()]
 
 
 def _clock(result: Result, coupling: Coupling) -> list[SummaryRow]:

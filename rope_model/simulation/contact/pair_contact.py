@@ -67,16 +67,8 @@ class Pressing(NamedTuple):
     place: Array  # (m, 3), m
 
 
-NOTHING = Pressing(
-    np.zeros(0, dtype=np.int64),
-    np.zeros((2, 0)),
-    np.zeros((0, 3)),
-    np.zeros((0, 3)),
-    np.zeros((0, 3, 3)),
-    np.zeros(0),
-    0.0,
-    np.zeros((0, 3)),
-)
+_NONE = np.zeros((0, 3))
+NOTHING = Pressing(np.zeros(0, np.int64), np.zeros((2, 0)), _NONE, _NONE, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NONE)
 
 
 class Pair:
@@ -161,19 +153,11 @@ class Pair:
         apart, speed = (r - their_r).T, (one.speeds(s[0]) - other.speeds(s[1])).T
         law = rope_on_rope.rope_touch(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
         spring = rope_on_rope.rope_touch(self._lossless, diameter, apart, speed, 1.0, 0.0)
-        tangent = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
+        entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
+        tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
         force, spring_force = (self._spacing * np.array(x.force).T for x in (law, spring))
-        return Pressing(
-            number,
-            s,
-            force,
-            spring_force,
-            self._spacing * tangent,
-            self._spacing * np.asarray(law.sums[-1]),
-            energy,
-            0.5 * (r + their_r),
-        )
+        return Pressing(number, s, force, spring_force, tangent, pressure, energy, 0.5 * (r + their_r))
 
 
 def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
