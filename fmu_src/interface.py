@@ -21,8 +21,10 @@ Kind = Literal["Real", "Integer", "Boolean", "String"]
 NO_CHANGES: Mapping[str, Value] = {}
 
 #: outputs that are never negative
-_NOT_NEGATIVE = ("count.", "stress.", *(f"shape.{name}" for name in ("s", "bending", "torsion")))
-_NOT_NEGATIVE += ("station.curvature", "energy.kinetic")
+_NOT_NEGATIVE = (
+    *("count.", "stress.", "shape.s", "shape.bending", "shape.torsion"),
+    *("station.curvature", "energy.kinetic"),
+)
 _KINDS: dict[str, Kind] = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 #: outputs of the component, not of the model
 _STATUS: dict[str, tuple[Kind, str]] = {

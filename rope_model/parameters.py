@@ -171,7 +171,7 @@ class Rope(Checked):
     @property
     def Qe(self) -> float:
         """Growth of the torsional stiffness per axial strain, N m^2."""
-        return self.c2 * self.diameter**2 * self.Qa
+        return self.c2 * (self.diameter * self.diameter) * self.Qa  # as C: libm's square may differ in the last bit
 
     @property
     def Qk(self) -> float:
