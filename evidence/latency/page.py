@@ -17,12 +17,9 @@ def latencies(tables: Tables) -> dict[str, Any]:
         (
             f"{r['scene']}, {r['trip']}",
             quantity(r["H [s]"], "ms", "g"),
-            r["level"],
-            number(r["elements"], ".0f"),
             *(number(1e6 * r[name]) for name in shown),
-            quantity(r["late"], "%", ".2g"),
         )
-        for r in records(rows(t, place="FMU"))
+        for r in records(rows(t, place="FMU", level="standard"))
     ]
     largest = {h: float(np.max(t["own largest [s]"][t["H [s]"] == h])) for h in sorted({*t["H [s]"]}, reverse=True)}
     bounds = {h: (BOUNDS[h], largest[h]) for h in largest}
