@@ -88,6 +88,7 @@ function drawParallel() {
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   svg.style.width = `${width}px`;
   const x = (k) => 48 + (AXES.indexOf(k) * (width - 130)) / Math.max(1, AXES.length - 1), y = (part) => bottom - part * (bottom - top);
+  svg.style.setProperty("--each", Math.min(0.35, Math.max(0.01, 100 / inOrder().length)));  // thousands would be one patch
   for (const run of inOrder()) {
     let d = "", open = false;
     AXES.forEach((k) => {
