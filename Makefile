@@ -1,6 +1,8 @@
 # `make help` lists the targets; `make demo` and `make test` do it all on a fresh machine.
 PYTHON ?= python3
 VENV ?= .venv
+# what is sought of the cables of make motion
+CABLE ?= docs/measurements/motion.toml
 BIN := $(VENV)/bin
 # the rope of the demo: python, the form to read, or native, the same in C
 FLAVOUR ?= python
@@ -74,7 +76,7 @@ signals: $(READY)  ## wind with motions that tables, rounding and repetition giv
 
 motion: $(READY)  ## fit and judge cables that somebody has measured, in the folders of DATA (docs/howto/rope_data.md)
 	$(if $(DATA),,$(error DATA must be the folder that you have fetched: make motion DATA=folder))
-	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.motion $(DATA) docs/measurements/motion.toml
+	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.motion $(DATA) $(CABLE)
 
 bench: $(READY)  ## measure the speed of every form of the rope, and windings per minute
 	$(BIN)/python -m benchmarks.speed

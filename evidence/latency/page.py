@@ -12,7 +12,7 @@ from evidence.tables import Tables, records, rows
 def latencies(tables: Tables) -> dict[str, Any]:
     """Return the section's tables."""
     t = tables["latency/steps"]
-    shown = ("50 % [s]", "99 % [s]", "99.9 % [s]", "largest [s]", "own largest [s]")
+    shown = ("50 % [s]", "99.9 % [s]", "largest [s]", "own largest [s]")
     lines = [
         (
             f"{r['scene']}, {r['trip']}",
