@@ -57,7 +57,7 @@ hoist_demo.files: .parameters .control .design .cases rope_model rope_model.cata
 hoist_demo.cases: .parameters .control .files rope_model
 hoist_demo.cosimulation.schemes: rope_model
 hoist_demo.cosimulation.participants: .parameters .drive .cases .recording .cosimulation.schemes rope_model
-    rope_model.scene_names
+    rope_model.physics rope_model.scene_names
 hoist_demo.cosimulation: .parameters .drive .control .recording .cosimulation.schemes .cosimulation.participants
     rope_model rope_model.numerics
 hoist_demo.report: .parameters .cases .design .files .recording .cosimulation .cosimulation.participants .study .ropes

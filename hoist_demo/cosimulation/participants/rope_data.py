@@ -8,6 +8,7 @@ from typing import get_args
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level, Scene, at_level
+from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
 
 #: Parameters of a level of accuracy: their numbers, and these choices.
@@ -15,7 +16,7 @@ _LEVEL, _CHOICES = ("mesh.", "solver.", "model."), ("mesh.kind", "model.fidelity
 
 _FREE = "solver.kernels"  #: What may differ when a run goes on.
 
-_TORQUE = ("rope.Qb", "rope.Qc", "rope.installed_twist", "rope.initial_curvature")
+_TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURVATURES))
 
 
 def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:

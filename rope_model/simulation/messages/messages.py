@@ -39,7 +39,7 @@ fails_at_twist = Text(
 )
 takes_too_long = Text("more than ropes need that come to rest; use less twist, or a shorter rope")
 fails_at_curvature = Text(
-    "at {reached:.4g} of initial_curvature = {curvature:.4g} 1/m (lower it, or let it lie as the loop bends): "
+    "at {reached:.4g} of a permanent curvature of {curvature:.4g} 1/m (lower it, or let it lie as the loop bends): "
     "{why:.380}"
 )
 fitted_mesh_fails = Text("{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)")
