@@ -14,11 +14,7 @@ def latencies(tables: Tables) -> dict[str, Any]:
     t = tables["latency/steps"]
     shown = ("50 % [s]", "99.9 % [s]", "largest [s]", "own largest [s]")
     lines = [
-        (
-            f"{r['scene']}, {r['trip']}",
-            quantity(r["H [s]"], "ms", "g"),
-            *(number(1e6 * r[name]) for name in shown),
-        )
+        (f"{r['scene']}, {r['trip']}", quantity(r["H [s]"], "ms", "g"), *(number(1e6 * r[name]) for name in shown))
         for r in records(rows(t, place="FMU", level="standard"))
     ]
     largest = {h: float(np.max(t["own largest [s]"][t["H [s]"] == h])) for h in sorted({*t["H [s]"]}, reverse=True)}

@@ -127,7 +127,7 @@ torque_of_coupling = Text(
 )
 torque_of_twist = Text("installed_twist = {angle:g} rad: lower it, free swivels that are held")
 torque_of_curvature = Text(
-    "the permanent curvature of up to {curvature:g} 1/m, which lies at {angle:g} rad: lower it, or turn it to 0 rad, as "
-    "the loop bends"
+    "the permanent curvature of up to {curvature:g} 1/m, which lies at {angle:g} rad: lower it, or turn it to 0 rad, "
+    "as the loop bends"
 )
 torque_of_ends = Text("the ends, which twist the rope by {angle:g} rad: turn them back")
