@@ -43,7 +43,7 @@ _DATA_SHEET = "check the rope's data sheet"
 
 def _added_curvature(where: str) -> float:
     cure = "give 1/R of the bend of radius R, below 0 for the other sense"
-    return parameter(0.0, "1/m", f"curvature added to that {where}", Bounds(-10.0, 10.0, cure))
+    return parameter(0.0, "1/m", f"permanent curvature added {where}", Bounds(-10.0, 10.0, cure))
 
 
 def _coupling(rope: Any) -> tuple[Any, ...]:
@@ -144,9 +144,9 @@ class Rope(Checked):
     curvature_left: float = _added_curvature("at the left end")
     curvature_middle: float = _added_curvature("at half the length")
     curvature_right: float = _added_curvature("at the right end")
-    curvature_left_across: float = _added_curvature("at the left end, across its direction")
-    curvature_middle_across: float = _added_curvature("at half the length, across its direction")
-    curvature_right_across: float = _added_curvature("at the right end, across its direction")
+    curvature_left_across: float = _added_curvature("at the left end, across")
+    curvature_middle_across: float = _added_curvature("at half the length, across")
+    curvature_right_across: float = _added_curvature("at the right end, across")
 
     joint = (
         Joint(

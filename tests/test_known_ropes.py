@@ -89,6 +89,19 @@ def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
     assert found.correlations[0, 1] < -0.9
 
 
+@pytest.mark.parametrize("best", [0.55, 0.9])
+def test_a_search_turns_back_where_a_rope_cannot_be_computed(best: float) -> None:
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        if u[0] > 0.6:
+            raise RuntimeError("cannot hang")
+        return np.array([9.0 * (u[0] - best), 3.0 * (u[0] + u[1] - 1.0)])
+
+    found = fit(residuals, 2)
+    assert_allclose(found.shares[0], min(best, 0.6), atol=0.01)
+    low, high = intervals(residuals, found)[0]
+    assert low < found.shares[0] <= high <= 0.6 + 0.01
+
+
 def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
     bench = Bench(rope("34x7", diameter=0.046, length=120.0), Scene())
     plan = [

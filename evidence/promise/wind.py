@@ -10,9 +10,9 @@ import numpy as np
 from benchmarks.kinematic import ends_at
 from evidence.errors import end_error, place_error
 from evidence.promise.scenes import Sample
-from evidence.ropes import at_rest, follow
+from evidence.ropes import follow, require
 from evidence.tables import Array
-from rope_model import Accuracy, Mesh, Scene, Solver
+from rope_model import Accuracy, Mesh, Scene, Solver, balance_rope
 
 #: s: how long a scene goes on behind its trip, and how often it is looked at, where it does not communicate more rarely
 SETTLE, EVERY = 3.0, 0.02
@@ -54,8 +54,9 @@ def wind(sample: Sample, interval: float, **changes: Any) -> Run:
     trip = sample.trajectory
     ends = partial(ends_at, trip, sample.trip.travel)
     every = max(round(max(EVERY, sample.interval) / interval), 1)
+    rope = balance_rope(scene)
     try:
-        rope = at_rest(scene, *ends(0.0))
+        require(rope.initialize(0.0, *ends(0.0)))
         rows = follow(rope, interval, trip.duration + SETTLE, ends, rope.reader(_SIGNALS))[every - 1 :: every]
     except RuntimeError as failed:
         return Run(np.zeros((0, len(_SIGNALS))), np.nan, np.nan, np.nan, np.nan, str(failed))

@@ -50,7 +50,7 @@ def _rod(t: Table) -> Iterator[Row]:
     """The discrete rod: differences over what the convergence of the two codes accepts."""
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
-        what = f"largest of {len(r['case'])} parts"
+        what = f"largest of {len(r['case'])}, over its bound"
         value = float(np.max(r["difference, fine"] / r["accepted"]))
         yield Row(f"R-{k}", "code", f"discrete rod: {case}", what, value, "1", 1.0, "make validate")
 
@@ -77,7 +77,7 @@ def _contact(t: Table) -> Iterator[Row]:
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
         over = [_part(*x) for x in zip(r["value"], r["relation"], r["bound"], strict=True)]
-        what = f"largest of {len(r['case'])} parts"
+        what = f"largest of {len(r['case'])}, over its bound"
         kind: Literal["code", "theory"] = "code" if any("the chain's" in x for x in r["what"]) else "theory"
         yield Row(f"K-{k}", kind, f"contact: {case}", what, max(over), "1", 1.0, "make contact")
 

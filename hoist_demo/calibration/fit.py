@@ -113,10 +113,24 @@ class Fit:
 
 def fit(residuals: Residuals, count: int) -> Fit:
     """Return the ``count`` shares with the least squares; undetermined ones stay at the middle of their range."""
-    first = _solve(residuals, np.full(count, MIDDLE), PULL * np.eye(count))
+    start = np.full(count, MIDDLE)
+    residuals = _where_computed(residuals, residuals(start).size)
+    first = _solve(residuals, start, PULL * np.eye(count))
     if not (untold := first.untold()):
         return first
     return _solve(residuals, np.clip(first.shares, 1e-3, 1 - 1e-3), np.array(untold) / np.sqrt(RANGE_VARIANCE))
+
+
+def _where_computed(residuals: Residuals, size: int) -> Residuals:
+    """Return residuals that are infinite where the rope cannot be computed, so that a search turns back."""
+
+    def tried(shares: Array) -> Array:
+        try:
+            return residuals(shares)
+        except RuntimeError:
+            return np.full(size, np.inf)
+
+    return tried
 
 
 def _solve(residuals: Residuals, start: Array, held: Array) -> Fit:
@@ -125,15 +139,7 @@ def _solve(residuals: Residuals, start: Array, held: Array) -> Fit:
     def slopes(u: Array) -> Array:
         return np.vstack((sensitivities(residuals, u), held))
 
-    first = _all(residuals, held, start)
-
-    def tried(u: Array) -> Array:
-        try:
-            return _all(residuals, held, u)
-        except RuntimeError:  # a rope that cannot be computed: infinite, so that a shorter step is taken
-            return np.full(first.size, np.inf)
-
-    found = least_squares(tried, start, slopes, (0.0, 1.0), xtol=1e-6, ftol=1e-8)
+    found = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=1e-8)
     values = found.fun.size - len(held)
     return Fit(found.x, found.fun[:values], found.jac[:values], held)
 
@@ -145,6 +151,7 @@ def _all(residuals: Residuals, held: Array, shares: Array) -> Array:
 
 def intervals(residuals: Residuals, found: Fit) -> Array:
     """Lower and upper end of each share's interval, (n, 2)."""
+    residuals = _where_computed(residuals, found.residuals.size)
     return np.array([[_end(residuals, found, k, side) for side in (-1.0, 1.0)] for k in range(found.shares.size)])
 
 
@@ -176,6 +183,8 @@ def _growth(residuals: Residuals, found: Fit, k: int, step: Array) -> float:
     for _ in range(CORRECTIONS + 1):
         r = _all(residuals, found.held, shares)
         squares.append(float(r @ r))
+        if not math.isfinite(squares[-1]):
+            break
         correction = np.linalg.lstsq(jacobian[:, others], r, rcond=None)[0]
         shares = shares.copy()
         shares[others] = np.clip(shares[others] - correction, 0.0, 1.0)
@@ -183,12 +192,15 @@ def _growth(residuals: Residuals, found: Fit, k: int, step: Array) -> float:
 
 
 def sensitivities(predict: Callable[[Array], Array], shares: Array) -> Array:
-    """d(prediction)/d(share) by central differences within the ranges, (m, n)."""
+    """d(prediction)/d(share) by differences within the ranges, (m, n): central where both sides are finite."""
     steps = DIFFERENCE * np.eye(shares.size)
     above, below = np.clip(shares + steps, 0.0, 1.0), np.clip(shares - steps, 0.0, 1.0)
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # the native rope computes outside of Python's lock
-        values = list(pool.map(predict, [*above, *below]))
-    differences = np.array(values[: shares.size]) - np.array(values[shares.size :])
+        values = np.array(list(pool.map(predict, [*above, *below])))
+    if not (there := np.isfinite(values).all(axis=1)).all():
+        values[~there] = predict(shares)
+        above[~there[: shares.size]] = below[~there[shares.size :]] = shares
+    differences = values[: shares.size] - values[shares.size :]
     return np.asarray((differences / np.diag(above - below)[:, None]).T)
 
 

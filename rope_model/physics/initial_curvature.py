@@ -45,11 +45,11 @@ CURVATURES = (
 
 
 def most_curvature(rope: Any) -> Any:
-    """Return a bound (1/m) of the permanent curvature along the rope: 0 of a straight one alone."""
-    left = hypot(rope.curvature_left, rope.curvature_left_across)
-    middle = hypot(rope.curvature_middle, rope.curvature_middle_across)
-    right = hypot(rope.curvature_right, rope.curvature_right_across)
-    return rope.initial_curvature + larger(larger(left, middle), right)
+    """Return the largest permanent curvature (1/m) along the rope: 0 of a straight one alone."""
+    left = hypot(rope.initial_curvature + rope.curvature_left, rope.curvature_left_across)
+    middle = hypot(rope.initial_curvature + rope.curvature_middle, rope.curvature_middle_across)
+    right = hypot(rope.initial_curvature + rope.curvature_right, rope.curvature_right_across)
+    return larger(larger(left, middle), right)
 
 
 def curvature_components(rope: Any, s: Any, l: Any) -> tuple[Any, ...]:

@@ -16,29 +16,29 @@ rope_passed_into = Text(
 sides_passed = Text(
     "the rope's legs have passed through each other, or one of them through the conveyance and head ropes above the "
     "other: {number:g} times (loop.crossings), first at t = {since:.6g} s around y = {y:.4g} m; contact is not "
-    "computed: later results describe no real rope; set contact.rope_stiffness = 1e7, lower Qb, Qc or installed_twist, "
-    "free swivels that are held, or widen the spacing"
+    "computed: later results describe no real rope; set contact.rope_stiffness = 1e7, lower Qb, Qc, installed_twist "
+    "or curvature, free swivels that are held, or widen the spacing"
 )
 sides_passed_in_spite = Text(
     "one side of the rope has passed through the other {number:g} times (loop.crossings), first at t = {since:.6g} s "
     "around y = {y:.4g} m: contact.rope_stiffness = {stiffness:g} is too soft, or the scene lacks conveyance and "
-    "head_ropes; later results describe no real rope; raise or give these, lower Qb, Qc or installed_twist, or free "
-    "swivels that are held"
+    "head_ropes; later results describe no real rope; raise or give these, lower Qb, Qc, installed_twist or "
+    "curvature, or free swivels that are held"
 )
 turned_around = Text(
     "the rope is turned around itself: one leg has swung {turns:.3g} turns about the other and the conveyance and head "
-    "ropes above it (loop.turns; at half a turn the loop is turned over); lower Qb, Qc or installed_twist, free "
-    "swivels that are held, or widen the spacing"
+    "ropes above it (loop.turns; at half a turn the loop is turned over); lower Qb, Qc, installed_twist or curvature, "
+    "free swivels that are held, or widen the spacing"
 )
 legs_touch = Text(
     "the rope's legs have touched each other, first at t = {since:.6g} s, and overlapped by up to {overlap:.3g} m "
     "(loop.overlap) around y = {y:.4g} m; contact is not computed: set contact.rope_stiffness = 1e7, keep the legs "
-    "taut, lower Qb, Qc or installed_twist, free swivels that are held, or widen the spacing"
+    "taut, lower Qb, Qc, installed_twist or curvature, free swivels that are held, or widen the spacing"
 )
 legs_press = Text(
     "the rope's legs have pressed each other, first at t = {since:.6g} s, by up to {overlap:.3g} m (loop.overlap) "
-    "around y = {y:.4g} m; contact.rope is the force; keep the legs taut, lower Qb, Qc or installed_twist, free "
-    "swivels that are held, or widen the spacing"
+    "around y = {y:.4g} m; contact.rope is the force; keep the legs taut, lower Qb, Qc, installed_twist or curvature, "
+    "free swivels that are held, or widen the spacing"
 )
 yawed_at_rest = Text(
     "the loop hangs yawed by {yaw:.3g} rad against its ends at rest (bound {bound:.3g} rad), turned mostly by "
@@ -127,7 +127,7 @@ torque_of_coupling = Text(
 )
 torque_of_twist = Text("installed_twist = {angle:g} rad: lower it, free swivels that are held")
 torque_of_curvature = Text(
-    "the permanent curvature of up to {curvature:g} 1/m, which lies at {angle:g} rad: lower it, or turn it to 0 rad, "
-    "as the loop bends"
+    "the permanent curvature of up to {curvature:g} 1/m: lower it, or let it lie as the loop bends "
+    "(initial_curvature_angle and curvature_*_across = 0)"
 )
 torque_of_ends = Text("the ends, which twist the rope by {angle:g} rad: turn them back")

@@ -71,7 +71,7 @@ def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
 def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
     _, curvature, installed, ends = _torques(scene, turned)
     largest = both(curvature >= installed, curvature >= ends)
-    return largest, most_curvature(scene.rope), scene.rope.initial_curvature_angle
+    return largest, most_curvature(scene.rope)
 
 
 def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
