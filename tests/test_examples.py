@@ -67,6 +67,14 @@ def test_air_in_the_shaft_does_what_the_theory_page_says(tmp_path: Path) -> None
     assert_allclose(moved, [9e-3, 0.6e-3, 6e-3, 0.20, 0.28, 2.6, 4.0], rtol=0.06)
 
 
+@pytest.mark.slow
+def test_a_swing_tells_friction_between_wires_from_viscous_damping(tmp_path: Path) -> None:
+    lines = lines_of(EXAMPLES / "damping_law.py", tmp_path)
+    viscous, friction = ([float(re.findall(r": ([\d.]+) stand", line)[0]) for line in lines[k::2]] for k in (0, 1))
+    assert min(viscous) > 2.0
+    assert max(friction) < 1.1
+
+
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) -> None:
     lines = lines_of(EXAMPLES / "swivel_release.py", tmp_path)

@@ -55,7 +55,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         chain->evaluate(&s, trial, rest, rest, now, R, balance);
         const double force = imbalance(&s, R);
         /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
-           that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given.  Where
+           that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given. Where
            the tangent is not positive for want of inertia, the correction itself goes up */
         const int climbs = error < 0 && previous > rounding;
         const int ends_low = work_along(&s, R, x) <= 3 * error || force <= previous + rounding;

@@ -1,0 +1,64 @@
+"""Does a swing tell friction between wires from viscous damping? Fits of both to a cable that rubs, seen by cameras.
+
+`python examples/damping_law.py`: one swing, then the same and one of a third of its way.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import camera_track as camera
+import numpy as np
+
+from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.fit import Fit, fit
+from hoist_demo.calibration.identify import residuals_of, stacked
+from hoist_demo.files.reading import read
+
+#: N m2, N m: a cable of little material damping, whose wires rub
+RUBS = {"EI": 8e-3, "EI_stick": 2e-2, "slip_moment": 4e-3, "slip_factor": 0.0, "beta_K": 0.01}
+LAWS = {
+    "viscous": "",
+    "friction": "rope.EI_stick = { low = 1.3e-2, high = 5e-2 }\nrope.slip_moment = { low = 1e-3, high = 2e-2 }\n",
+}
+WAY = camera.aside.copy()
+
+
+def swung(folder: Path, part: float, seed: int) -> str:
+    """Write a swing of this part of the way; return its [[measured]]."""
+    camera.SCENE = camera.SCENE.with_(rope=replace(camera.CABLE, **RUBS))
+    camera.aside = part * WAY
+    camera.grippers[:, 0] = camera.aside - np.array([0.2, 0.0, 0.0])
+    path = camera.write(folder, camera.seen(), seed)
+    path.with_suffix(".csv").replace(folder / f"{seed}.csv")
+    _, table, keys = path.read_text(encoding="utf-8").partition("[[measured]]")
+    return table + keys.replace("swing.csv", f"{seed}.csv")
+
+
+def fitted(folder: Path, swings: str, law: str) -> tuple[Measured, Fit]:
+    """Fit one law to the swings."""
+    head = (folder / "swing.toml").read_text(encoding="utf-8").partition("[[measured]]")[0]
+    head = head.replace("high = 3e-2 }\n\n[sought]", "high = 1.2e-2 }\n\n[sought]").replace("low = 0.01", "low = 0.001")
+    file = folder / f"{law}.toml"
+    head = head.replace("[fixed]", f"{LAWS[law]}[fixed]\nrope.slip_factor = 0.0")
+    file.write_text(head + swings, encoding="utf-8")
+    measured = read(file, Measured)
+    bench, asked = measured.bench, measured.measurements
+    return measured, fit(residuals_of(bench, asked, *stacked(asked)), len(bench.names))
+
+
+def main() -> None:
+    """Print how well each law fits, and what it finds."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        far, near = swung(folder, 1.0, 1), swung(folder, 1.0 / 3.0, 2)
+        for what, swings in (("one swing", far), ("two amplitudes", far + near)):
+            for law in LAWS:
+                measured, found = fitted(folder, swings, law)
+                told = [f"{name} = {measured.bench.value(name, found.shares):.3g}" for name in measured.bench.names]
+                misfit = np.sqrt(np.mean(np.square(found.residuals)))
+                print(f"{what}, {law}: {misfit:.2f} standard errors off (RMS); {', '.join(told)}")
+
+
+if __name__ == "__main__":
+    main()
