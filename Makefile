@@ -1,8 +1,6 @@
 # `make help` lists the targets; `make demo` and `make test` do it all on a fresh machine.
 PYTHON ?= python3
 VENV ?= .venv
-# what is sought of the cables of make motion
-CABLE ?= docs/measurements/motion.toml
 BIN := $(VENV)/bin
 # the rope of the demo: python, the form to read, or native, the same in C
 FLAVOUR ?= python
@@ -74,6 +72,8 @@ contact: $(READY)  ## check contact against exact cases (3 minutes)
 signals: $(READY)  ## wind with motions that tables, rounding and repetition give (5 minutes)
 	$(MEASURE) signals -- signals
 
+# what is sought of the cables
+CABLE ?= docs/measurements/motion.toml
 motion: $(READY)  ## fit and judge cables that somebody has measured, in the folders of DATA (docs/howto/rope_data.md)
 	$(if $(DATA),,$(error DATA must be the folder that you have fetched: make motion DATA=folder))
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.motion $(DATA) $(CABLE)

@@ -84,8 +84,15 @@ def _terminal(side: str, described: Collection[Variable]) -> Element:
         for group, _, member, causality in parted
         if group == side and (causality == "input" or member in _FORCE)
     )
-    line = {"defaultConnectionColor": "181 101 29", "defaultConnectionStrokeSize": "2"}
-    box = {"x1": f"{x - 8:g}", "y1": f"{y - 8:g}", "x2": f"{x + 8:g}", "y2": f"{y + 8:g}"}
-    look = node("TerminalGraphicalRepresentation", **line, **box, iconBaseName="end")
+    look = node(
+        "TerminalGraphicalRepresentation",
+        defaultConnectionColor="181 101 29",
+        defaultConnectionStrokeSize="2",
+        x1=f"{x - 8:g}",
+        y1=f"{y - 8:g}",
+        x2=f"{x + 8:g}",
+        y2=f"{y + 8:g}",
+        iconBaseName="end",
+    )
     what = f"the {side} suspension point: motion of the conveyance, force and moment of the rope on it"
     return node("Terminal", *members, look, name=side, matchingRule="plug", description=what)

@@ -22,8 +22,13 @@ NO_CHANGES: Mapping[str, Value] = {}
 
 #: outputs that are never negative
 _NOT_NEGATIVE = (
-    *("count.", "stress.", "shape.s", "shape.bending", "shape.torsion"),
-    *("station.curvature", "energy.kinetic"),
+    "count.",
+    "stress.",
+    "shape.s",
+    "shape.bending",
+    "shape.torsion",
+    "station.curvature",
+    "energy.kinetic",
 )
 _KINDS: dict[str, Kind] = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 #: outputs of the component, not of the model

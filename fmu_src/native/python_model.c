@@ -92,9 +92,18 @@ static const char LOAD[] =
 #ifdef _WIN32
 
 static SRWLOCK starting = SRWLOCK_INIT;
-#define BEGIN_ALONE() AcquireSRWLockExclusive(&starting)
-#define END_ALONE() ReleaseSRWLockExclusive(&starting)
-#define SYMBOL(from, name) ((void *)GetProcAddress(from, name))
+
+static void begin_alone(void) {
+    AcquireSRWLockExclusive(&starting);
+}
+
+static void end_alone(void) {
+    ReleaseSRWLockExclusive(&starting);
+}
+
+static void *symbol(HMODULE from, const char *name) {
+    return (void *)GetProcAddress(from, name);
+}
 
 /* the forwarder to whichever python3x.dll is beside it */
 static HMODULE library(void) {
@@ -105,9 +114,18 @@ static HMODULE library(void) {
 #else
 
 static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
-#define BEGIN_ALONE() pthread_mutex_lock(&starting)
-#define END_ALONE() pthread_mutex_unlock(&starting)
-#define SYMBOL(from, name) dlsym(from, name)
+
+static void begin_alone(void) {
+    pthread_mutex_lock(&starting);
+}
+
+static void end_alone(void) {
+    pthread_mutex_unlock(&starting);
+}
+
+static void *symbol(void *from, const char *name) {
+    return dlsym(from, name);
+}
 
 #ifdef __APPLE__
 static const char NAME[] = "libpython3.%d.dylib";
@@ -147,7 +165,7 @@ static int find_python(char *message) {
         return 0;
     }
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
-        void *found = SYMBOL(from, entries[i].name);
+        void *found = symbol(from, entries[i].name);
         if (!found) {
             snprintf(message, MODEL_MESSAGE,
                      "the Python of this process has no %s; this FMU needs Python 3.%d or newer", entries[i].name,
@@ -165,9 +183,9 @@ static int find_python(char *message) {
 
 static int have_python(char *message) {
     int there;
-    BEGIN_ALONE();
+    begin_alone();
     there = find_python(message);
-    END_ALONE();
+    end_alone();
     return there;
 }
 

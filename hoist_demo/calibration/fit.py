@@ -200,6 +200,8 @@ def sensitivities(predict: Callable[[Array], Array], shares: Array) -> Array:
     if not (there := np.isfinite(values).all(axis=1)).all():
         values[~there] = predict(shares)
         above[~there[: shares.size]] = below[~there[shares.size :]] = shares
+        if not np.diag(above - below).all():
+            raise RuntimeError("no rope on either side of the one found can be computed: narrow the ranges")
     differences = values[: shares.size] - values[shares.size :]
     return np.asarray((differences / np.diag(above - below)[:, None]).T)
 

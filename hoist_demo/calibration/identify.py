@@ -122,9 +122,17 @@ def identify(measured: Measured) -> Identified:
     ]
     trial = bench.trial(found.shares)
     predicted = bench.predict(whole.shares, [*measured.measurements, wanted], trial)
-    data, best_first = calibrated(measured, found, ends), tuple(sorted(left, key=lambda c: c.error))
-    value, error = float(predicted[-1]), error_of(covariance, gradient)
-    return Identified(measured, found, ends, data, predicted[:-1], value, error, best_first, trial.warnings)
+    return Identified(
+        measured,
+        found,
+        ends,
+        calibrated(measured, found, ends),
+        predicted[:-1],
+        float(predicted[-1]),
+        error_of(covariance, gradient),
+        tuple(sorted(left, key=lambda c: c.error)),
+        trial.warnings,
+    )
 
 
 def stacked(measurements: Sequence[Asked]) -> tuple[Array, Array]:

@@ -90,8 +90,12 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     wind.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     add_trip(wind)
     add_data(wind)
-    about = "10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of settling: a check, "
-    wind.add_argument("--quick", action="store_true", help=f"{about}not a result")
+    wind.add_argument(
+        "--quick",
+        action="store_true",
+        help="10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of settling: a check, "
+        "not a result",
+    )
 
 
 def _wind(options: argparse.Namespace, default: Path) -> int:

@@ -59,9 +59,16 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
 
     drive = ca.vertcat(R * motor, q[0] / R, y_left + q[1], y_right + q[2], v[0] / R, v[1:])
     acceleration = _accelerations(plant, rest)(drive)
-    torque_rate, integral_rate = (held + force - motor) / hoist.torque_lag, gains.speed * error / gains.integral_time
-    moved = v, R * acceleration[0], acceleration[1:]
-    rates = ca.vertcat(reference[1], reference[2], jerk, *moved, torque_rate, integral_rate)
+    rates = ca.vertcat(
+        reference[1],
+        reference[2],
+        jerk,
+        v,
+        R * acceleration[0],
+        acceleration[1:],
+        (held + force - motor) / hoist.torque_lag,
+        gains.speed * error / gains.integral_time,
+    )
     start = np.zeros(STATES)
     start[9] = held
     x = ca.vertcat(reference, q, v, motor, integral)

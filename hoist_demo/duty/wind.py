@@ -46,8 +46,16 @@ def wind(
     drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
         run, chosen = schedule.trip(number), drives[(number - 1) % len(drives)]
-        data, later = (run.hoist, run.winding, run.coupling, chosen.gains), schedule.trip(number + 1).hoist
-        host = Host(rope, *data, trajectory=chosen.trajectory, after=after, next_hoist=later)
+        host = Host(
+            rope,
+            run.hoist,
+            run.winding,
+            run.coupling,
+            chosen.gains,
+            trajectory=chosen.trajectory,
+            after=after,
+            next_hoist=schedule.trip(number + 1).hoist,
+        )
         result = host.run(None if progress is None else progress(number))
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again

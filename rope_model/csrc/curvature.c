@@ -3,7 +3,7 @@
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {
-    return most_curvature(&rope->scene.rope) > 0 && state->fidelity == TORSIONAL;
+    return rope->curved != NULL && state->fidelity == TORSIONAL && most_curvature(&rope->scene.rope) > 0;
 }
 
 Rope partly_curved(const Rope *whole, double part) {
@@ -20,7 +20,8 @@ void curved_reference(Simulator *rope, State *state, const double *q) {
     const Rope *data = &rope->scene.rope;
     const Arrays m = state_arrays(state);
     double e1[3] = DIRECTOR_START, components[6], found[12], *to = rope->curved, s = 0;
-    for (int e = 0; is_curved(rope, state) && e < m.elements; e++, q += DOF, to += CURVED) {
+    const int elements = is_curved(rope, state) ? m.elements : 0;
+    for (int e = 0; e < elements; e++, q += DOF, to += CURVED) {
         const double of_element[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
         curvature_components(data, s, m.lengths[e], components);
         curvature_vectors(components, m.lengths[e], q, e1, found);

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
     """Whether a permanent curvature acts: in the complete model alone sections have a direction."""
-    return most_curvature(rope) > 0 and fidelity == "torsional"
+    return fidelity == "torsional" and most_curvature(rope) > 0
 
 
 def partly_curved(rope: Rope, part: float) -> Rope:

@@ -161,10 +161,17 @@ class RopeModel:
         """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
         m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
         now, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
-        force, change = max(map(abs, now)), max(abs(now[0] - left), abs(now[1] - right))
-        load, moved_by = load_on(self.ends(state), m, self.pushed(system, m.t)), alpha.recentring(method, m.h, old.h)
-        share = axial_share(self.scene.rope, self.bottom(state.paths, m.t), h)
-        return state._replace(audit=after_step(state.audit, method, h, moved_by, load, force, change, share))
+        audit = after_step(
+            state.audit,
+            method,
+            h,
+            alpha.recentring(method, m.h, old.h),
+            load_on(self.ends(state), m, self.pushed(system, m.t)),
+            max(map(abs, now)),
+            max(abs(now[0] - left), abs(now[1] - right)),
+            axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
+        )
+        return state._replace(audit=audit)
 
     def begin_audit(self, state: RopeState) -> RopeState:
         """``state`` as that with whose momentum the next is compared."""
@@ -178,12 +185,18 @@ class RopeModel:
         """``state`` with the audit of the communication step from ``before``: its change against all that acted."""
         if state.fidelity == "rigid":
             return state
-        m, rope, gravity, h = state.motion, self.scene.rope, self.scene.layout.gravity, state.motion.t - before.motion.t
-        mass, sums = rope.mass_per_length * rope.length, self.system(state).momentum(m.q, m.v)
-        about = (0.5 * (m.q[0, POSITION] + m.q[-1, POSITION])).tolist()
-        residual = state.energy_balance.residual - before.energy_balance.residual
-        bend = float(np.square(m.q[1:, SLOPE] - m.q[:-1, SLOPE]).sum(axis=1).max())
-        return state._replace(audit=after_interval(state.audit, h, mass, gravity, sums, about, residual, bend))
+        m, scene = state.motion, self.scene
+        audit = after_interval(
+            state.audit,
+            m.t - before.motion.t,
+            scene.rope.mass_per_length * scene.rope.length,
+            scene.layout.gravity,
+            self.system(state).momentum(m.q, m.v),
+            (0.5 * (m.q[0, POSITION] + m.q[-1, POSITION])).tolist(),
+            state.energy_balance.residual - before.energy_balance.residual,
+            float(np.square(m.q[1:, SLOPE] - m.q[:-1, SLOPE]).sum(axis=1).max()),
+        )
+        return state._replace(audit=audit)
 
 
 #: where the strains along the rope at its ends are
