@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 from balance_rope import _with_rope, main
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import Measured
-from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals
+from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import Bench
 from hoist_demo.cases.table import find_case
@@ -100,6 +100,11 @@ def test_a_search_turns_back_where_a_rope_cannot_be_computed(best: float) -> Non
     assert_allclose(found.shares[0], min(best, 0.6), atol=0.01)
     low, high = intervals(residuals, found)[0]
     assert low < found.shares[0] <= high <= 0.6 + 0.01
+
+
+def test_a_rope_without_a_neighbour_is_refused() -> None:
+    with pytest.raises(RuntimeError, match="narrow the ranges"):
+        sensitivities(lambda u: np.full(2, 0.0 if u[0] == 0.5 else np.inf), np.array([0.5]))
 
 
 def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
