@@ -9,7 +9,7 @@ import numpy as np
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.equations import INPUT_NAMES, equations, numbers_of, parts_of
+from hoist_demo.drive.equations import INPUT_NAMES, equations
 from hoist_demo.drive.outputs import OUTPUTS, tension_ratio
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
@@ -77,7 +77,7 @@ class Plant(HoistPlant):
     def rates(self, state: PlantState, u: PlantInput) -> np.ndarray:
         """dx/dt of head ropes that hold."""
         hoist = replace(self.hoist, lining=None)
-        found = equations(parts_of(hoist)).rates(state.x, astuple(u), state.free_lengths, numbers_of(hoist))
+        found = equations(hoist.parts).rates(state.x, astuple(u), state.free_lengths, hoist.numbers)
         return np.asarray(found).ravel()
 
 

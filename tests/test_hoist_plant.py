@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from hoist_demo.control.controller import ControllerState, Gains, Measurement, SpeedController
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint, s_curve
-from hoist_demo.drive.equations import equations, numbers_of, parts_of
+from hoist_demo.drive.equations import equations
 from hoist_demo.drive.integrator import CHUNK
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, EmergencyLaw, Hoist, Winding
@@ -95,7 +95,7 @@ def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added
 @pytest.mark.parametrize("name", HOISTS)
 def test_state_and_work_of_a_step_agree_with_cvodes(name: str) -> None:
     plant, state = _swinging(name)
-    of, p = equations(parts_of(plant.hoist)), numbers_of(plant.hoist)
+    of, p = equations(plant.hoist.parts), plant.hoist.numbers
     x, u = ca.SX.sym("x", state.x.size), ca.DM([*vars(PATH.start).values()])
     arguments = (x, u, ca.DM(list(state.free_lengths)), p)
     dae = {"x": x, "ode": of.rates(*arguments), "quad": of.powers(*arguments)}

@@ -78,7 +78,7 @@ def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Windin
 
 def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
     result, hoist, winding = invent_trip(swing=0.01)
-    found = measure(result, hoist, winding, Arrival())
+    found = measure(result, hoist, winding, Arrival()).metrics
     assert found["torque_rms"] == pytest.approx(5e3)
     assert found["slip_safety"] == pytest.approx((hoist.tension_ratio_limit - 1) / 0.5)
     assert found["motor_energy_drawn"] == pytest.approx(5e3, rel=1e-9)
@@ -108,7 +108,7 @@ def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
 )
 def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, creep, arrival, wait, within) -> None:
     result, hoist, winding = invent_trip(swing, creep)
-    found = measure(result, hoist, winding, arrival)
+    found = measure(result, hoist, winding, arrival).metrics
     assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(wait, abs=within)
     assert (found["swing_right"] < 1e-12) == (swing == 0.0)
 

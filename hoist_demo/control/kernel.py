@@ -8,8 +8,8 @@ from typing import Any
 import casadi as ca
 
 from hoist_demo.control.controller import Gains, SpeedController
-from hoist_demo.drive.equations import numbers_of, with_numbers
 from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.hoist import with_numbers
 
 #: What the law takes before the gains and the hoist's numbers, in their own orders.
 ARGUMENTS = ("position", "speed_asked", "acceleration", "travel", "speed", "holding_torque", "integral", "h")
@@ -19,11 +19,12 @@ ARGUMENTS = ("position", "speed_asked", "acceleration", "travel", "speed", "hold
 def law_kernel(parts: Hoist) -> Any:
     """(ARGUMENTS, Gains and hoist's numbers in one vector) -> (torque, limited, integral), of SpeedController.law.
 
-    One text for all hoists with these parts (`drive.equations.parts_of`).
+    One text for all hoists with these parts (`Hoist.parts`).
     """
     gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
-    given, p = ca.SX.sym("given", len(ARGUMENTS)), ca.SX.sym("p", len(numbers_of(parts)))
+    given, p = ca.SX.sym("given", len(ARGUMENTS)), ca.SX.sym("p", len(parts.numbers))
+    hoist = with_numbers(parts, ca.vertsplit(p))
     s, v, a, travel, speed, hold, integral, h = ca.vertsplit(given)
-    controller = SpeedController(with_numbers(parts, ca.vertsplit(p)), hold, SimpleNamespace(**gains))
+    controller = SpeedController(hoist, hold, SimpleNamespace(**gains))
     found = controller.law((s, v, a), travel, speed, integral, h)
     return ca.Function("law", [ca.vertcat(given, *gains.values(), p)], [ca.vertcat(*found)])

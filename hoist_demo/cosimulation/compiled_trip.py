@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.participants.library_calls import CALLS, HEARD, STA
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import ENDS, KEPT, ROPE_FORCES, Sample, Stopwatch
 from hoist_demo.drive import integrator, plant
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES, numbers_of, parts_of
+from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUTS, SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import Coupling, Hoist
@@ -92,12 +92,12 @@ class CompiledTrip:
         """`clocks` are the drive's and the rope's; at most so many samples are done at a time."""
         self._run, self._rope, self._coupling, self._clocks = run, rope, coupling, clocks
         self._drive = drive = run.drive.plant.holding
-        self._library = _library(parts_of(hoist), drive.kernels)
+        self._library = _library(hoist.parts, drive.kernels)
         self._advance = CDLL(str(drive.kernels.library)).advance
         names = run.recorder.names[len(ROW) :]
         known = {"holding_torque": run.holding_torque, "h": coupling.sample_time}
         arguments = (known.get(name, 0.0) for name in ARGUMENTS)
-        self._given = np.array([*arguments, *astuple(gains), *numbers_of(hoist)])
+        self._given = np.array([*arguments, *astuple(gains), *hoist.numbers])
         self._table, self._forces = rope.table(names, most), rope.table(ROPE_FORCES, 1)
         self._sides = rope.table(SIDE_FORCES if hoist.play is not None else (), 1)
         self._guard = rope.table([name for name in names if name == "guard.tripped"], 1)

@@ -6,6 +6,9 @@ input-shaping         with feed-forward, the S-curve shaped so that one swing mo
 optimised-trajectory  with feed-forward, the fastest trip that leaves the ropes at rest
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from hoist_demo.control.controller import Gains
@@ -13,9 +16,6 @@ from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise, require_no_creep
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.parameters import Hoist, Winding
-
-DESIGNED = ("input-shaping", "optimised-trajectory")
-CONTROLLERS = ("pi", "pi-feed-forward", *DESIGNED)
 
 
 @dataclass(frozen=True)
@@ -26,28 +26,39 @@ class Drive:
     trajectory: Trajectory
 
 
-def drive(
-    name: str, hoist: Hoist, winding: Winding, gains: Gains, shaper: Shaper, trajectory: TrajectoryOptions
-) -> Drive:
-    """The named controller for a trip; an optimised one is computed here, which takes seconds."""
-    require_possible(name, winding)
-    if name == "pi":
-        return Drive(replace(gains, feed_forward=0.0), s_curve(winding))
-    if name == "input-shaping":
-        return Drive(gains, shape(s_curve(winding), shaper))
-    if name == "optimised-trajectory":
-        return Drive(gains, optimise(hoist, winding, gains, trajectory))
-    return Drive(gains, s_curve(winding))
+@dataclass(frozen=True)
+class Task:
+    """A controller by its name, the trip that it is for, and its tuning; ValueError where it cannot wind that."""
+
+    controller: str
+    hoist: Hoist
+    winding: Winding
+    gains: Gains
+    shaper: Shaper
+    trajectory: TrajectoryOptions
+
+    def __post_init__(self) -> None:
+        if self.controller not in DESIGNS:
+            raise ValueError(f"controller = {self.controller!r} must be one of {', '.join(DESIGNS)}: choose one")
+        if self.controller in _OWN_TRIP and self.winding.emergency_at is not None:
+            raise ValueError(
+                f"emergency_at = {self.winding.emergency_at:g} s must not be given with controller = "
+                f"{self.controller!r}: stop a trip of pi or pi-feed-forward"
+            )
+        if self.controller == "optimised-trajectory":
+            require_no_creep(self.winding)
+
+    def design(self) -> Drive:
+        """Return the gains and the trajectory of the controller; an optimised one takes seconds."""
+        return DESIGNS[self.controller](self)
 
 
-def require_possible(name: str, winding: Winding) -> None:
-    """Reject an unknown controller, a designed trip with an emergency stop, and an optimised one with creep."""
-    if name not in CONTROLLERS:
-        raise ValueError(f"controller = {name!r} must be one of {', '.join(CONTROLLERS)}: choose one")
-    if name in DESIGNED and winding.emergency_at is not None:
-        raise ValueError(
-            f"emergency_at = {winding.emergency_at:g} s must not be given with controller = {name!r}: "
-            "stop a trip of pi or pi-feed-forward"
-        )
-    if name == "optimised-trajectory":
-        require_no_creep(winding)
+DESIGNS: dict[str, Callable[[Task], Drive]] = {
+    "pi": lambda task: Drive(replace(task.gains, feed_forward=0.0), s_curve(task.winding)),
+    "pi-feed-forward": lambda task: Drive(task.gains, s_curve(task.winding)),
+    "input-shaping": lambda task: Drive(task.gains, shape(s_curve(task.winding), task.shaper)),
+    "optimised-trajectory": lambda task: Drive(
+        task.gains, optimise(task.hoist, task.winding, task.gains, task.trajectory)
+    ),
+}
+_OWN_TRIP = ("input-shaping", "optimised-trajectory")

@@ -28,15 +28,7 @@ from scipy.sparse.linalg import splu
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.drive.equations import (
-    INPUT_NAMES,
-    SIDES,
-    equations,
-    extra_coordinates,
-    numbers_of,
-    parts_of,
-    state_names,
-)
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, extra_coordinates, state_names
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import Hoist
@@ -263,7 +255,7 @@ def _derivatives(parts: Hoist) -> Any:
     """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
     of = equations(parts)
     x, a = ca.SX.sym("x", len(state_names(parts))), ca.SX.sym("a", 3 + len(extra_coordinates(parts)))
-    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(numbers_of(parts)))
+    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(parts.numbers))
     rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
     shown = of.outputs(x, u, l0, p)
     values = ca.vertcat(rows, *(shown[SHOWN[name]] for name in _SHOWN))
@@ -302,8 +294,8 @@ def _linear_hoist(
     deflection = "brake_deflection"
     x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
     lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
-    numbers = numbers_of(hoist)
-    derivatives, still = _derivatives(parts_of(hoist)), np.zeros(n)
+    numbers = hoist.numbers
+    derivatives, still = _derivatives(hoist.parts), np.zeros(n)
     if speed:  # the motor makes up for the losses
         by_x, _, _, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
         u[0] = x[0] = x[0] - values[0, 0] / by_x[0, 0]

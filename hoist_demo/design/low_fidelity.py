@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.control.controller import Gains, SpeedController
-from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, equations, numbers_of, parts_of
+from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, equations
 from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
 
@@ -82,8 +82,8 @@ def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:
     x, F = ca.SX.sym("x", len(STATE_NAMES)), ca.SX.sym("F", 2)
     u = ca.SX.zeros(len(INPUT_NAMES))
     u[list(FORCES)] = F
-    rates = equations(parts_of(plant.hoist)).rates
-    moved = rates(x, u, rest.free_lengths, numbers_of(plant.hoist))[4:7]
+    rates = equations(plant.hoist.parts).rates
+    moved = rates(x, u, rest.free_lengths, plant.hoist.numbers)[4:7]
     B = ca.jacobian(moved, F)
     M, c = _mass_and_load(plant.hoist)(x[2:4], x[5:7])
     a_0 = ca.substitute(moved, F, -c)

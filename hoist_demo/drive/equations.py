@@ -23,10 +23,9 @@ A row of Lagrange's equation holds a leg up to the sheave's top point, through w
 the sheave is the tension less mu w^2 / 2, on both sides alike.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
-from itertools import repeat
 from typing import Any
 
 import casadi as ca
@@ -34,6 +33,7 @@ import numpy as np
 
 from hoist_demo.drive.legs import Friction, Leg, make_leg
 from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.hoist import with_numbers
 
 STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")  #: First entries of every state.
 
@@ -78,7 +78,7 @@ def state_names(hoist: Hoist) -> tuple[str, ...]:
 class Equations:
     """CasADi functions of hoists with the same parts.
 
-    x is the state, u the input in the order of INPUT_NAMES, l0 the free lengths, p the hoist's numbers (`numbers_of`).
+    x is the state, u the input in the order of INPUT_NAMES, l0 the free lengths, p the hoist's numbers.
     """
 
     rates: Any  # (x, u, l0, p) -> dx/dt
@@ -104,40 +104,11 @@ class Coordinates:
         return self.q[k], self.v[k]
 
 
-def parts_of(hoist: Hoist) -> Hoist:
-    """The hoist with all its numbers 0 but the count of modes: what it shares with those of the same equations."""
-    alike: Hoist = with_numbers(hoist, repeat(0.0))
-    return alike
-
-
-def numbers_of(hoist: Any) -> list[float]:
-    """The numbers that `parts_of` leaves out, those of the parts in their places."""
-    found: list[float] = []
-    for _, value in _items(hoist):
-        found += numbers_of(value) if is_dataclass(value) else [float(value)]
-    return found
-
-
-def with_numbers(data: Any, numbers: Iterable[Any]) -> Any:
-    """A hoist or a part of it with other numbers, or symbols, in their places; none of them is checked."""
-    left = iter(numbers)
-    made = object.__new__(type(data))
-    changed = {name: with_numbers(v, left) if is_dataclass(v) else next(left) for name, v in _items(data)}
-    made.__dict__.update({**vars(data), **changed})
-    return made
-
-
-def _items(data: Any) -> list[tuple[str, Any]]:
-    """Numbers and parts of a hoist or of a part of it, by name; counts of equations and what is None are none."""
-    pairs = ((field.name, getattr(data, field.name)) for field in fields(data))
-    return [(name, value) for name, value in pairs if value is not None and name != "head_rope_modes"]
-
-
 @cache
 def equations(parts: Hoist) -> Equations:
-    """The equations of motion of all hoists with these parts, `parts_of` one of them."""
-    p = ca.SX.sym("p", len(numbers_of(parts)))
-    hoist: Hoist = with_numbers(parts, ca.vertsplit(p))
+    """The equations of motion of all hoists with these parts, `Hoist.parts` of one of them."""
+    p = ca.SX.sym("p", len(parts.numbers))
+    hoist = with_numbers(parts, ca.vertsplit(p))
     at = Coordinates(hoist)
     q, v, R = at.q, at.v, hoist.sheave_radius
     torque, l0 = ca.SX.sym("M"), ca.SX.sym("l0", 2)

@@ -106,8 +106,8 @@ class DriveKernels:
 
 @cache
 def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
-    """Return the kernels for all hoists with these parts (`equations.parts_of`)."""
-    of, names, numbers = drive.equations(parts), drive.state_names(parts), len(drive.numbers_of(parts))
+    """Return the kernels for all hoists with these parts (`Hoist.parts`)."""
+    of, names, numbers = drive.equations(parts), drive.state_names(parts), len(parts.numbers)
     held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": numbers}
     given = _slices({"x": len(names), "works": WORKS, "s": 1, "h": 1, **held})
     shown = {"error": 1, "acting": len(drive.INPUT_NAMES), "shown": len(OUTPUTS)}
@@ -199,7 +199,7 @@ class Integrator:
     """Integrator for all hoists with the same parts; not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
-        self.kernels = kernels = drive_kernels(drive.parts_of(hoist), form)
+        self.kernels = kernels = drive_kernels(hoist.parts, form)
         self.names, self.result = kernels.names, kernels.result
         self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
@@ -207,7 +207,7 @@ class Integrator:
         self.given = {name: self.z[place] for name, place in kernels.given.items()}
         self._hold, self._mobility = kernels.hold, Kernel(kernels.mobility, [(2, 2)])
         self.evaluations = 0  # of `advance` with a step, so far
-        self.give(p=drive.numbers_of(hoist))
+        self.give(p=hoist.numbers)
 
     def give(self, **values: Any) -> None:
         """Give what `advance` takes, by name: x, works, s, h, H, path, added_mass, l0; p are the hoist's numbers."""

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, STATE_NAMES, numbers_of
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES, STATE_NAMES
 from hoist_demo.drive.integrator import SHORTEST, WORKS, Integrator, Vector, Watch
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.parameters import GRAVITY, Hoist
@@ -84,7 +84,7 @@ class HoistPlant:
         """Go on with the numbers of a hoist of the same parts: with another payload."""
         self.hoist = hoist
         for integrator, alike in zip(self._made, (_without_lining(hoist), hoist), strict=False):
-            integrator.give(p=numbers_of(alike))
+            integrator.give(p=alike.numbers)
 
     @property
     def evaluations(self) -> int:

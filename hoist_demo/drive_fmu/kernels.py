@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.kernel import ARGUMENTS, law_kernel
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, numbers_of, parts_of
+from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations
 from hoist_demo.drive.integrator import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
@@ -115,13 +115,13 @@ def _lagrange(nodes: NDArray[np.float64], at: Any) -> list[Any]:
 
 
 def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:
-    rates = equations(parts_of(plant.hoist)).rates
+    rates = equations(plant.hoist.parts).rates
     return ca.SX.sym("x", rates.size1_in(0)), ca.SX.sym("u", rates.size1_in(1)), ca.SX.sym("l0", 2)
 
 
 def _rates(plant: HoistPlant, x: Any, u: Any, l0: Any) -> Any:
     """dx/dt with the numbers of this hoist."""
-    return equations(parts_of(plant.hoist)).rates(x, u, l0, numbers_of(plant.hoist))
+    return equations(plant.hoist.parts).rates(x, u, l0, plant.hoist.numbers)
 
 
 def _step(plant: HoistPlant) -> Any:
@@ -156,7 +156,7 @@ def _input(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
 def _outputs(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
     """(x, u, l0) -> the outputs of the interface."""
     x, u, l0 = _arguments(plant)
-    shown = equations(parts_of(plant.hoist)).outputs(x, u, l0, numbers_of(plant.hoist))
+    shown = equations(plant.hoist.parts).outputs(x, u, l0, plant.hoist.numbers)
     found = {name: shown[SHOWN[field]] for name, field in shown_as(plant.hoist).items()}
     for tail in placed(plant.hoist, tails):
         for side in SIDES:
@@ -171,7 +171,7 @@ def _outputs(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
 def _control(hoist: Hoist) -> Any:
     """The control law: (its ARGUMENTS, gains) -> (M_c, I)."""
     sample, gains = ca.SX.sym("sample", len(ARGUMENTS)), ca.SX.sym("gains", len(fields(Gains)))
-    torque, _, grown = ca.vertsplit(law_kernel(parts_of(hoist))(ca.vertcat(sample, gains, ca.DM(numbers_of(hoist)))))
+    torque, _, grown = ca.vertsplit(law_kernel(hoist.parts)(ca.vertcat(sample, gains, ca.DM(hoist.numbers))))
     return ca.Function("drive_control", [sample, gains], [torque, grown])
 
 

@@ -91,7 +91,7 @@ def place_at_rest(schedule: Schedule, rope: RopePlant) -> tuple[float, float]:
 def row(trip: Trip, rest: tuple[float, float]) -> dict[str, float]:
     """The row of a trip; `rest` is where the loop's lowest point hung at rest, x and z [m]."""
     recording, data = trip.result.recording, trip.data
-    measured = measure(trip.result, data.hoist, data.winding, data.arrival)
+    measured = measure(trip.result, data.hoist, data.winding, data.arrival).metrics
     found = dict.fromkeys(COLUMNS, math.nan) | {name: measured[name] for name in _MEASURED}
     found |= {"trip": float(trip.number), "start": float(recording.time[0])}
     if trip.result.end is not None:

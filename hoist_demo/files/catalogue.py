@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import Field, ValidationError, create_model
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.design.controllers import CONTROLLERS
+from hoist_demo.design.controllers import DESIGNS
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions
 from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.reading import table_of
@@ -30,7 +30,7 @@ SECTIONS: dict[str, type[Any]] = {
     "trajectory": TrajectoryOptions,
     "arrival": Arrival,
 }
-CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
+CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=tuple(DESIGNS))
 
 
 _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.items()})  # type: ignore[call-overload]

@@ -8,9 +8,10 @@ the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from itertools import repeat
+from typing import Any, TypeVar
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
 from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
@@ -97,6 +98,16 @@ class Hoist(Stated):
             require(tension, tension < lightest, "slack_tension", bound, "give a part of it")
 
     @property
+    def parts(self) -> "Hoist":
+        """The hoist with all its numbers 0 but the count of modes: what it shares with those of the same equations."""
+        return with_numbers(self, repeat(0.0))
+
+    @property
+    def numbers(self) -> list[float]:
+        """The numbers that `parts` leaves out, those of the parts in their places."""
+        return list(_numbers(self))
+
+    @property
     def rope_stiffness(self) -> float:
         """EA of all head ropes [N]."""
         return self.head_rope_number * self.head_rope_stiffness
@@ -161,6 +172,29 @@ class Hoist(Stated):
         if self.power_limit is None:
             return self.torque_limit
         return self.power_limit / larger(abs(rate), self.power_limit / self.torque_limit)
+
+
+T = TypeVar("T")
+
+
+def with_numbers(data: T, numbers: Iterable[Any]) -> T:
+    """Return a hoist or a part of it with other numbers, or symbols, in their places; none of them is checked."""
+    left = iter(numbers)
+    made = object.__new__(type(data))
+    changed = {name: with_numbers(v, left) if is_dataclass(v) else next(left) for name, v in _items(data)}
+    made.__dict__.update({**vars(data), **changed})
+    return made
+
+
+def _numbers(data: Any) -> Iterator[float]:
+    for _, value in _items(data):
+        yield from _numbers(value) if is_dataclass(value) else [float(value)]
+
+
+def _items(data: Any) -> list[tuple[str, Any]]:
+    """Numbers and parts of a hoist or of a part of it, by name; counts of equations and what is None are none."""
+    pairs = ((field.name, getattr(data, field.name)) for field in fields(data))
+    return [(name, value) for name, value in pairs if value is not None and name != "head_rope_modes"]
 
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:

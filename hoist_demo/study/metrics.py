@@ -6,13 +6,13 @@ the drive is not counted as swing; it is counted as time.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.design.swing import SwingMode, fit_swing
+from hoist_demo.design.swing import fit_swing
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.fidelity import FIDELITY
 from hoist_demo.recording.incidents import (
@@ -28,6 +28,8 @@ from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 
 ENDS = ("left", "right")
+
+_STOPPED = "swing_frequency: the run stopped before it arrived"
 
 #: Every metric with its unit and meaning, in the order of the table.
 METRICS = {
@@ -106,23 +108,31 @@ ROPE_SIGNALS = frozenset(
 RIPPLE_WINDOW = 1.0  #: Length of the moving mean that is taken off the end force [s].
 
 
-def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> dict[str, float]:
-    """All metrics of a run by name."""
+class Measured(NamedTuple):
+    """All metrics of a run by name, and why it has no swing frequency, in words."""
+
+    metrics: dict[str, float]
+    missing: str = ""
+
+
+def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> Measured:
+    """Measure a run."""
     found = dict.fromkeys(UNITS, math.nan)
     recording = result.recording
     if not recording.signals:
-        return found
+        return Measured(found, _STOPPED)
     found["simulated_time"] = float(recording.time[-1] - recording.time[0])
-    found |= _drive(recording, hoist)
-    if (ended := stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
-        found |= {"stop_time": max(one.time or 0.0 for one in ended), "stop_distance": max(one.way for one in ended)}
-    found |= _rope(recording, hoist)
+    found |= _incidents(recording, hoist, winding)
+    if "energy.work_ends" in recording:
+        found["coupling_energy"] = _largest(exchange_energy(recording, hoist))
+    found |= _drive(recording) | _rope(recording)
     for end in ENDS:
         found |= _swivel(recording, end)
-    if result.completed:
-        found |= trip_metrics(result, winding, arrival)
-        found |= _swing(recording, hoist, result.trajectory.duration, arrival)
-    return found
+    if not result.completed:
+        return Measured(found, _STOPPED)
+    found |= trip_metrics(result, winding, arrival)
+    swing, missing = _swing(recording, hoist, result.trajectory.duration, arrival)
+    return Measured(found | swing, missing)
 
 
 def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
@@ -147,20 +157,33 @@ def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str
     }
 
 
-def _drive(recording: Recording, hoist: Hoist) -> dict[str, float]:
+def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str, float]:
+    found = {
+        "slack_time": max((slack.duration for slack in slack_ropes(recording)), default=0.0),
+        "slip_safety": hoist.slip_safety(largest_ratio(recording, hoist.tension_ratio_limit)),
+        "head_rope_slip": 0.0 if (slid := slip(recording)) is None else slid.way,
+    }
+    if (ended := stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
+        found |= {"stop_time": max(one.time or 0.0 for one in ended), "stop_distance": max(one.way for one in ended)}
+    if recording.has(*GUARD_SIGNALS):
+        trip = guard_trip(recording)
+        found["guard_tripped"] = float(trip is not None)
+        if trip is not None:
+            found |= {"guard_cause": float(trip.code), "guard_time": trip.t}
+    return found
+
+
+def _drive(recording: Recording) -> dict[str, float]:
     power = np.diff(recording["drive.work_motor"])
     return {
         "torque_peak": _largest(recording["drive.torque"]),
         "torque_limited_time": _time_of(recording, "drive.torque_limited"),
         "motor_energy": float(np.sum(power)),
         "motor_energy_drawn": float(np.sum(np.maximum(power, 0.0))),
-        "slack_time": max((slack.duration for slack in slack_ropes(recording)), default=0.0),
-        "slip_safety": hoist.slip_safety(largest_ratio(recording, hoist.tension_ratio_limit)),
-        "head_rope_slip": 0.0 if (slid := slip(recording)) is None else slid.way,
     }
 
 
-def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
+def _rope(recording: Recording) -> dict[str, float]:
     forces = [recording[f"{end}.fy"] for end in ENDS]
     found = {
         "rope_force_peak": max(float(np.max(-force)) for force in forces),
@@ -181,13 +204,6 @@ def _rope(recording: Recording, hoist: Hoist) -> dict[str, float]:
             found[f"clearance_{name}"] = smallest if smallest < FAR else math.nan
     if "loop.clearance" in recording:
         found["clearance"] = float(np.min(recording["loop.clearance"]))
-    if recording.has(*GUARD_SIGNALS):
-        trip = guard_trip(recording)
-        found["guard_tripped"] = float(trip is not None)
-        if trip is not None:
-            found |= {"guard_cause": float(trip.code), "guard_time": trip.t}
-    if "energy.work_ends" in recording:
-        found["coupling_energy"] = _largest(exchange_energy(recording, hoist))
     return found
 
 
@@ -205,43 +221,22 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
     }
 
 
-def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> dict[str, float]:
+def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> Measured:
     """Swing of conveyances and loop within the window after the reference has arrived."""
-    tail = _tail(recording, arrived, arrival)
+    t = recording.time - recording.time[0]
+    tail = (t >= arrived) & (t <= arrived + arrival.window)
     if np.count_nonzero(tail) < 2:
-        return {}
-    found = {f"swing_{end}": float(np.ptp(swing)) for end, swing in _swings(recording, hoist, tail).items()}
-    mode = _mode(recording, hoist, tail)
-    if isinstance(mode, SwingMode):
-        found |= {"swing_frequency": mode.frequency, "swing_damping": mode.damping}
+        return Measured({}, "swing_frequency: the record ends as the reference arrives: give winding.settle")
+    # heights of the conveyances against their ropes' ends at the sheave
+    rim = hoist.sheave_radius * recording["drive.angle"]
+    swings = {end: (recording[f"conveyance.{end}.y"] - s * rim)[tail] for end, s in zip(ENDS, (1.0, -1.0), strict=True)}
+    found = {f"swing_{end}": float(np.ptp(swing)) for end, swing in swings.items()}
     if "loop.x" in recording:
         found["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))
-    return found
-
-
-def missing_swing(result: Result, hoist: Hoist, arrival: Arrival) -> str:
-    """Return why a run has no swing frequency, in words."""
-    if not result.completed or not result.recording.signals:
-        return "swing_frequency: the run stopped before it arrived"
-    tail = _tail(result.recording, result.trajectory.duration, arrival)
-    if np.count_nonzero(tail) < 2:
-        return "swing_frequency: the record ends as the reference arrives: give winding.settle"
-    return f"swing_frequency: {_mode(result.recording, hoist, tail)}"
-
-
-def _tail(recording: Recording, arrived: float, arrival: Arrival) -> NDArray[np.bool_]:
-    t = recording.time - recording.time[0]
-    return np.asarray((t >= arrived) & (t <= arrived + arrival.window))
-
-
-def _swings(recording: Recording, hoist: Hoist, tail: NDArray[np.bool_]) -> dict[str, Array]:
-    """Height of each conveyance against its rope's end at the sheave [m]."""
-    rim = hoist.sheave_radius * recording["drive.angle"]
-    return {end: (recording[f"conveyance.{end}.y"] - s * rim)[tail] for end, s in (("left", 1.0), ("right", -1.0))}
-
-
-def _mode(recording: Recording, hoist: Hoist, tail: NDArray[np.bool_]) -> SwingMode | str:
-    return fit_swing(recording.time[tail], max(_swings(recording, hoist, tail).values(), key=np.ptp))
+    mode = fit_swing(recording.time[tail], max(swings.values(), key=np.ptp))
+    if isinstance(mode, str):
+        return Measured(found, f"swing_frequency: {mode}")
+    return Measured(found | {"swing_frequency": mode.frequency, "swing_damping": mode.damping})
 
 
 def _ripple(time: Array, force: Array) -> float:

@@ -15,32 +15,21 @@ from pathlib import Path
 
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
-from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host, Progress
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.design.controllers import Drive, drive, require_possible
-from hoist_demo.design.optimal_trajectory import TrajectoryOptions
-from hoist_demo.design.shaping import Shaper
+from hoist_demo.design.controllers import Task
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, Given, plain
-from hoist_demo.parameters import (
-    Arrival,
-    Coupling,
-    Hoist,
-    Winding,
-    require_jams_on_the_way,
-    require_trip_fits,
-    start_heights,
-)
+from hoist_demo.parameters import Arrival, Coupling, Hoist, require_jams_on_the_way, require_trip_fits, start_heights
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
-from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure, missing_swing
+from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
 from hoist_demo.study.slip import slip_warnings
 from rope_model import EndMotion
 
@@ -59,25 +48,15 @@ _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
 
 @dataclass(frozen=True)
-class RunData:
+class RunData(Task):
     """Everything that decides a run's result but the FMU's bytes."""
 
     case: str  # the hoist, by name or file
-    controller: str
-    hoist: Hoist
-    winding: Winding
     coupling: Coupling
-    gains: Gains
-    shaper: Shaper
-    trajectory: TrajectoryOptions
     arrival: Arrival
     fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
     given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # where values come from
-
-    def design(self) -> Drive:
-        """Return the gains and the trajectory of the controller; an optimised one takes seconds."""
-        return drive(self.controller, self.hoist, self.winding, self.gains, self.shaper, self.trajectory)
 
     def key(self, fmu_hash: str) -> str:
         """Name of the run, 24 hexadecimal digits."""
@@ -123,8 +102,8 @@ def build(
     differing = {key: one.value if isinstance(one, Given) else one for key, one in varied.items()}
     host = {**plain(found.host), **differing}
     run = RunData(
-        case,
-        str(host.get(CONTROLLER.name, CONTROLLER.start)),
+        case=case,
+        controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
         fmu={**found.rope, **fmu_part(differing)},
         signals=signals,
         given={**found.given, **{key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}},
@@ -137,7 +116,6 @@ def build(
         frequency, damping = swing_at_landing(wound)
         run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
     require_trip_fits(run.hoist, run.winding)
-    require_possible(run.controller, run.winding)
     s_curve(run.winding)
     return run
 
@@ -174,8 +152,10 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
             data = rope.data()
         finally:
             rope.close()
+        contradicted = contradictions(run.hoist, data.parameters)
         result = replace(result, recording=mask_neglected(result.recording, data.torque_free))
-        metrics = measure(result, run.hoist, result.winding, run.arrival)
+        fidelity = ", ".join(fidelities_of(result.recording))
+        metrics, missing = measure(result, run.hoist, result.winding, run.arrival)
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
         cause = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
@@ -183,10 +163,9 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     # a series means nothing without its instants
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
     kept = {name: result.recording[name].tolist() for name in names if name in result.recording}
-    units, fidelity = {name: result.recording.units[name] for name in kept}, ", ".join(fidelities_of(result.recording))
+    units = {name: result.recording.units[name] for name in kept}
     status = "completed" if result.completed else "stopped"
-    warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradictions(run.hoist, data.parameters))
-    missing = missing_swing(result, run.hoist, run.arrival) if math.isnan(metrics["swing_frequency"]) else ""
+    warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradicted)
     passed, told = passages(result.recording), tuple(filter(None, warned))
     return Outcome(status, result.cause, metrics, kept, units, fidelity, told, missing, passed)
 

@@ -128,7 +128,7 @@ def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
     result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
     passed = passages(result.recording)
     if result.completed and PASSED not in passed:
-        found = measure(result, run.hoist, run.winding, run.arrival)
+        found = measure(result, run.hoist, run.winding, run.arrival).metrics
         return {name: found[name] for name in asked.head.measures}, tuple(f"warning: {text}" for text in warnings)
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
     return dict.fromkeys(asked.head.measures, math.nan), (reason,)
