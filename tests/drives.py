@@ -44,11 +44,11 @@ class PlantInputPath:
 class PlantOutput(namedtuple("Shown", OUTPUTS)):
     @property
     def tension_ratio(self) -> float:
-        return tension_ratio(self.tension_left, self.tension_right)
+        return float(tension_ratio(self.tension_left, self.tension_right))
 
     @property
     def static_tension_ratio(self) -> float:
-        return tension_ratio(self.static_tension_left, self.static_tension_right)
+        return float(tension_ratio(self.static_tension_left, self.static_tension_right))
 
     @property
     def power(self) -> float:

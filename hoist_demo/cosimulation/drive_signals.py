@@ -3,8 +3,6 @@
 A row keeps the numbers as they come; what follows from them is computed once, for all rows, when the run has ended.
 """
 
-import numpy as np
-
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
@@ -84,14 +82,13 @@ def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:
     """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's."""
     kept = rows.signals
     motor, losses, ropes, left, right = (kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
-    tensions = kept["drive.tension_left"], kept["drive.tension_right"]
-    ratio = np.array([tension_ratio(*pair) for pair in zip(*(side.tolist() for side in tensions), strict=True)])
+    ratio = tension_ratio(kept["drive.tension_left"], kept["drive.tension_right"])
     kinetic, potential = kept["drive.energy_kinetic"], kept["drive.energy_potential"]
     gained = kinetic + potential - kinetic[:1] - potential[:1]
     computed = {
         "drive.motor_power": kept["drive.torque"] * kept[f"{_BESIDE}motor_rate"],
         "drive.tension_ratio": ratio,
-        "drive.slip_safety": np.array([hoist.slip_safety(value) for value in ratio.tolist()]),
+        "drive.slip_safety": hoist.slip_safety(ratio),
         "drive.work_motor": motor,
         "drive.work_losses": losses,
         "drive.work_slip": kept[f"{_BESIDE}losses_lining"],

@@ -1,6 +1,9 @@
 """Outputs of a drive at one instant: names, and places in a vector."""
 
-import math
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 _AXES = ("x", "z", "yaw")
 _LATERAL = ("{}", "v{}", "a{}")
@@ -32,7 +35,8 @@ OUTPUTS = (
 SHOWN = {name: k for k, name in enumerate(OUTPUTS)}  #: Places of OUTPUTS.
 
 
-def tension_ratio(one: float, other: float) -> float:
-    """Larger tension over smaller one (Euler-Eytelwein), infinite when a side is slack [-]."""
-    low, high = (one, other) if one < other else (other, one)
-    return high / low if low > 0.0 else math.inf
+def tension_ratio(one: Array, other: Array) -> Array:
+    """Return the larger tension over the smaller one (Euler-Eytelwein), infinite where a side is slack [-]."""
+    low, high = np.minimum(one, other), np.maximum(one, other)
+    found: Array = np.divide(high, low, out=np.full(np.shape(low), np.inf), where=low > 0.0)
+    return found

@@ -13,6 +13,8 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import repeat
 from typing import Any, TypeVar
 
+import numpy as np
+
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
 from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
 from rope_model.physics.elementary import larger
@@ -163,9 +165,14 @@ class Hoist(Stated):
         """Tension ratio at which the ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein) [-]."""
         return math.exp(self.friction_coefficient * self.wrap_angle)
 
-    def slip_safety(self, ratio: float) -> float:
-        """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
-        return (self.tension_ratio_limit - 1.0) / (ratio - 1.0) if ratio > 1.0 else math.inf
+    def slip_safety(self, ratio: Any) -> Any:
+        """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-].
+
+        `ratio` is a number or an array.
+        """
+        excess = np.asarray(ratio - 1.0)
+        found = np.divide(self.tension_ratio_limit - 1.0, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)
+        return found if found.ndim else float(found)
 
     def torque_available(self, rate: Any) -> Any:
         """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power; also of symbols."""

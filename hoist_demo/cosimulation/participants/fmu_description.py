@@ -6,12 +6,12 @@ an array's elements have their names of FMI 2.0: shape.x[1] ...
 
 import atexit
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from zipfile import BadZipFile, ZipFile
 
 import fmpy
@@ -22,6 +22,7 @@ from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
 FMI_VERSIONS = ("2.0", "3.0")  #: Versions of FMI that the host drives, as model descriptions state them.
+NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _KINDS = {"Enumeration": "Integer"}
 _NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")  #: Folders that no instance reads.
 
@@ -91,32 +92,49 @@ def unpacked(path: Path, changed: int, size: int) -> Path:
 
 def read_parameters(path: Path) -> dict[str, Parameter]:
     """All parameters of the FMU by name."""
-    return parameters_of(read_fmu(path).variables)
-
-
-def parameters_of(variables: Iterable[Variable]) -> dict[str, Parameter]:
-    """All parameters among the variables by name, each element of an array on its own."""
-    return {
-        name: Parameter(
-            name, fmi_unit(v.unit), _KINDS.get(v.kind, v.kind), start, Bounds(v.minimum, v.maximum), choices_of(name)
-        )
-        for v in variables
-        if v.causality == "parameter"
-        for name, start in zip(v.elements, v.starts, strict=True)
-    }
+    return read_fmu(path).parameters
 
 
 def read_outputs(path: Path, hoist: str = "") -> tuple[str, ...]:
     """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
-    outputs = [v for v in read_fmu(path, hoist).variables if v.causality == "output"]
-    return tuple(name for v in outputs if v.kind != "String" or v.name == FIDELITY for name in v.elements)
+    return tuple(read_fmu(path, hoist).shown)
 
 
-class Fmu(NamedTuple):
+@dataclass(frozen=True)
+class Fmu:
     """Contents of an FMU's description."""
 
     description: Any  # FMPy's
     variables: tuple[Variable, ...]
+
+    @cached_property
+    def named(self) -> dict[str, Variable]:
+        """The variable of each name, that of an array by each of its elements."""
+        return {name: v for v in self.variables for name in v.elements}
+
+    @cached_property
+    def parameters(self) -> dict[str, Parameter]:
+        """All parameters by name, each element of an array on its own."""
+        return {
+            name: Parameter(
+                name,
+                fmi_unit(v.unit),
+                _KINDS.get(v.kind, v.kind),
+                start,
+                Bounds(v.minimum, v.maximum),
+                choices_of(name),
+            )
+            for v in self.variables
+            if v.causality == "parameter"
+            for name, start in zip(v.elements, v.starts, strict=True)
+        }
+
+    @cached_property
+    def shown(self) -> dict[str, str]:
+        """Unit of each output that is a number; of the fidelity, which is recorded by its code, too."""
+        outputs = {name: v for name, v in self.named.items() if v.causality == "output"}
+        found = {name: v.unit for kind in NUMBERS for name, v in outputs.items() if v.kind == kind}
+        return found | ({FIDELITY: "1"} if FIDELITY in outputs else {})
 
 
 def read_fmu(path: Path, hoist: str = "") -> Fmu:

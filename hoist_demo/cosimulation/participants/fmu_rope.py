@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
-from hoist_demo.cosimulation.participants.fmu_description import Variable, parameters_of, read_fmu, unpacked, version_of
+from hoist_demo.cosimulation.participants.fmu_description import NUMBERS, Variable, read_fmu, unpacked, version_of
 from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
@@ -30,7 +30,6 @@ _log = logging.getLogger(__name__)
 
 INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
 
-_NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _VALID = Status(True)
 
 
@@ -48,19 +47,13 @@ class FmuRope:
         self._warned: set[str] = set()  # what has been in the log
         self._errors: list[str] = []  # what the FMU has said of the call that fails
         self._path = Path(path)
-        self._description, variables = read_fmu(self._path)
-        self._described = parameters_of(variables)
-        self._variables = {name: v for v in variables for name in v.elements}
+        fmu = read_fmu(self._path)
+        self._description, self._described, self._variables = fmu.description, fmu.parameters, fmu.named
         inputs = [self._variable(f"{end}.{name}") for end in ENDS for name in INPUTS]
-        outputs = {name: v for v in variables if v.causality == "output" for name in v.elements}
-        shown = {name: v.unit for kind in _NUMBERS for name, v in outputs.items() if v.kind == kind}
-        missing = [name for name in ROPE_FORCES if name not in shown]
-        if missing:
+        if missing := [name for name in ROPE_FORCES if name not in fmu.shown]:
             raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
-        wanted = (shown.keys() | {FIDELITY}) - {*ADDED_MASSES} if recorded is None else recorded
-        self._units = {name: unit for name, unit in shown.items() if name in wanted}
-        if FIDELITY in outputs and FIDELITY in wanted:
-            self._units[FIDELITY] = "1"
+        wanted = fmu.shown.keys() - {*ADDED_MASSES} if recorded is None else recorded
+        self._units = {name: unit for name, unit in fmu.shown.items() if name in wanted}
         self._chosen: dict[str, Value] = {"inputs_at_step_end": True, **(parameters or {})}
         try:
             self._fmu: Instance = VERSIONS[self._description.fmiVersion](
@@ -123,7 +116,7 @@ class FmuRope:
     def _outputs(self, names: Sequence[str], rows: int) -> tuple[list[Buffer], Callable[[int], NDArray[np.float64]]]:
         """Buffers of outputs by type, and a function that puts their first rows in the order of the names."""
         asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
-        known = [v for v in asked if v.kind in _NUMBERS or v.name == FIDELITY]
+        known = [v for v in asked if v.kind in NUMBERS or v.name == FIDELITY]
         parts = []
         for type_ in dict.fromkeys(v.type for v in known):
             buffer = self._fmu.buffer("Get", [v for v in known if v.type == type_], rows)
