@@ -56,7 +56,7 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
     if way == "sanitizers":
         files = map(str, sorted((unzipped / "sources").glob("*.c")))
-        shared = ["-DHAS_WIDE_FORM=0", "-fPIC", "-shared", "-fvisibility=hidden", "-o", str(binary)]
+        shared = ["-DHAS_WIDE_FORMS=0", "-fPIC", "-shared", "-fvisibility=hidden", "-o", str(binary)]
         subprocess.run([*compiler, "-std=gnu99", *shared, *files, "-lm"], check=True)
     description = fmpy.read_model_description(str(fmu))
     references = {v.name: str(v.valueReference) for v in description.modelVariables}

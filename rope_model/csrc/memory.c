@@ -42,7 +42,7 @@ static size_t lay_out(Simulator *rope, Room *room) {
     rope->work = piece(room, chain_work_bytes(rope->elements));
     if (most_curvature(&scene->rope) > 0) rope->curved = numbers(room, CURVED * n);
     if (rubs) rope->wires = numbers(room, WIRE_HISTORY * n);
-    if (rubs) rope->latest = numbers(room, WIRE_LATEST * (n + 3));
+    if (rubs) rope->latest = numbers(room, WIRE_LATEST * (n + MOST_LANES - 1));
     rope->around = piece(room, sizeof *rope->around);
     rope->own = piece(room, sizeof *rope->own);
     const Seen seen = {.q = numbers(room, size), .lengths = numbers(room, n)};

@@ -11,16 +11,16 @@ size_t chain_work_bytes(int elements) {
     return sizeof(torsional_Step) * ((n + 1) / PAIR + 1) + sizeof(double) * (n + 1) * (105 + 2 * DOF);
 }
 
-/* the last group of elements may have lanes to spare */
 size_t chain_frames_bytes(int elements) {
-    return sizeof(double) * FRAME * ((size_t)elements + 3);
+    return sizeof(double) * FRAME * ((size_t)elements + MOST_LANES - 1);
 }
 
-#if HAS_WIDE_FORM
-extern const Chain chains_wide[3];
+#if HAS_WIDE_FORMS
+extern const Chain chains_wide[3], chains_widest[3];
 
 const Chain *fastest_chains(void) {
-    return processor_has_avx2() ? chains_wide : chains_plain;
+    const int lanes = processor_lanes();
+    return lanes == 8 ? chains_widest : lanes == 4 ? chains_wide : chains_plain;
 }
 #else
 const Chain *fastest_chains(void) {

@@ -3,7 +3,7 @@
 
 #include "processor.h"
 
-#if HAS_WIDE_FORM
+#if HAS_WIDE_FORMS
 #if defined(__clang__)
 #pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
 #else

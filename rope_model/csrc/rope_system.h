@@ -13,7 +13,8 @@ enum {
     AIR_LAW = 9,
     AIR = AIR_LAW + 2 * 4,
     AIR_BALANCE = 7,
-    CURVED = 12
+    CURVED = 12,
+    MOST_LANES = 8 /* the last group of elements may have lanes to spare */
 };
 /* of physics.element.BALANCE */
 enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };

@@ -3,20 +3,23 @@
 
 #include "processor.h"
 
-#if HAS_WIDE_FORM
+#if HAS_WIDE_FORMS
 #include <cpuid.h>
 
-enum { WIDE_REGISTERS = 6 }; /* those of SSE and AVX, which the system must keep for each thread */
+/* registers that the system must keep for each thread: those of SSE and AVX, and with the masks of AVX-512 */
+enum { WIDE_REGISTERS = 0x6, WIDEST_REGISTERS = 0xe6 };
+enum { AVX2 = 1 << 5, AVX512F = 1 << 16, AVX512VBMI = 1 << 1 };
 
-int processor_has_avx2(void) {
+int processor_lanes(void) {
     unsigned a, b, c, d, kept, unused;
-    if (__get_cpuid_max(0, 0) < 7) return 0;
+    if (__get_cpuid_max(0, 0) < 7) return 2;
     __cpuid(1, a, b, c, d);
-    if (!(c & bit_OSXSAVE)) return 0;
+    if (!(c & bit_OSXSAVE)) return 2;
     __asm__("xgetbv" : "=a"(kept), "=d"(unused) : "c"(0));
-    if ((kept & WIDE_REGISTERS) != WIDE_REGISTERS) return 0;
     __cpuid_count(7, 0, a, b, c, d);
-    return (b & bit_AVX2) != 0;
+    if ((kept & WIDE_REGISTERS) != WIDE_REGISTERS || !(b & AVX2)) return 2;
+    /* those without VBMI lower their clock for eight */
+    return (kept & WIDEST_REGISTERS) == WIDEST_REGISTERS && (b & AVX512F) && (c & AVX512VBMI) ? 8 : 4;
 }
 #else
 typedef int nothing_to_do_here;

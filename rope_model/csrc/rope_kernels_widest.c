@@ -1,0 +1,21 @@
+/* The same with eight elements at a time, for processors with AVX-512, which could fuse multiplications. */
+
+#include "processor.h"
+
+#if HAS_WIDE_FORMS
+#if defined(__clang__)
+#pragma clang fp contract(off)
+#pragma clang attribute push(__attribute__((target("avx512f"))), apply_to = function)
+#else
+#pragma GCC target("avx512f")
+#pragma GCC optimize("fp-contract=off")
+#endif
+#define LANES 8
+#define FORM(name) name##_widest
+#include "rope_kernels_form.inc"
+#if defined(__clang__)
+#pragma clang attribute pop
+#endif
+#else
+typedef int nothing_to_do_here;
+#endif
