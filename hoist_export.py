@@ -16,6 +16,7 @@ from hoist_demo.drive_fmu.description import drive_model, duration
 from hoist_demo.drive_fmu.interface import Tail
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, not_held, obstacles
 from hoist_demo.parameters import start_heights
+from hoist_demo.parameters.problems import Problems
 from rope_model.cases import Level
 from rope_model.scene_names import Value, named_parameters
 
@@ -111,8 +112,7 @@ def export_hoist(
     if unknown := sorted({*without} - {*WITHOUT}):
         raise ValueError(f"without = {unknown[0]!r} must be one of {', '.join(WITHOUT)}: choose of these")
     case = leave_out(case, without)
-    if problems := [*obstacles(case), *_obstacles(case, ropes, without)]:
-        raise ValueError("\n".join(problems))
+    Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
     tails = [Tail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length, one.place) for one in ropes]
     drive = drive_model(case, tails, trajectory)
     fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}

@@ -13,6 +13,7 @@ from hoist_demo.files.reading import EMPTY, Table, flat
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.run_values import RopeQuestion
 from hoist_demo.files.values import Given, given, plain, statuses
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum
 
@@ -69,20 +70,19 @@ class Measured(RopeQuestion):
     @model_validator(mode="after")
     def _is_within_reach(self) -> Self:
         length = self.bench.known.length
-        problems = [
+        problems = Problems(
             f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must be less than the rope's length = "
             f"{length:g} m apart, before and after a trip, and are {abs(gap):g} m: correct left_y, right_y or travel"
             for k, one in enumerate(self.measurements, 1)
             if isinstance(one, InShaft)
             for left, right, gap in one.apart
             if abs(gap) >= length
-        ]
+        )
         problems += [
             f"measured {k}: {what} = {s:.6g} m must be from 0 to {length:g} m, its length: correct one or the unit"
             for k, one in enumerate(self.measurements, 1)
             for what, s in (one.lengths.items() if isinstance(one, Markers) else ())
             if not 0.0 <= s <= length
         ]
-        if problems:
-            raise ValueError("\n".join(problems))
+        problems.refuse()
         return self

@@ -10,6 +10,7 @@ from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import DERIVED, Given, plain
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from rope_model import rope as catalogue_rope
 
@@ -79,14 +80,11 @@ def completed(host: Mapping[str, Given], tails: Iterable[Tail], **head: Any) -> 
         host["hoist.shaft_travel"] = Given(deep, DERIVED, "winding.travel")
     found = data_of(plain(host))
     length = Given(LENGTH.value(Known(found["hoist"], found["winding"], Hoist())), DERIVED, LENGTH.words, follows=True)
-    problems, filled = list[str](), list[Tail]()
-    for k, tail in enumerate(tails, 1):
-        try:
-            filled.append(replace(tail, values={"rope.length": length, **_of_catalogue(tail), **tail.values}))
-        except ValueError as error:
-            problems.append(f"rope {k}: {error}")
-    if problems:
-        raise ValueError("\n".join(problems))
+    filled = list[Tail]()
+    with Problems() as problems:
+        for k, tail in enumerate(tails, 1):
+            with problems.at(f"rope {k}"):
+                filled.append(replace(tail, values={"rope.length": length, **_of_catalogue(tail), **tail.values}))
     tails = tuple(filled)
     drive = _drive_s_view(tails)
     if host.get("hoist.tail_rope_number", Given(drive.tail_rope_number)).value != drive.tail_rope_number:

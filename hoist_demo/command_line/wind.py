@@ -241,8 +241,8 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mappin
         )
     outputs = read_outputs(options.fmu)
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
-    if fmu_part(chosen) and (problems := Probe(options.fmu).rejection(run)):
-        raise ValueError("; ".join(problems))
+    if fmu_part(chosen):
+        Probe(options.fmu).require_start(run)
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # of which those are dear
     load = partial(FmuRope, options.fmu, {**kernels, **run.fmu}, recorded)
     return Ropes(case, run, (OneRope("", run.fmu, case.level, case, fmu=load),))

@@ -11,6 +11,7 @@ from hoist_demo.drive_fmu.interface import START_PULLS, Tail, Variable, force_in
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
 from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
+from hoist_demo.parameters.problems import Problems
 from rope_model import Inputs
 from rope_model.texts import html_text
 
@@ -47,8 +48,7 @@ def drive_model(case: Case, tails: Sequence[Tail] = (), trajectory: Trajectory |
     duration.  The brake is left out: it is for emergency stops, which an exported trip has not got; ValueError names
     what else an exported drive cannot hold.
     """
-    if problems := obstacles(case):
-        raise ValueError("\n".join(problems))
+    Problems(obstacles(case)).refuse()
     case = leave_out(case, ())
     # the wait before the trip is a parameter of its own
     reference = s_curve(replace(case.winding, start_delay=0.0)) if trajectory is None else trajectory

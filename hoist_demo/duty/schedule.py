@@ -4,10 +4,9 @@ A trip begins where the one before has ended: it waits for winding.start_delay, 
 while its payloads change evenly to those of the next.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from pathlib import Path
+from typing import Self
 
 from pydantic import Field, model_validator
 
@@ -15,6 +14,7 @@ from hoist_demo.files.reading import read
 from hoist_demo.files.run_values import LevelHead, RunFile, Values
 from hoist_demo.files.values import statuses
 from hoist_demo.parameters import start_heights
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.study.run import RunData, build
 
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
@@ -41,20 +41,17 @@ class Schedule(RunFile):
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
         """Data of the trips."""
-        found, problems = [], []
-        for k, trip in enumerate(self.trips, 1):
-            problems += [
-                f"trip {k}: {key} = {one.value!r} must be the same in all trips: set it in [fixed]; a trip has "
-                f"winding.* and {' and '.join(_PAYLOADS)}"
-                for key, one in trip.items()
-                if key not in _PAYLOADS and not key.startswith("winding.")
-            ]
-            try:
-                found.append(build(self.head.hoist, self.fixed, varied=trip))
-            except ValueError as error:
-                problems.append(f"trip {k}: {error}")
-        if problems:
-            raise ValueError("\n".join(problems))
+        found = []
+        with Problems() as problems:
+            for k, trip in enumerate(self.trips, 1):
+                problems += [
+                    f"trip {k}: {key} = {one.value!r} must be the same in all trips: set it in [fixed]; a trip has "
+                    f"winding.* and {' and '.join(_PAYLOADS)}"
+                    for key, one in trip.items()
+                    if key not in _PAYLOADS and not key.startswith("winding.")
+                ]
+                with problems.at(f"trip {k}"):
+                    found.append(build(self.head.hoist, self.fixed, varied=trip))
         return tuple(found)
 
     @property
@@ -77,7 +74,7 @@ class Schedule(RunFile):
         return repr((self.head.hoist, self.level, self.pattern))
 
     @model_validator(mode="after")
-    def _follow_one_another(self) -> Schedule:
+    def _follow_one_another(self) -> Self:
         top = self.trip(1).hoist.shaft_travel
         for k in range(1, self.count + 1):
             winding, end = self.trip(k).winding, self.landing(k)

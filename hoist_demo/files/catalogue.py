@@ -45,7 +45,7 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
     try:
         return dict(_Data.model_validate(nested))
     except ValidationError as error:
-        lines = [f"{one['loc'][0]}: {one.get('ctx', {}).get('error', one['msg'])}" for one in error.errors()]
+        lines = (f"{one['loc'][0]}: {one.get('ctx', {}).get('error', one['msg'])}" for one in error.errors())
         raise ValueError("\n".join(lines)) from error
 
 

@@ -21,6 +21,7 @@ from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, re
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
 from hoist_demo.parameters.place import Place
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, leaves
 from rope_model import Level
 
@@ -101,12 +102,10 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         values = {key: one for key, one in said.items() if isinstance(one, Given)}
         host = {key: one for key, one in values.items() if key in host_parameters()}
         shared = {key: one for key, one in values.items() if key not in host}
-        problems: list[str] = [] if "rope" in said else ["rope is missing: write [[rope]] above what it has"]
-        tails = [_tail(k, rope, shared, problems) for k, rope in enumerate(said.get("rope", ()), 1)]
-        names = [tail.name for tail in tails]
-        problems += [f"rope name = {n!r} must be given once: name each rope" for n in names if names.count(n) > 1]
-        if problems:
-            raise ValueError("\n".join(problems))
+        with Problems([] if "rope" in said else ["rope is missing: write [[rope]] above what it has"]) as problems:
+            tails = [_tail(k, rope, shared, problems) for k, rope in enumerate(said.get("rope", ()), 1)]
+            names = [tail.name for tail in tails]
+            problems += [f"rope name = {n!r} must be given once: name each rope" for n in names if names.count(n) > 1]
         head = {name: said[name] for name in ("source", "level") if name in said}
         return completed(host, tails, name=self.name, signals=tuple(said.get("signals", ())), **head)
 

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 from hoist_demo.files.catalogue import rope_parameters, table
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import POSITIVE, VANISHING, Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
@@ -92,17 +93,15 @@ class KnownFile(File):
             found = rope(**asked)
         except ValueError as error:
             raise ValueError(f"[rope] {error}") from error
-        problems = []
-        for name, one in self.ranges.items():
-            low, high = found.data[name].low / FAR_OFF, FAR_OFF * found.data[name].high
-            if not (low <= one.low and one.high <= high):
-                said = f"{one.low:g} to {one.high:g}" if one.low < one.high else f"{one.high:g}"
-                problems.append(
-                    f"[known] {name} = {said} must be within {low:.3g} and {high:.3g} {one.unit}, {FAR_OFF:g} times "
-                    "less and more than the catalogue has: check its unit"
-                )
-        if problems:
-            raise ValueError("\n".join(problems))
+        with Problems() as problems:
+            for name, one in self.ranges.items():
+                low, high = found.data[name].low / FAR_OFF, FAR_OFF * found.data[name].high
+                if not (low <= one.low and one.high <= high):
+                    said = f"{one.low:g} to {one.high:g}" if one.low < one.high else f"{one.high:g}"
+                    problems.append(
+                        f"[known] {name} = {said} must be within {low:.3g} and {high:.3g} {one.unit}, {FAR_OFF:g} "
+                        "times less and more than the catalogue has: check its unit"
+                    )
         return replace(found, data={**found.data, **self.ranges})
 
 

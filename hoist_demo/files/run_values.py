@@ -10,6 +10,7 @@ from hoist_demo.files.catalogue import SWIVELS, of_ends, of_run, table
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
 from hoist_demo.files.values import Given, Text, given, stated
+from hoist_demo.parameters.problems import Problems
 from rope_model import Level
 from rope_model.texts import printable
 
@@ -70,7 +71,6 @@ class RopeQuestion(KnownFile):
     def _is_decided_once(self) -> Self:
         _ = self.catalogue_rope
         names = sorted(self.fixed.keys() & {f"rope.{name}" for name in FOLLOWING})
-        if names:
-            lines = [f"[fixed] {name} follows from the properties: give [known] or [rope] instead" for name in names]
-            raise ValueError("\n".join(lines))
+        follows = "follows from the properties: give [known] or [rope] instead"
+        Problems(f"[fixed] {name} {follows}" for name in names).refuse()
         return self

@@ -19,6 +19,7 @@ from hoist_demo.files.hoist_file import PLACE
 from hoist_demo.files.values import DERIVED, Given
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.nearness import Pair, pairs
 from hoist_demo.recording.time_series import Recording
@@ -124,56 +125,51 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
     """
     if not case.ropes:
         return Ropes(case, run, (OneRope("", {**run.fmu, **fmu_part(chosen)}, level, case),))
-    problems: list[str] = []
     values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]
     known = rope_parameters()
-    if guards := sorted(key for key, value in values if key.startswith("guard.") and value != known[key].start):
-        problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
     ropes = []
-    for tail in case.ropes:
-        if tail.name in _TAKEN:
-            problems.append(
-                f"rope name = {tail.name!r} must be another: signals of the rope begin with it, and "
-                f"{', '.join(_TAKEN)} are taken"
-            )
-        try:
-            ropes.append(_rope(tail, {**tail.parameters, **fmu_part(chosen)}, level, case))
-        except ValueError as error:
-            problems.append(f"rope {tail.name}: {error}")
-    if not problems and ropes[0].scene.shaft.contact.rope_stiffness > 0.0:
-        problems += _obstacles_to_contact(ropes, f"{_PRESSED} = {ropes[0].scene.shaft.contact.rope_stiffness:g}")
-    if problems:
-        raise ValueError("\n".join(problems))
-    return Ropes(case, run, tuple(ropes))
+    with Problems() as problems:
+        if guards := sorted(key for key, value in values if key.startswith("guard.") and value != known[key].start):
+            problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
+        for tail in case.ropes:
+            if tail.name in _TAKEN:
+                taken = f"signals of the rope begin with it, and {', '.join(_TAKEN)} are taken"
+                problems.append(f"rope name = {tail.name!r} must be another: {taken}")
+            with problems.at(f"rope {tail.name}"):
+                ropes.append(_rope(tail, {**tail.parameters, **fmu_part(chosen)}, level, case))
+    found = Ropes(case, run, tuple(ropes))
+    if found.touching:
+        _require_apart(ropes)
+    return found
 
 
-def _obstacles_to_contact(ropes: Sequence[OneRope], pressed: str) -> list[str]:
-    """Return why ropes cannot press each other; `pressed` is the stiffness that asks for it."""
+def _require_apart(ropes: Sequence[OneRope]) -> None:
+    """Refuse ropes that cannot press each other."""
+    pressed = f"{_PRESSED} = {ropes[0].scene.shaft.contact.rope_stiffness:g}"
     alone = f"or set {_PRESSED} = 0: each rope is then alone"
-    found = [
+    problems = Problems(
         f"rope {rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
         f"{pressed}, for ropes press each other out of plane: choose one, {alone}"
         for rope in ropes
         if rope.scene.model.fidelity not in ("torsional", "spatial")
-    ]
+    )
     for one, other in combinations(ropes, 2):
         apart = min(math.dist(one.place.at(end), other.place.at(end)) for end in ENDS)
         if apart < (least := 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)):
-            found.append(
+            problems.append(
                 f"rope {other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m "
                 f"away with {pressed}, or they touch where they hang: move it by z or x_left and x_right, {alone}"
             )
-    return found
+    problems.refuse()
 
 
 def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**{key: float(tail.place.get(key, 0.0)) for key in PLACE})
     spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
-    own = {**parameters, "layout.spacing": spacing}
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
     apart = Given(spacing, DERIVED, "the rope's place")
     alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
-    rope = OneRope(tail.name, own, level, alone, place, breaks)
+    rope = OneRope(tail.name, {**parameters, "layout.spacing": spacing}, level, alone, place, breaks)
     _ = rope.scene  # checks it
     return rope

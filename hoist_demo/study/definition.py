@@ -3,14 +3,12 @@
 Values count in this order: the hoist's, [fixed], [[variant]], [vary]. The runs of [vary] are made for every variant.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, WrapValidator, model_validator
 
@@ -22,6 +20,7 @@ from hoist_demo.files.catalogue import of_run, parameters
 from hoist_demo.files.reading import EMPTY, File, FileError, Flat, Table, contents, flat, read, table_of
 from hoist_demo.files.run_values import Head, Values
 from hoist_demo.files.values import VARIED, Given, Text, plain, statuses
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.goal import Bound, Goal, Judge, bounds_on, read_weights
@@ -87,7 +86,7 @@ class StudyHead(Head):
     over: list[Text] | None = None
 
     @model_validator(mode="after")
-    def _is_one(self) -> StudyHead:
+    def _is_one(self) -> Self:
         if self.minimise and self.maximise:
             raise ValueError(f"minimise = {self.minimise!r} must stand without maximise: keep one of them")
         if self.judge == "share" and not self.bounds:
@@ -245,35 +244,34 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
-    head, problems = file.study, list[str]()
+    try:
+        return _study(file, fmu, progress)
+    except ValueError as error:
+        raise FileError(path, str(error).splitlines()) from error
+
+
+def _study(file: StudyFile, fmu: Path | None, progress: Progress) -> Study:
+    head = file.study
     rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
-
-    def tried(place: str, ask: Callable[[], Any]) -> Any:
-        try:
-            return ask()
-        except ValueError as error:
-            problems.append(f"{place}: {error}")
-            return None
-
-    if find_case(head.hoist).ropes:
-        problems.append(f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out")
-    signals = tried("study", lambda: match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)]))
-    variants, chosen = tried("variant", lambda: file.variants), tried("study", file.chosen)
-    drawn = tried("sample", file.drawn)
-    if problems:
-        raise FileError(path, problems)
+    with Problems() as problems:
+        if find_case(head.hoist).ropes:
+            problems += [f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"]
+        with problems.at("study"):
+            signals = match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)])
+        with problems.at("study"):
+            chosen = file.chosen()
+        with problems.at("variant"):
+            variants = file.variants
+        with problems.at("sample"):
+            plan, points = file.drawn()
     fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
-    plan, points = drawn
     study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
     probe, samples, every = Probe(rope), list[Sample](), math.ceil(len(points) * len(variants) / MOST_TRIED)
-    for values, name in ((values, name) for values in progress(points) for name in variants):
-        try:
-            samples.append(study.run(name, values))
-            rejected = [] if len(samples) % every else probe.rejection(samples[-1].data)
-        except ValueError as error:
-            rejected = [str(error)]
-        problems += [f"variant {name}: {text}" if name else text for text in rejected]
-    if problems:
-        raise FileError(path, problems)
+    with Problems() as problems:
+        for values, name in ((values, name) for values in progress(points) for name in variants):
+            with problems.at(name and f"variant {name}"):
+                samples.append(study.run(name, values))
+                if not len(samples) % every:
+                    probe.require_start(samples[-1].data)
     in_order = tuple(one for name in variants for one in samples if one.variant == name)
     return replace(study, samples=in_order)

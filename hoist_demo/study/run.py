@@ -25,6 +25,7 @@ from hoist_demo.design.controllers import Task
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, Given, plain
 from hoist_demo.parameters import Arrival, Coupling, Hoist, require_jams_on_the_way, require_trip_fits, start_heights
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
@@ -201,18 +202,18 @@ class Probe:
         self._fmu = fmu
         self._answers: dict[str, str] = {}
 
-    def rejection(self, run: RunData) -> list[str]:
-        """Return why the rope does not start with the run's parameters, with the key if one alone is to blame."""
+    def require_start(self, run: RunData) -> None:
+        """Refuse a rope that does not start with the run's parameters, by the key if one alone is to blame."""
         heights = start_heights(run.hoist, run.winding)
         together = self._ask(run.fmu, heights)
         if not together:
-            return []
+            return
         own = find_case(run.case).rope
         set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
         alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
         blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
         chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
-        return blamed or [f"{chosen}: {together}"]
+        Problems(blamed or [f"{chosen}: {together}"]).refuse()
 
     def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
         question = json.dumps([dict(parameters), heights], sort_keys=True)

@@ -1,11 +1,9 @@
 """A file that asks how uncertain a winding is: what is known of the rope varies within its ranges."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -58,7 +56,7 @@ class Uncertain(RopeQuestion, RunFile):
         return found | (BEARINGS[self.head.bearing] if self.head.bearing else {})
 
     @model_validator(mode="after")
-    def _varies(self) -> Uncertain:
+    def _varies(self) -> Self:
         if not self.data:
             raise ValueError("nothing varies: give a property of [known] a range, { low, high }")
         self.provenance()

@@ -1,0 +1,29 @@
+"""All that is wrong with data at once, rather than the first of it."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Self
+
+
+class Problems(list[str]):
+    """What is wrong, a line each; the end of its `with` refuses them together."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self.refuse()
+
+    @contextmanager
+    def at(self, place: str) -> Iterator[None]:
+        """Take up all that is refused inside, each line behind its place."""
+        try:
+            yield
+        except ValueError as error:
+            self += [f"{place}: {line}" if place else line for line in str(error).splitlines()]
+
+    def refuse(self) -> None:
+        """Raise a ValueError with all of them, if there are any."""
+        if self:
+            raise ValueError("\n".join(self))
