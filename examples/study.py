@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 from itertools import product
 
 from rope_model import EndMotion, Model, balance_rope, rope_120
-from rope_model.parameters import FidelityChoice
+from rope_model.solver_parameters import FidelityChoice
 
 LOW, DURATION, H = 40.0, 4.0, 0.01  # m, s, s
 ACCELERATIONS = (0.5, 1.0, 2.0)  # m/s^2, the largest of each run

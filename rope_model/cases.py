@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from rope_model.parameters import Accuracy, Mesh, Model, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Rope, Scene, Swivel
+from rope_model.solver_parameters import Accuracy, Mesh, Model, Solver
 
 Level = Literal["draft", "standard", "reference"]
 #: accuracy, solver and model of each level, checked in docs/accuracy.md. A draft is for end forces: it may leave out

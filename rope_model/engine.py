@@ -16,7 +16,7 @@ from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import library
 from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
-from rope_model.parameters import FidelityChoice, Scene
+from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.ends.ends import Phase
@@ -28,6 +28,7 @@ from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.outputs.signal_table import SIGNALS, checked_names
 from rope_model.simulation.state import Event, Powers, RopeState
 from rope_model.simulation.wires import NO_MEMORY
+from rope_model.solver_parameters import FidelityChoice
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")

@@ -8,7 +8,7 @@ from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, ro
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import last_words
-from rope_model.parameters import CHOICES, Accuracy, Inputs, Layout, Mesh, Model, Rope, Scene, Solver, Swivel
+from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
 from rope_model.shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status
 from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
@@ -21,6 +21,7 @@ from rope_model.simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
 from rope_model.simulation.outputs.signal_table import SIGNALS, Signal
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
+from rope_model.solver_parameters import Accuracy, Inputs, Mesh, Model, Solver
 
 __all__ = [
     "BEARINGS", "BODIES", "CHOICES", "CONSTRUCTIONS", "FAR", "FIDELITIES", "GUARD_CAUSES", "ROPE_CASES", "SIGNALS",

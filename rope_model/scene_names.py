@@ -5,8 +5,9 @@ from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 from rope_model.parameter_table import Parameter, numeric_bounds, parameters_of
-from rope_model.parameters import CHOICES, GROUPS, SEGMENTS, Mesh, Scene
+from rope_model.parameters import CHOICES, GROUPS, Scene
 from rope_model.shaft_parameters import PARTS
+from rope_model.solver_parameters import SEGMENTS, Mesh
 
 Value = float | int | bool | str
 

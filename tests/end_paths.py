@@ -5,10 +5,11 @@ from functools import cache
 
 from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
-from rope_model.parameters import Inputs, Rope, Scene, Trusted
+from rope_model.parameters import Rope, Scene
 from rope_model.simulation.ends.followed import Followed, follow, follow_program
 from rope_model.simulation.ends.following import Following, Limits, Manner, manner_of
 from rope_model.simulation.ends.paths import EndMotion, EndPath
+from rope_model.solver_parameters import Inputs, Trusted
 
 NO_LIMITS = Limits((0.0,) * 6, (0.0,) * 4, (0.0,) * 4)
 

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from rope_model.codegen.build import sources
 from rope_model.codegen.structures import GROUPS
 from rope_model.numerics import kernels
-from rope_model.parameters import Mesh
 from rope_model.simulation.outputs.diagnostics import LoopBottom
+from rope_model.solver_parameters import Mesh
 
 Array = NDArray[np.float64]
 

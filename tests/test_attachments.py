@@ -15,9 +15,9 @@ from test_native_derivatives import native_derivative
 
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
 from rope_model.engine import NativeRope
-from rope_model.parameters import Model
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
+from rope_model.solver_parameters import Model
 
 Array = NDArray[np.float64]
 #: a cable of 1.2 m, hardly extensible

@@ -19,8 +19,8 @@ from scenes import Ends, going_aside, past_each_other, wound
 from test_following import unfit
 
 from rope_model import BalanceRope, EndMotion, Guard, Mesh, Model, Rope, RopeState, Scene, balance_rope
-from rope_model.parameters import FidelityChoice
 from rope_model.simulation.outputs.audit import Audit
+from rope_model.solver_parameters import FidelityChoice
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, EndMotion, Inputs, Mesh, RopeSimulator, Scene, Status, balance_rope, rope_120
 from rope_model.engine import NativeRope
-from rope_model.parameters import FidelityChoice, Trusted
 from rope_model.simulation.ends.following import manner_of
+from rope_model.solver_parameters import FidelityChoice, Trusted
 
 H, TRAVEL = 0.01, 20.0
 TRIP = s_curve(Winding(travel=TRAVEL, speed=4.0, start_delay=0.2))

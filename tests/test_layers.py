@@ -25,17 +25,20 @@ def rules(text: str) -> dict[str, set[str]]:
 MAY_IMPORT = rules(
     """\
 rope_model.parameter_table:
-rope_model.parameters: .parameter_table .shaft_parameters
+rope_model.solver_parameters: .parameter_table
+rope_model.parameters: .parameter_table .shaft_parameters .solver_parameters
 rope_model.shaft_parameters: .parameter_table
-rope_model.cases: .parameters
-rope_model.scene_names: .parameter_table .parameters .shaft_parameters
+rope_model.cases: .parameters .solver_parameters
+rope_model.scene_names: .parameter_table .parameters .solver_parameters .shaft_parameters
 rope_model.catalogue: .parameter_table .parameters
 rope_model.physics:
 rope_model.numerics:
-rope_model.simulation: .parameter_table .parameters .shaft_parameters .physics .numerics
-rope_model.codegen: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts
-rope_model.engine: .parameter_table .parameters .shaft_parameters .physics .numerics .simulation .texts .codegen
-rope_model.public: .cases .catalogue .parameters .shaft_parameters .numerics .simulation .engine
+rope_model.simulation: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
+rope_model.codegen: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
+    rope_model.simulation rope_model.texts
+rope_model.engine: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
+    rope_model.simulation rope_model.texts rope_model.codegen
+rope_model.public: .cases .catalogue .parameters .solver_parameters .shaft_parameters .numerics .simulation .engine
 rope_model.version:
 rope_model.texts:
 rope_model: .public .version

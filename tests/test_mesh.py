@@ -11,7 +11,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from rope_model.parameters import Mesh
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh import partition as cells
@@ -20,6 +19,7 @@ from rope_model.simulation.mesh.mesh_pattern import fewest_outer, inner_length, 
 from rope_model.simulation.mesh.partition import NOWHERE, Partition, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
+from rope_model.solver_parameters import Mesh
 
 
 def nodes(p: Partition) -> Array:

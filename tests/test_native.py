@@ -24,8 +24,9 @@ from rope_model.cases import rope_120, rope_240
 from rope_model.codegen.build import sources
 from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import FLAGS, cache_folder, compile_objects, find_compiler, object_files
-from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
+from rope_model.solver_parameters import Mesh, Model, Solver
 
 States = Iterator[tuple[RopeState, ...]]
 Motions = Callable[[float], tuple[EndMotion, EndMotion]]

@@ -22,7 +22,7 @@ from rope_model import scene_names
 from rope_model.cases import RopeCase
 from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
-from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, Scene, Swivel
+from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import frozen, refusal
 from rope_model.simulation.ends.following import Following, Limits
@@ -31,6 +31,7 @@ from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_s
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import StaticsError
+from rope_model.solver_parameters import FidelityChoice, Inputs, Model
 
 Ends = tuple[EndMotion, EndMotion]
 

@@ -10,8 +10,9 @@ from scenes import Ends, wound
 
 from rope_model import EndMotion, RopeSimulator
 from rope_model.engine import NativeRope
-from rope_model.parameters import FidelityChoice, Inputs, Model, Rope, Scene, Solver, Trusted
+from rope_model.parameters import Rope, Scene
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
+from rope_model.solver_parameters import FidelityChoice, Inputs, Model, Solver, Trusted
 
 
 def native_derivative(rope: NativeRope, side: int, name: str, at_step_end: bool = True) -> list[float]:

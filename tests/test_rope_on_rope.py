@@ -13,9 +13,10 @@ from scenes import hung, wound
 
 from rope_model import Contact, EndMotion, Shaft, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Layout, Rope, Scene, Swivel
 from rope_model.physics.contact import ONSET
 from rope_model.simulation.contact.self_contact import RopeTouches, touches_of
+from rope_model.solver_parameters import Mesh, Solver
 
 D, K = Rope().diameter, 1e6
 

@@ -12,7 +12,8 @@ from scenes import followed, hung, recorded, smooth_step, smooth_trip, wound
 
 from rope_model import BalanceRope, EndMotion, RopeSimulator, at_level, balance_rope, rope_120, rope_240
 from rope_model.engine import NativeRope
-from rope_model.parameters import Mesh, Model, Rope, Scene, Solver, Swivel
+from rope_model.parameters import Rope, Scene, Swivel
+from rope_model.solver_parameters import Mesh, Model, Solver
 
 H = 0.01
 #: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test run

@@ -18,7 +18,7 @@ from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model.parameters import Mesh
+from rope_model.solver_parameters import Mesh
 
 TRIPS = (
     ("rope-120", Trip(travel=90.0, speed=8.0)),

@@ -8,7 +8,8 @@ from benchmarks.kinematic import fixed_steps
 from evidence.reproduction.windings import COUPLINGS, scene_of
 from hoist_demo.parameters import Winding as Trip
 from rope_model.cases import LEVELS
-from rope_model.parameters import Accuracy, FidelityChoice, Mesh, Model, Scene, Solver
+from rope_model.parameters import Scene
+from rope_model.solver_parameters import Accuracy, FidelityChoice, Mesh, Model, Solver
 
 #: s, every run is sampled at multiples of it; every communication step divides it
 SAMPLE = 0.04

@@ -13,10 +13,11 @@ from evidence.errors import end_error, place_error
 from evidence.ropes import at_rest, follow, moving
 from evidence.tables import Array, Table, records, table
 from rope_model import EndMotion
-from rope_model.parameters import Mesh, Scene, Solver
+from rope_model.parameters import Scene
 from rope_model.physics.contact_error import ContactSums
 from rope_model.shaft_parameters import Contact, Divider, Shaft
 from rope_model.simulation.mesh.partition import fit_mesh
+from rope_model.solver_parameters import Mesh, Solver
 
 #: m: deeper places must be pressed
 INSIDE = 5e-4

@@ -13,7 +13,7 @@ from evidence.contact.plectoneme import grown, soft_rod
 from evidence.contact.rebound import exact_speed, rebound
 from evidence.contact.scenes import fallen, let_down, pulled, touch_down
 from evidence.contact.turned import struck_legs, turned
-from rope_model.parameters import Mesh
+from rope_model.solver_parameters import Mesh
 
 #: s, steps of the rebound; and s/m, its damping
 STEPS, DAMPING = (2e-3, 1e-3, 5e-4, 2.5e-4), 0.5

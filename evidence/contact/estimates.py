@@ -15,11 +15,12 @@ import numpy as np
 
 from evidence.contact.brush import FITTED, Brush, Trip, brush, errors
 from evidence.sampling import BENDING, MASS, SPACING, STIFFNESS, Draws
-from rope_model.parameters import Layout, Mesh, Rope, Scene
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import contact_error
 from rope_model.physics.contact_error import with_contact_at_ends, with_contact_of_place
 from rope_model.shaft_parameters import Contact, Divider, Shaft
 from rope_model.simulation.mesh.partition import fit_mesh
+from rope_model.solver_parameters import Mesh
 
 #: seeds of the trips that the constants are fitted to and judged on, so many of each
 FIT, JUDGE, NUMBER = 50, 51, 18

@@ -33,9 +33,10 @@ from evidence.contact.scenes import GRAVITY
 from evidence.contact.turned import helix
 from evidence.ropes import at_rest, follow, smooth_step
 from rope_model import EndMotion
-from rope_model.parameters import Layout, Mesh, Rope, Scene, Solver
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.rope_on_rope import rope_touch
 from rope_model.shaft_parameters import Air, Contact, Shaft
+from rope_model.solver_parameters import Mesh, Solver
 
 #: m, kg/m, N, N m^2, N m^2, m; heavy enough to hang down, and light against the tension
 LENGTH, MASS, AXIAL, BEND, TORSION, DIAMETER = 12.0, 0.2, 1e6, 200.0, 400.0, Rope().diameter

@@ -7,8 +7,9 @@ import numpy as np
 
 from evidence.ropes import at_rest, follow, moving, smooth_step
 from rope_model import BalanceRope, EndMotion
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
+from rope_model.solver_parameters import Mesh, Model, Solver
 
 GRAVITY = Layout().gravity
 WEIGHT = Rope().mass_per_length * GRAVITY  # N/m

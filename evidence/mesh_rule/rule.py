@@ -9,9 +9,9 @@ from evidence.mesh_rule import laws
 from evidence.mesh_rule.laws import Laws
 from evidence.mesh_rule.scenes import JUDGE, draw
 from evidence.tables import Array, Table
-from rope_model.parameters import Mesh
 from rope_model.physics.elementary import sqrt
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
+from rope_model.solver_parameters import Mesh
 
 #: ropes: the rule itself costs nothing
 MANY = 400

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from evidence.sampling import ACCELERATION, BENDING, JERK, LENGTH, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model.parameters import Layout, Mesh, Model, Rope, Scene, Solver
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.estimates import bending_length
+from rope_model.solver_parameters import Mesh, Model, Solver
 
 FIT, JUDGE = 20, 21  # seeds
 #: when an emergency stop begins, in parts of the smooth trip's duration

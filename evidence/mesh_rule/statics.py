@@ -9,10 +9,10 @@ import numpy as np
 from evidence.mesh_rule.scenes import Sample
 from evidence.tables import Array, Table, table
 from rope_model import EndMotion, balance_rope
-from rope_model.parameters import Mesh
 from rope_model.simulation.mesh.mesh_fit import LEG_WAVES
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
+from rope_model.solver_parameters import Mesh
 
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried
 LOOP_LENGTHS = (0.1, 0.14, 0.2, 0.28, 0.4, 0.5, 0.56, 0.62, 0.68, 0.74, 0.8)

@@ -8,8 +8,8 @@ from evidence.errors import place_error
 from evidence.mesh_rule.scenes import KINDS, STEP, Sample
 from evidence.tables import Table, table
 from hoist_demo.control.trajectory import s_curve
-from rope_model.parameters import Mesh
 from rope_model.simulation.mesh.partition import fit_mesh
+from rope_model.solver_parameters import Mesh
 
 SETTLE, EVERY = 3.0, 0.08  # s
 #: loop_error (m) of the mesh whose legs, ends and steps are varied; how much longer its legs' elements are made

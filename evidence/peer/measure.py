@@ -11,10 +11,10 @@ from evidence.peer.exudyn_rope import ELEMENTS, Method, PeerRope
 from evidence.peer.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 from evidence.ropes import require
 from evidence.tables import Measures, Tables, table
-from rope_model.parameters import Mesh, Model
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.simulator import RopeSimulator
+from rope_model.solver_parameters import Mesh, Model
 
 ROUNDS, SHORT = 3, 3.0  # s
 #: label of a mesh to the mesh and its steps (s)

@@ -6,7 +6,7 @@ from evidence.claims import above
 from evidence.reproduction.claim import Claim, Section
 from evidence.reproduction.windings import COUPLINGS, follow, scene_of
 from evidence.tables import Tables, rows, table
-from rope_model.parameters import Mesh
+from rope_model.solver_parameters import Mesh
 
 #: % of the computation time that the source states as saved, 600 against 98 elements
 SOURCE_SAVED = {"uncoupled": 86.5, "coupled": 92.7}

@@ -13,7 +13,8 @@ from evidence.stability.entry import Entry, Finding, points
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, RopeSimulator, Status
-from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.parameters import Rope, Scene
+from rope_model.solver_parameters import Mesh, Solver
 
 # membrane locking
 

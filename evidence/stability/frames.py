@@ -6,8 +6,9 @@ from evidence.claims import above, below
 from evidence.ropes import at_rest, follow, smooth_step
 from evidence.stability.counterexamples import modified_element, tait_bryan_rate
 from evidence.stability.entry import Entry, Finding
-from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.parameters import Rope, Scene
 from rope_model.simulation.ends.paths import EndMotion
+from rope_model.solver_parameters import Mesh, Solver
 
 # Tait-Bryan angles
 

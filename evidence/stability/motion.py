@@ -8,7 +8,8 @@ from evidence.claims import below
 from evidence.ropes import AT_ZERO, at_rest, moving
 from evidence.stability.entry import Entry, Finding
 from evidence.tables import Array
-from rope_model.parameters import Mesh, Rope, Scene, Solver
+from rope_model.parameters import Rope, Scene
+from rope_model.solver_parameters import Mesh, Solver
 
 # an end that is lowered faster than the rope can fall, and stopped
 

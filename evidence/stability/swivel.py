@@ -13,11 +13,12 @@ from evidence.stability.entry import Entry, Finding, points
 from evidence.tables import Array
 from rope_model.numerics import quintic
 from rope_model.numerics.generalized_alpha import restart
-from rope_model.parameters import Mesh, Model, Rope, Scene, Swivel
+from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.simulator import RopeSimulator
+from rope_model.solver_parameters import Mesh, Model
 
 LENGTH = 30.0  # m
 UNCOUPLED = Rope(length=LENGTH, Qb=0.0, Qc=0.0)

@@ -15,8 +15,9 @@ import casadi as ca
 from rope_model.codegen.expressions import statements
 from rope_model.codegen.formulas import CONSTANTS, DEFINED_HERE, FORMULAS, STRUCTURES
 from rope_model.numerics.program import no_simplification
-from rope_model.parameters import Accuracy, Inputs, Layout, Rope
+from rope_model.parameters import Layout, Rope
 from rope_model.shaft_parameters import PARTS, Shaft
+from rope_model.solver_parameters import Accuracy, Inputs
 from rope_model.texts import c_string
 
 _HEAD = """\

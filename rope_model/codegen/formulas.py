@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import Any
 
 from rope_model.numerics import coupled_newton, generalized_alpha, newton
-from rope_model.parameters import Layout, Rope, Scene, Solver
+from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
     accuracy,
     air,
@@ -48,6 +48,7 @@ from rope_model.simulation.outputs import audit, diagnostics
 from rope_model.simulation.outputs.audit import Audit
 from rope_model.simulation.state import EnergyBalance
 from rope_model.simulation.stepping import events, hang, statics, stepping
+from rope_model.solver_parameters import Solver
 
 #: C function -> formula: what is not typed is a number, an array of numbers, or the structure of that name.  The last
 #: argument of a void function takes the numbers of a formula that returns several

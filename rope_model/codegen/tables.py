@@ -14,7 +14,6 @@ from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndMotionStructure, 
 from rope_model.numerics.program import no_simplification
 from rope_model.parameter_table import Joint, Parameter, check_order, parameters_of
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
-from rope_model.parameters import MOST_ELEMENTS, FidelityChoice
 from rope_model.physics.elementary import both
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.contact.shaft import BODIES
@@ -24,6 +23,7 @@ from rope_model.simulation.outputs.neglected_effects import neglected_text
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.simulator import SHORTEST_INTERVAL
+from rope_model.solver_parameters import MOST_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 
 _HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"

@@ -14,7 +14,7 @@ from evidence.discrete_rod import cases
 from evidence.discrete_rod.cases import SHORT, Case, Comparison, Winding
 from evidence.discrete_rod.rod import GRAVITY, Rod, join, split
 from evidence.discrete_rod.solve import HELD, first_guess
-from rope_model.parameters import LEAST
+from rope_model.parameter_table import LEAST
 
 Array = NDArray[np.float64]
 

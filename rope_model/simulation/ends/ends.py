@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.parameters import Inputs, Scene, Swivel
+from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, larger, sin, smaller, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.following import Following, Limits
@@ -29,6 +29,7 @@ from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
 from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
+from rope_model.solver_parameters import Inputs
 
 #: sense of the conveyance's yaw in theta, left and right
 YAW_SENSE = (-1.0, 1.0)

@@ -30,11 +30,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from rope_model.parameters import MOST_ELEMENTS, Mesh, Scene
+from rope_model.parameters import Scene
 from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_places, fit_elements
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
+from rope_model.solver_parameters import MOST_ELEMENTS, Mesh
 
 #: a step carries the loop at most this many l past that: 20 ms at 20 m/s where l = 1.6 m
 LATEST = 0.25
