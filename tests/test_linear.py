@@ -13,8 +13,10 @@ from balance_rope import main
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
+from hoist_demo.design.linearise import LinearModel, linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
+from hoist_demo.files.hoist_file import HoistFile
+from hoist_demo.files.reading import read
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.components import Brake
 from rope_model import EndMotion, RopeSimulator
@@ -119,6 +121,22 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
         linearise(find_case("rope-120"), [1.5])
     with pytest.raises(ValueError, match="outputs speed must be among rate"):
         models[0].selected(TORQUE, ["speed"])
+
+
+def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -> None:
+    def model(ropes: str) -> LinearModel:
+        path = tmp_path / "hoist.toml"
+        path.write_text(f'name = "hoist"\nlike = "rope-120"\n{ropes}', encoding="utf-8")
+        return linearise(read(path, HoistFile).case, [0.3])[0]
+
+    equal, apart = model("[[rope]]\nnumber = 2"), model('[[rope]]\nname = "a"\nz = 0.5\n[[rope]]\nname = "b"\nz = 0.5')
+    given, s = (*TORQUE, "left.yaw"), 2j * np.pi * np.array([0.1, 0.7])
+    seen = [(name, f"b.{name}" if "." in name else name) for name in (*SEEN, "left.mx", "loop.z")]
+    known = equal.selected((*given, "left.x"), [name for name, _ in seen]).response(s)
+    # a conveyance that yaws moves what hangs out of its plane
+    known[:, :, 1] += 0.5 * known[:, :, 2]
+    found = apart.selected(given, [name for _, name in seen]).response(s)
+    assert_allclose(found, known[:, :, :2], rtol=1e-6, atol=1e-9 * np.abs(known).max())
 
 
 @pytest.mark.usefixtures("plain_figures")

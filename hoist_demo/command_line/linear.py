@@ -56,18 +56,13 @@ def _add(commands: Commands, name: str, run: Run, about: str, description: str) 
     return command
 
 
-def _one_rope(options: argparse.Namespace) -> Case:
-    """Return the hoist, which must have equal ropes."""
+def _hoist(options: argparse.Namespace) -> Case:
+    """Return the hoist."""
     from hoist_demo.design.reduction import SLOWEST
 
     if not SLOWEST < options.band < math.inf:
         raise ValueError(f"--band {options.band:g} must be above {SLOWEST:g} Hz: 2 suits a hoist, 10 a stiff one")
-    name, case = options.hoist, find_case(options.hoist)
-    if case.ropes:
-        raise ValueError(
-            f"{name} has ropes that differ, and a linear model has equal ones: give one [[rope]] with number"
-        )
-    return case
+    return find_case(options.hoist)
 
 
 def _linearise(options: argparse.Namespace) -> int:
@@ -75,7 +70,7 @@ def _linearise(options: argparse.Namespace) -> int:
     from hoist_demo.design.linearise import linearise
     from hoist_demo.design.reduction import reduced
 
-    models = linearise(_one_rope(options), options.at, options.swivels, options.held_by, speed=options.speed)
+    models = linearise(_hoist(options), options.at, options.swivels, options.held_by, speed=options.speed)
     selected = [model.selected(options.inputs, options.outputs) for model in models]
     found = reduced(selected, options.states, options.band)
     written = found.write(results_folder(options.out))
@@ -94,22 +89,22 @@ def _modes(options: argparse.Namespace) -> int:
     """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
     import numpy as np
 
-    from hoist_demo.design.linearise import PARTS, linearise, linearise_hoist
+    from hoist_demo.design.linearise import PARTS, Modes, linearise, linearise_hoist
     from hoist_demo.design.reduction import telling
     from hoist_demo.report.linear_figures import write_modes_figure
 
-    case, band, out = _one_rope(options), options.band, results_folder(options.out)
+    case, band, out = _hoist(options), options.band, results_folder(options.out)
     models = linearise(case, options.at, options.swivels)
-    modes = [model.modes(band) for model in models]
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
-    rows = list[list[float]]()
-    print("".join(f"{name:>18}" for name in head))
-    for model, found in zip(models, modes, strict=True):
+    rows, modes = list[list[float]](), list[Modes]()
+    print("".join(f"{name:>18}" for name in head), flush=True)
+    for model in models:
+        modes.append(found := model.modes(band))
         felt = telling(model.selected(*_CHANNELS), found, band)
         table = np.column_stack((np.full(felt.size, model.at), found.frequencies, found.damping, felt, found.shares.T))
         rows += table.tolist()
         for j in np.sort(np.argsort(-felt)[: options.count]):
-            print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])))
+            print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])), flush=True)
     with (out / "modes.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([head, *rows])
     without = linearise_hoist(case, options.at[len(options.at) // 2])

@@ -5,8 +5,8 @@ Small motions x of the hoist's coordinates, of the rope's nodes and of what lags
     M x'' + D x' + K x = B u ,     y = C x + C_v x' + C_a x'' + D_u u .
 
 The rope's part is `rope_model.simulation.outputs.linear`, the hoist's the derivative of Lagrange's equation in
-`drive/equations.py`; the ends of the rope and the conveyances share their heights, and each of n equal ropes counts n
-times. Rows of M are 0 for what lags. Ends move sideways and yaw as they are told: their accelerations are inputs.
+`drive/equations.py`; the ends of the ropes and the conveyances share their heights, and each of n equal ropes counts n
+times. Rows of M are 0 for what lags. Ends move sideways and yaw as conveyances do that are told to: inputs.
 
 The hoist is left without what has no derivative: Coulomb friction, jams, slip on the lining, play between the guides.
 A sticking brake is a spring. At constant speed the lengths of head ropes and legs are frozen.
@@ -14,10 +14,10 @@ A sticking brake is a spring. At constant speed the lengths of head ropes and le
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -32,6 +32,7 @@ from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, extra_coor
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import Hoist
+from hoist_demo.parameters.place import Place
 from rope_model import EndMotion, Level, RopeSimulator, Scene
 from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
@@ -68,7 +69,8 @@ class LinearModel:
     """A model in its sparse second-order form, SI units.
 
     Coordinates come in the order of `names`: free ones, those `held` whose accelerations are inputs, those that lag.
-    A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta. `rest_inputs` and `rest_outputs` are the values from
+    A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta; of ropes that differ "rope.NAME.NODE.k", and their
+    outputs begin with their names. `rest_inputs` and `rest_outputs` are the values from
     which u and y count; outputs that have none rest at 0.
     """
 
@@ -177,13 +179,13 @@ def linearise(
     if speed and held_by == "brake":
         raise ValueError(f"speed = {speed:g} m/s must be 0 with held_by = 'brake': take 'motor'")
     hoist = _smooth(case.hoist, held_by)
-    rope = _rope(rope_data({**case.rope, **_swivels(swivels)}, level))
-    return tuple(_assembled(x, *_parts(hoist, rope, x, held_by, speed), hoist.tail_rope_number) for x in at)
+    tails = _tails(case, swivels, level)
+    return tuple(_assembled(x, *_parts(hoist, tails, x, held_by, speed)) for x in at)
 
 
 def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
-    _, drive = _parts(_smooth(case.hoist, held_by), _rope(rope_data(dict(case.rope))), at, held_by)
+    _, drive = _parts(_smooth(case.hoist, held_by), _tails(case), at, held_by)
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
@@ -194,8 +196,29 @@ def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearM
 
 def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
     """Return the linear model of a rope alone, at rest between these ends, whose accelerations are the inputs."""
-    rope = _rope(scene)
-    return _assembled(0.0, _hung(rope, left, right), _Hoist.none(), 1)
+    return _assembled(0.0, [(_Tail(_rope(scene)), _hung(_rope(scene), left, right))], _Hoist.none())
+
+
+class _Tail(NamedTuple):
+    """One balance rope, or a number of equal ones."""
+
+    rope: RopeSimulator
+    number: int = 1
+    name: str = ""  # of ropes that differ
+    place: Place = Place()
+
+
+def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[_Tail]:
+    """Return the ropes of a hoist."""
+    if not case.ropes:
+        scene = rope_data({**case.rope, **_swivels(swivels)}, level)
+        return [_Tail(_rope(scene), case.hoist.tail_rope_number)]
+    found = []
+    for tail in case.ropes:
+        place, scene = Place(**tail.place), rope_data({**tail.parameters, **_swivels(swivels)}, level)
+        scene = scene.with_(layout=replace(scene.layout, spacing=place.apart(scene.layout.spacing)))
+        found.append(_Tail(_rope(scene), tail.number, tail.name, place))
+    return found
 
 
 def _swivels(wanted: Swivels) -> dict[str, int]:
@@ -330,53 +353,93 @@ def _linear_hoist(
     )  # fmt: skip
 
 
+_Hung = Sequence[tuple[_Tail, LinearRope]]
+
+
 def _parts(
-    hoist: Hoist, rope: RopeSimulator, at: float, held_by: HeldBy, speed: float = 0.0
-) -> tuple[LinearRope, _Hoist]:
-    """Return rope and hoist at this part of the travel."""
+    hoist: Hoist, tails: Iterable[_Tail], at: float, held_by: HeldBy, speed: float = 0.0
+) -> tuple[_Hung, _Hoist]:
+    """Return ropes and hoist at this part of the travel."""
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
     left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
-    hung = _hung(rope, EndMotion(y=left), EndMotion(y=right), speed)
-    forces = [float(hung.rest[hung.outputs.index(f"{side}.fy")]) for side in SIDES]
-    return hung, _linear_hoist(hoist, (left, right), (forces[0], forces[1]), held_by, speed)
+    hung = [(tail, _hung(tail.rope, EndMotion(y=left), EndMotion(y=right), speed)) for tail in tails]
+    # the hoist takes its ropes for so many equal ones
+    pulls = [
+        sum(tail.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for tail, rope in hung)
+        / hoist.tail_rope_number
+        for side in SIDES
+    ]
+    return hung, _linear_hoist(hoist, (left, right), (pulls[0], pulls[1]), held_by, speed)
 
 
-def _assembled(at: float, rope: LinearRope, hoist: _Hoist, number: int) -> LinearModel:
+def _end_coordinates(rope: LinearRope) -> dict[str, int]:
+    """Return the coordinates of a rope's ends by name."""
+    firsts = {"left": 0, "right": rope.free.size - 7}
+    return {f"{side}.{name}": firsts[side] + k for side in SIDES for name, k in _END.items()}
+
+
+def _carried(tail: _Tail, rope: LinearRope, first: int, shared: Mapping[str, int], total: int) -> sp.csc_matrix:
+    """Return a rope's coordinates by those of the model: its own from `first` on, its ends' by the `shared` ones."""
+    ends, entries = (
+        _end_coordinates(rope),
+        [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())],
+    )
+    # yaw turns the left end against theta, and moves what hangs beside the conveyance's centre; a swivel that turns
+    # freely does not feel it
+    entries += [
+        (ends[name], column, -1.0 if name == "left.yaw" else 1.0)
+        for name, column in shared.items()
+        if not rope.free[ends[name]]
+    ]
+    for side in SIDES if tail.name else ():
+        if (yaw := shared.get(f"{side}.yaw")) is not None:
+            x, z = tail.place.at(side)
+            entries += [(ends[f"{side}.x"], yaw, z), (ends[f"{side}.z"], yaw, -x)]
+    rows, columns, values = zip(*entries, strict=True)
+    return sp.csc_matrix((values, (rows, columns)), shape=(rope.free.size, total))
+
+
+def _assembled(at: float, hung: _Hung, hoist: _Hoist) -> LinearModel:
     """Return hoist and ropes, joined at the heights of the ends."""
-    size, drives, n_lags = rope.free.size, len(hoist.coordinates), len(hoist.lags)
-    nodes = size // 7
-    ends = {
-        f"{side}.{name}": (0 if side == "left" else 7 * (nodes - 1)) + k for side in SIDES for name, k in _END.items()
-    }
-    shared = {ends[f"{side}.y"]: hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
-    # a swivel that turns freely does not feel the conveyance's yaw
-    held = {name: k for name, k in ends.items() if k not in shared and not rope.free[k]}
-    own = np.flatnonzero(rope.free)
-    first_held, first_lag = drives + own.size, drives + own.size + len(held)
-    total = first_lag + n_lags
-    # coordinates of the rope by those of the model; yaw turns the left end against theta
-    rows = [*own, *shared, *held.values()]
-    columns = [*range(drives, first_held), *shared.values(), *range(first_held, first_lag)]
-    signs = [-1.0 if name == "left.yaw" else 1.0 for name in held]
-    T = sp.csc_matrix(([1.0] * (len(rows) - len(held)) + signs, (rows, columns)), shape=(size, total))
+    drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
+    heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
+    held = [
+        name
+        for name in _end_coordinates(ropes[0])
+        if name not in heights and not all(rope.free[_end_coordinates(rope)[name]] for rope in ropes)
+    ]
+    firsts = drives + np.cumsum([0, *(np.count_nonzero(rope.free) for rope in ropes)])
+    first_held = int(firsts[-1])
+    first_lag = first_held + len(held)
+    total, shared = first_lag + n_lags, heights | dict(zip(held, range(first_held, first_lag), strict=True))
+    Ts = [_carried(*one, first, shared, total) for one, first in zip(hung, firsts.tolist(), strict=False)]
     mine = [*range(drives), *range(first_lag, total)]
     S = sp.csc_matrix((np.ones(len(mine)), (range(len(mine)), mine)), shape=(len(mine), total))
     keep = sp.diags([0.0 if first_held <= k < first_lag else 1.0 for k in range(total)])
-    of_rope = (rope.mass, rope.damping, rope.stiffness)
     M, D, K = (
-        (keep @ (number * (T.T @ A @ T) + S.T @ sp.csc_matrix(H) @ S)).tocsc()
-        for A, H in zip(of_rope, hoist.matrices, strict=True)
+        sum(
+            (keep @ (tail.number * (T.T @ getattr(rope, part) @ T)) for (tail, rope), T in zip(hung, Ts, strict=True)),
+            keep @ (S.T @ sp.csc_matrix(H) @ S),
+        ).tocsc()
+        for part, H in zip(("mass", "damping", "stiffness"), hoist.matrices, strict=True)
     )
     B = np.zeros((total, len(hoist.inputs) + len(held)))
     B[mine, : len(hoist.inputs)] = hoist.B
     B[first_held:first_lag, len(hoist.inputs) :] = np.eye(len(held))
-    C = [sp.vstack([sp.csr_matrix(H) @ S, A @ T]).tocsr() for H, A in zip(hoist.maps, rope.maps, strict=True)]
-    names = (*hoist.coordinates, *(f"rope.{k // 7}.{k % 7}" for k in own), *held, *hoist.lags)
+    C = [
+        sp.vstack([sp.csr_matrix(H) @ S, *(rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True))]).tocsr()
+        for k, H in enumerate(hoist.maps)
+    ]
+    prefixed = [(f"{tail.name}." if tail.name else "", rope) for tail, rope in hung]
+    own = [f"rope.{prefix}{k // 7}.{k % 7}" for prefix, rope in prefixed for k in np.flatnonzero(rope.free)]
+    names = (*hoist.coordinates, *own, *held, *hoist.lags)
+    outputs = [f"{prefix}{name}" for prefix, rope in prefixed for name in rope.outputs]
     return LinearModel(
         at, names, len(held), n_lags, (M + sp.eye(total) - keep).tocsc(), D, K,
-        (*hoist.inputs, *held), B, (*hoist.outputs, *rope.outputs), (C[0], C[1], C[2]),
+        (*hoist.inputs, *held), B, (*hoist.outputs, *outputs), (C[0], C[1], C[2]),
         np.vstack((np.hstack((hoist.through, np.zeros((len(hoist.outputs), len(held))))),
-                   np.zeros((len(rope.outputs), B.shape[1])))),
-        np.concatenate((hoist.rest_inputs, np.zeros(len(held)))), np.concatenate((hoist.rest_outputs, rope.rest)),
+                   np.zeros((len(outputs), B.shape[1])))),
+        np.concatenate((hoist.rest_inputs, np.zeros(len(held)))),
+        np.concatenate((hoist.rest_outputs, *(rope.rest for rope in ropes))),
     )  # fmt: skip

@@ -32,6 +32,10 @@ class Place:
         """Origin of the rope's places, x from half-way between the conveyances' centres [m]."""
         return 0.5 * (self.x_left + self.x_right), 0.0, self.z
 
+    def apart(self, spacing: float) -> float:
+        """Distance of the rope's ends [m], of conveyances whose centres are `spacing` apart."""
+        return spacing + self.x_right - self.x_left
+
     def at(self, end: str) -> tuple[float, float]:
         """x and z of an end [m]."""
         return (self.x_left if end == "left" else self.x_right), self.z

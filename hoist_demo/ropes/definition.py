@@ -15,7 +15,6 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
 from hoist_demo.files.catalogue import rope_parameters
-from hoist_demo.files.hoist_file import PLACE
 from hoist_demo.files.values import DERIVED, Given
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
@@ -165,8 +164,8 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
 
 def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
-    place = Place(**{key: float(tail.place.get(key, 0.0)) for key in PLACE})
-    spacing = rope_data(parameters, level).layout.spacing + place.x_right - place.x_left
+    place = Place(**tail.place)
+    spacing = place.apart(rope_data(parameters, level).layout.spacing)
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
     apart = Given(spacing, DERIVED, "the rope's place")
     alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
