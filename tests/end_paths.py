@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from functools import cache
 
+from rope_model import Rope, Scene
 from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
-from rope_model.parameters import Rope, Scene
 from rope_model.simulation.ends.followed import Followed, follow, follow_program
 from rope_model.simulation.ends.following import Following, Limits, Manner, manner_of
 from rope_model.simulation.ends.paths import EndMotion, EndPath

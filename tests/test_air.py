@@ -10,7 +10,7 @@ from conftest import difference
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import followed, hung, wound
 
-from rope_model import BalanceRope, EndMotion, PointForces, RopeSimulator, balance_rope
+from rope_model import BalanceRope, EndMotion, Mesh, Model, PointForces, RopeSimulator, Solver, balance_rope
 from rope_model.numerics import kernels
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.air import AirLaw, air_law
@@ -19,7 +19,6 @@ from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity
 from rope_model.shaft_parameters import Air, Shaft, Sump
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed
-from rope_model.solver_parameters import Mesh, Model, Solver
 
 STEP, LENGTH = 0.01, 10.0
 LAW = air_law(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)

@@ -179,13 +179,6 @@ def test_thinning_keeps_a_peak_of_one_row_near_its_instant() -> None:
     assert np.all(np.diff(times) > 0.0)
 
 
-@pytest.mark.parametrize(("count", "most"), [(1, 5), (2, 5), (5, 5), (6, 5), (1000, 7)])
-def test_frames_hold_the_first_and_the_last_row(count: int, most: int) -> None:
-    rows = packing.frames(count, most)
-    assert (rows[0], rows[-1]) == (0, count - 1)
-    assert len(rows) <= most
-
-
 def test_each_part_of_the_length_shows_the_largest_value_in_it() -> None:
     # a peak of one point, 0.1 m wide, in parts of 1 m; the rope moves on by 40 m between the frames
     place = np.linspace(0.0, packing.ROPE_ROWS, 10 * packing.ROPE_ROWS + 1)
@@ -194,12 +187,6 @@ def test_each_part_of_the_length_shows_the_largest_value_in_it() -> None:
     picture = packing.over_length(values, [place, place], float(packing.ROPE_ROWS))
     assert picture[40, 0] == picture[80, 1] == 7.0
     assert np.count_nonzero(picture) == 2
-
-
-def test_a_value_between_two_far_points_is_on_the_line_between_them() -> None:
-    picture = packing.over_length(np.array([[2.0, 10.0]]), [np.array([0.0, 50.0])], 50.0)
-    upper_ends = 2.0 + 8.0 * np.arange(1, packing.ROPE_ROWS + 1) / packing.ROPE_ROWS
-    np.testing.assert_allclose(picture[:, 0], upper_ends, rtol=1e-12)
 
 
 WHERE = {"station.first": 0.0, "station.last": 1.0, "rope.length": 120.0}

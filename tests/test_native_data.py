@@ -18,11 +18,9 @@ from scenes import CHOICES as WINDINGS
 from scenes import Choice
 
 from fmu_src.interface import variables
-from rope_model import scene_names
-from rope_model.cases import RopeCase
+from rope_model import Rope, RopeCase, Scene, Swivel, scene_names
 from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
-from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import frozen, refusal
 from rope_model.simulation.ends.following import Following, Limits

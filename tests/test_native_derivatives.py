@@ -8,9 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import Ends, wound
 
-from rope_model import EndMotion, RopeSimulator
+from rope_model import EndMotion, Rope, RopeSimulator, Scene
 from rope_model.engine import NativeRope
-from rope_model.parameters import Rope, Scene
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.solver_parameters import FidelityChoice, Inputs, Model, Solver, Trusted
 

@@ -35,8 +35,7 @@ from release.bill import bill_of_materials
 from release.libraries import libraries
 from release.trial import try_wheel
 from release.wheels import PACKAGES, add_bill, build
-from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public
-from rope_model.cases import rope_120
+from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public, rope_120
 from rope_model.codegen.build import library
 from rope_model.numerics.kernels import cache_folder, find_compiler
 

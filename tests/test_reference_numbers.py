@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
 
-from rope_model.parameters import Rope
+from rope_model import Mesh, Rope
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import end_moment
 from rope_model.simulation.mesh.partition import partition
@@ -20,7 +20,6 @@ from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector
 from rope_model.simulation.stepping.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
-from rope_model.solver_parameters import Mesh
 
 G = 9.81
 ROPE = Rope()

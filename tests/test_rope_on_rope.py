@@ -11,12 +11,10 @@ from contact_scenes import crossing, force_error
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import hung, wound
 
-from rope_model import Contact, EndMotion, Shaft, balance_rope
+from rope_model import Contact, EndMotion, Layout, Mesh, Rope, Scene, Shaft, Solver, Swivel, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
-from rope_model.parameters import Layout, Rope, Scene, Swivel
 from rope_model.physics.contact import ONSET
 from rope_model.simulation.contact.self_contact import RopeTouches, touches_of
-from rope_model.solver_parameters import Mesh, Solver
 
 D, K = Rope().diameter, 1e6
 

@@ -9,12 +9,10 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, turn, wound
 
-from rope_model import BalanceRope, EndMotion, Form, RopeSimulator, balance_rope
+from rope_model import BalanceRope, EndMotion, Form, Layout, Mesh, Model, Rope, RopeSimulator, Scene, balance_rope
 from rope_model.cases import rope_120
-from rope_model.parameters import Layout, Rope, Scene
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.stepping.statics import find_equilibrium
-from rope_model.solver_parameters import Mesh, Model
 
 PORTABLE = replace(fixed_steps(0.02), kernels="portable")
 SCENE = Scene(rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=40), solver=PORTABLE)

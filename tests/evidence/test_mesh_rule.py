@@ -18,12 +18,11 @@ from evidence.promise.wind import REQUESTS, errors, wind
 from evidence.rendering import DOCS
 from evidence.tables import read, rows
 from hoist_demo.parameters import Winding
+from rope_model import Accuracy, Layout, Rope, Scene
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.mesh.mesh_fit import LEG_GRADING, LEG_WAVES, LOCKING_SHARE, PUMPED_LEG, pumped_grading
 from rope_model.simulation.mesh.partition import fit_mesh, partition
-from rope_model.solver_parameters import Accuracy
 
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)
