@@ -146,9 +146,3 @@ def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -
 def test_commands_write_their_files(command: str, files: str, tmp_path: Path) -> None:
     assert main([command, "--at", "0.3", "--out", str(tmp_path)]) == 0
     assert all((tmp_path / name).stat().st_size > 0 for name in files.split())
-
-
-@pytest.mark.parametrize("band", ["-1", "0", "nan"])
-def test_a_band_that_is_none_is_refused(band: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["modes", "--band", band]) == 2
-    assert f"--band {band} must be above 0.02 Hz" in capsys.readouterr().err
