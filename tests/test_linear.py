@@ -129,14 +129,17 @@ def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -
         path.write_text(f'name = "hoist"\nlike = "rope-120"\n{ropes}', encoding="utf-8")
         return linearise(read(path, HoistFile).case, [0.3])[0]
 
-    equal, apart = model("[[rope]]\nnumber = 2"), model('[[rope]]\nname = "a"\nz = 0.5\n[[rope]]\nname = "b"\nz = 0.5')
-    given, s = (*TORQUE, "left.yaw"), 2j * np.pi * np.array([0.1, 0.7])
-    seen = [(name, f"b.{name}" if "." in name else name) for name in (*SEEN, "left.mx", "loop.z")]
-    known = equal.selected((*given, "left.x"), [name for name, _ in seen]).response(s)
-    # a conveyance that yaws moves what hangs out of its plane
-    known[:, :, 1] += 0.5 * known[:, :, 2]
-    found = apart.selected(given, [name for _, name in seen]).response(s)
-    assert_allclose(found, known[:, :, :2], rtol=1e-6, atol=1e-9 * np.abs(known).max())
+    place = "x_left = 0.2\nx_right = 0.2\nz = 0.5\nswivels.mode = "
+    s, seen = 2j * np.pi * np.array([0.1, 0.7]), (*SEEN, "left.mx", "loop.z")
+    for mode in ("locked", "free"):
+        ropes = (f'[[rope]]\nname = "{name}"\n{place}"{mode}"\n' for name in "ab")
+        equal, apart = model(f'[[rope]]\nnumber = 2\nswivels.mode = "{mode}"'), model("".join(ropes))
+        found = apart.selected((*TORQUE, "left.yaw"), [f"b.{x}" if "." in x else x for x in seen]).response(s)
+        own = [*TORQUE, "left.x", "left.z", *(["left.yaw"] if mode == "locked" else [])]
+        torque, x, z, *yaw = np.moveaxis(equal.selected(own, seen).response(s), 2, 0)
+        # a conveyance that yaws moves what hangs beside its centre
+        known = np.stack((torque, 0.5 * x - 0.2 * z + sum(yaw)), axis=2)
+        assert_allclose(found, known, rtol=1e-6, atol=1e-9 * np.abs(known).max())
 
 
 @pytest.mark.usefixtures("plain_figures")
@@ -146,3 +149,9 @@ def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -
 def test_commands_write_their_files(command: str, files: str, tmp_path: Path) -> None:
     assert main([command, "--at", "0.3", "--out", str(tmp_path)]) == 0
     assert all((tmp_path / name).stat().st_size > 0 for name in files.split())
+
+
+@pytest.mark.parametrize("band", ["-1", "0", "nan"])
+def test_a_band_that_is_none_is_refused(band: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["modes", "--band", band]) == 2
+    assert f"--band {band} must be above 0.02 Hz" in capsys.readouterr().err

@@ -219,7 +219,7 @@ def test_a_transformation_without_equilibrium_gets_less_time_and_is_refused_at_t
     assert (rope.time, rope.state.counts.transformations) == (start, 0)
 
 
-#: thirteen elements: neither form's lanes are full at the end
+#: thirteen elements: no form's lanes are full at the end
 BASE = Scene(rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=13), left=Swivel(mode="coulomb"))
 SHAFT = Shaft(lining=Lining(width=3.4, depth=3.0), contact=Contact(rope_stiffness=1e7), air=Air(density=1.2, vx=4.0))
 WIDE = {

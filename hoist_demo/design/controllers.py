@@ -28,7 +28,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class Task:
-    """A controller by its name, the trip that it is for, and its tuning; ValueError where it cannot wind that."""
+    """A controller by its name, the trip that it is for, and its tuning."""
 
     controller: str
     hoist: Hoist
@@ -37,7 +37,8 @@ class Task:
     shaper: Shaper
     trajectory: TrajectoryOptions
 
-    def __post_init__(self) -> None:
+    def require_possible(self) -> None:
+        """Reject an unknown controller, a designed trip with an emergency stop, and an optimised one with creep."""
         if self.controller not in DESIGNS:
             raise ValueError(f"controller = {self.controller!r} must be one of {', '.join(DESIGNS)}: choose one")
         if self.controller in _OWN_TRIP and self.winding.emergency_at is not None:

@@ -153,7 +153,7 @@ def linearise(
     Parameters
     ----------
     case : Case
-        Hoist and rope; trip and gains do not matter.
+        Hoist and ropes; trip and gains do not matter.
     at : iterable of float
         Heights of the left conveyance over the travel, 0 to 1.
     swivels : {"as given", "locked", "free", "sticking"}
@@ -196,7 +196,8 @@ def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearM
 
 def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
     """Return the linear model of a rope alone, at rest between these ends, whose accelerations are the inputs."""
-    return _assembled(0.0, [(_Tail(_rope(scene)), _hung(_rope(scene), left, right))], _Hoist.none())
+    tail = _Tail(_rope(scene))
+    return _assembled(0.0, [(tail, _hung(tail.rope, left, right))], _Hoist.none())
 
 
 class _Tail(NamedTuple):
@@ -215,8 +216,8 @@ def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard")
         return [_Tail(_rope(scene), case.hoist.tail_rope_number)]
     found = []
     for tail in case.ropes:
-        place, scene = Place(**tail.place), rope_data({**tail.parameters, **_swivels(swivels)}, level)
-        scene = scene.with_(layout=replace(scene.layout, spacing=place.apart(scene.layout.spacing)))
+        place = Place(**tail.place)
+        scene = rope_data({**tail.parameters, **_swivels(swivels)}, level, place)
         found.append(_Tail(_rope(scene), tail.number, tail.name, place))
     return found
 
@@ -379,19 +380,23 @@ def _end_coordinates(rope: LinearRope) -> dict[str, int]:
     return {f"{side}.{name}": firsts[side] + k for side in SIDES for name, k in _END.items()}
 
 
+def _is_moved(tail: _Tail, rope: LinearRope, name: str) -> bool:
+    """Return True if a conveyance that moves so takes the rope's end along."""
+    side, _, way = name.partition(".")
+    return not rope.free[_end_coordinates(rope)[name]] or (way == "yaw" and any(tail.place.at(side)))
+
+
 def _carried(tail: _Tail, rope: LinearRope, first: int, shared: Mapping[str, int], total: int) -> sp.csc_matrix:
     """Return a rope's coordinates by those of the model: its own from `first` on, its ends' by the `shared` ones."""
-    ends, entries = (
-        _end_coordinates(rope),
-        [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())],
-    )
-    # yaw turns the left end against theta, and moves what hangs beside the conveyance's centre; a swivel that turns
-    # freely does not feel it
+    ends = _end_coordinates(rope)
+    entries = [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())]
+    # yaw turns the left end against theta; a swivel that turns freely does not feel it
     entries += [
         (ends[name], column, -1.0 if name == "left.yaw" else 1.0)
         for name, column in shared.items()
         if not rope.free[ends[name]]
     ]
+    # the derivative of place.motion_at
     for side in SIDES if tail.name else ():
         if (yaw := shared.get(f"{side}.yaw")) is not None:
             x, z = tail.place.at(side)
@@ -407,7 +412,7 @@ def _assembled(at: float, hung: _Hung, hoist: _Hoist) -> LinearModel:
     held = [
         name
         for name in _end_coordinates(ropes[0])
-        if name not in heights and not all(rope.free[_end_coordinates(rope)[name]] for rope in ropes)
+        if name not in heights and any(_is_moved(tail, rope, name) for tail, rope in hung)
     ]
     firsts = drives + np.cumsum([0, *(np.count_nonzero(rope.free) for rope in ropes)])
     first_held = int(firsts[-1])

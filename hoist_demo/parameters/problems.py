@@ -21,7 +21,7 @@ class Problems(list[str]):
         try:
             yield
         except ValueError as error:
-            self += [f"{place}: {line}" if place else line for line in str(error).splitlines()]
+            self += [f"{place}: {line}" if place else line for line in str(error).splitlines() or [repr(error)]]
 
     def refuse(self) -> None:
         """Raise a ValueError with all of them, if there are any."""

@@ -165,7 +165,7 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
 def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
     """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**tail.place)
-    spacing = place.apart(rope_data(parameters, level).layout.spacing)
+    spacing = rope_data(parameters, level, place).layout.spacing
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
     apart = Given(spacing, DERIVED, "the rope's place")
     alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))

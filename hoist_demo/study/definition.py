@@ -246,6 +246,8 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
     file = read(path, StudyFile)
     try:
         return _study(file, fmu, progress)
+    except FileError:
+        raise
     except ValueError as error:
         raise FileError(path, str(error).splitlines()) from error
 

@@ -108,19 +108,19 @@ ROPE_SIGNALS = frozenset(
 RIPPLE_WINDOW = 1.0  #: Length of the moving mean that is taken off the end force [s].
 
 
-class Measured(NamedTuple):
-    """All metrics of a run by name, and why it has no swing frequency, in words."""
+class Measures(NamedTuple):
+    """Metrics of a run by name, and why a swing frequency is missing from them, in words."""
 
     metrics: dict[str, float]
     missing: str = ""
 
 
-def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> Measured:
+def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> Measures:
     """Measure a run."""
     found = dict.fromkeys(UNITS, math.nan)
     recording = result.recording
     if not recording.signals:
-        return Measured(found, _STOPPED)
+        return Measures(found, _STOPPED)
     found["simulated_time"] = float(recording.time[-1] - recording.time[0])
     found |= _incidents(recording, hoist, winding)
     if "energy.work_ends" in recording:
@@ -129,10 +129,10 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
     for end in ENDS:
         found |= _swivel(recording, end)
     if not result.completed:
-        return Measured(found, _STOPPED)
+        return Measures(found, _STOPPED)
     found |= trip_metrics(result, winding, arrival)
     swing, missing = _swing(recording, hoist, result.trajectory.duration, arrival)
-    return Measured(found | swing, missing)
+    return Measures(found | swing, missing)
 
 
 def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
@@ -221,12 +221,12 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
     }
 
 
-def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> Measured:
+def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> Measures:
     """Swing of conveyances and loop within the window after the reference has arrived."""
     t = recording.time - recording.time[0]
     tail = (t >= arrived) & (t <= arrived + arrival.window)
     if np.count_nonzero(tail) < 2:
-        return Measured({}, "swing_frequency: the record ends as the reference arrives: give winding.settle")
+        return Measures({}, "swing_frequency: the record ends as the reference arrives: give winding.settle")
     # heights of the conveyances against their ropes' ends at the sheave
     rim = hoist.sheave_radius * recording["drive.angle"]
     swings = {end: (recording[f"conveyance.{end}.y"] - s * rim)[tail] for end, s in zip(ENDS, (1.0, -1.0), strict=True)}
@@ -235,8 +235,8 @@ def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival)
         found["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))
     mode = fit_swing(recording.time[tail], max(swings.values(), key=np.ptp))
     if isinstance(mode, str):
-        return Measured(found, f"swing_frequency: {mode}")
-    return Measured(found | {"swing_frequency": mode.frequency, "swing_damping": mode.damping})
+        return Measures(found, f"swing_frequency: {mode}")
+    return Measures(found | {"swing_frequency": mode.frequency, "swing_damping": mode.damping})
 
 
 def _ripple(time: Array, force: Array) -> float:

@@ -110,6 +110,7 @@ def build(
         given={**found.given, **{key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}},
         **data_of(host),
     )
+    run.require_possible()
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
         from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
 

@@ -26,7 +26,7 @@ from rope_model.simulation.simulator import SHORTEST_INTERVAL
 from rope_model.solver_parameters import MOST_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 
-_HEAD = "/* Generated from rope_model.parameters by rope_model.codegen.tables. */\n"
+_HEAD = "/* Generated from the parameters of rope_model by rope_model.codegen.tables. */\n"
 #: choices whose names in C are others
 _SPELT = {"kind": "MESH"}
 

@@ -131,10 +131,10 @@ class Fmu:
 
     @cached_property
     def shown(self) -> dict[str, str]:
-        """Unit of each output that is a number; of the fidelity, which is recorded by its code, too."""
-        outputs = {name: v for name, v in self.named.items() if v.causality == "output"}
-        found = {name: v.unit for kind in NUMBERS for name, v in outputs.items() if v.kind == kind}
-        return found | ({FIDELITY: "1"} if FIDELITY in outputs else {})
+        """Unit of each output that is a number, and of the fidelity, which is recorded by its code."""
+        outputs = ((name, v) for name, v in self.named.items() if v.causality == "output")
+        shown = ((name, v) for name, v in outputs if v.kind in NUMBERS or name == FIDELITY)
+        return {name: "1" if name == FIDELITY else v.unit for name, v in shown}
 
 
 def read_fmu(path: Path, hoist: str = "") -> Fmu:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, access, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
+from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model import (
@@ -157,6 +158,12 @@ def scene_parameters(scene: Scene) -> RopeData:
     return RopeData({}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named})
 
 
-def rope_data(parameters: Mapping[str, Value], level: Level = "standard") -> Scene:
-    """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code."""
-    return with_values(at_level(Scene(), level), parameters)
+def rope_data(parameters: Mapping[str, Value], level: Level = "standard", place: Place | None = None) -> Scene:
+    """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code.
+
+    `place` is where it hangs between conveyances whose centres are `layout.spacing` apart.
+    """
+    scene = with_values(at_level(Scene(), level), parameters)
+    if place is None:
+        return scene
+    return scene.with_(layout=replace(scene.layout, spacing=place.apart(scene.layout.spacing)))
