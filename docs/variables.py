@@ -19,6 +19,11 @@ _SHARED = (
     (re.compile(r"(?<=`contact\.)\w+(?=\.impulse)"), re.compile(r"contact\.\w+(?= since)"), "that pressure"),
     (re.compile(r"(?<=`contact\.)\w+(?=`)"), re.compile(r"(?<=between rope and )\w+( ropes)?"), "such bodies"),
     (re.compile(r"(?:shape|loop)\.[xyz](?=\[|`)"), re.compile(r"^[XYZ]\b"), "X, Y and Z"),
+    (
+        re.compile(r"(?<=`rope\.curvature_)\w+?(?=_across`|`)"),
+        re.compile(r"(?<=added )at.*?(?=, across|$)"),
+        "at the left end, 1, 2, 4 and 5 sixths, the middle and the right end",
+    ),
     (re.compile(r"(?<=`guard\.)\w+(?=_delay)"), re.compile(r"(?!)"), ""),
     (re.compile(r"(?<=`air\.v)[xz]"), re.compile(r"(?<=along )[XZ]\b"), "X and Z"),
 )

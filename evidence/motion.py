@@ -37,6 +37,7 @@ from rope_model.simulation.contact.point_forces import NO_FORCES, at_places, ele
 Array = NDArray[np.float64]
 RATE, FITTED, JUDGED = 100.0, 5, 10  #: Hz, and runs
 LEAD, START = 30, 10  #: frames
+FOUND = 1e-4  #: part of the squares that a further step must save: many curvatures lie in a long valley
 HARDEST = 50.0  #: m/s^2, beyond the grippers
 SPRING = 20.0  #: 1/s, of a marker's share of the mass on its spring, critically damped: slow against a frame
 
@@ -244,7 +245,7 @@ def judged(folder: Path, cable: Path, out: Path) -> Judged:
     judges = motions(folder / "eval", cable, out, JUDGED, lengths)
     fitted = motions(folder / "train", cable, out, FITTED, lengths)
     bench, measured = fitted.bench, fitted.measurements
-    found = fit(residuals_of(bench, measured, *stacked(measured)), len(bench.names))
+    found = fit(residuals_of(bench, measured, *stacked(measured)), len(bench.names), FOUND)
     for name, share, reach in zip(bench.names, found.shares, found.reaches, strict=True):
         low, value, high = (bench.data[name].at(float(np.clip(share + k * reach, 0.0, 1.0))) for k in (-1, 0, 1))
         print(f"{name} = {value:.4g} ({low:.4g} to {high:.4g})")

@@ -120,10 +120,18 @@ class Rope(Checked):
         "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
     curvature_left: float = _added_curvature("at the left end")
+    curvature_1: float = _added_curvature("at 1/6 of the length")
+    curvature_2: float = _added_curvature("at 2/6 of the length")
     curvature_middle: float = _added_curvature("at half the length")
+    curvature_4: float = _added_curvature("at 4/6 of the length")
+    curvature_5: float = _added_curvature("at 5/6 of the length")
     curvature_right: float = _added_curvature("at the right end")
     curvature_left_across: float = _added_curvature("at the left end, across")
+    curvature_1_across: float = _added_curvature("at 1/6 of the length, across")
+    curvature_2_across: float = _added_curvature("at 2/6 of the length, across")
     curvature_middle_across: float = _added_curvature("at half the length, across")
+    curvature_4_across: float = _added_curvature("at 4/6 of the length, across")
+    curvature_5_across: float = _added_curvature("at 5/6 of the length, across")
     curvature_right_across: float = _added_curvature("at the right end, across")
 
     joint = (

@@ -2,13 +2,11 @@
 
 import re
 import shutil
-import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-from docs.drawings import winding
 from docs.drawings.figures import FIGURES
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -60,13 +58,6 @@ def test_commands_are_found_where_they_stand(path: Path) -> None:
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
     assert (DOCS / "images" / name).read_text(encoding="utf-8") == FIGURES[name]().svg()
-
-
-def test_the_animated_winding_shows_every_frame_and_is_small() -> None:
-    path = DOCS / "images" / "winding.svg"
-    moves = [element.get("values", "") for element in ET.parse(path).iter() if "animate" in element.tag]
-    assert {len(values.split(";")) for values in moves} == {round(winding.END / winding.FRAME) + 1}
-    assert path.stat().st_size < 1.5e6
 
 
 ENTRIES = re.findall(r"^### `+ ?(.*?) ?`+$", (DOCS / "reference" / "messages.md").read_text(encoding="utf-8"), re.M)

@@ -227,7 +227,7 @@ WIDE = {
     "spatial": BASE.with_(model=Model(fidelity="spatial")),
     "planar": BASE.with_(model=Model(fidelity="planar"), left=Swivel(mode="locked")),
     "curved wires": BASE.with_(
-        rope=Rope(length=30.0, EI_stick=2000.0, initial_curvature=0.05, curvature_middle_across=0.02)
+        rope=Rope(length=30.0, EI_stick=2000.0, initial_curvature=0.05, curvature_4=0.03, curvature_middle_across=0.02)
     ),
     "shaft": BASE.with_(shaft=SHAFT),
 }

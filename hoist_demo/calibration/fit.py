@@ -111,14 +111,17 @@ class Fit:
         return self.likelihood < UNLIKELY
 
 
-def fit(residuals: Residuals, count: int) -> Fit:
-    """Return the ``count`` shares with the least squares; undetermined ones stay at the middle of their range."""
+def fit(residuals: Residuals, count: int, ftol: float = 1e-8) -> Fit:
+    """Return the ``count`` shares with the least squares; undetermined ones stay at the middle of their range.
+
+    The search ends where a step lowers the squares by less than the part ``ftol``.
+    """
     start = np.full(count, MIDDLE)
     residuals = _where_computed(residuals, residuals(start).size)
-    first = _solve(residuals, start, PULL * np.eye(count))
+    first = _solve(residuals, start, PULL * np.eye(count), ftol)
     if not (untold := first.untold()):
         return first
-    return _solve(residuals, np.clip(first.shares, 1e-3, 1 - 1e-3), np.array(untold) / np.sqrt(RANGE_VARIANCE))
+    return _solve(residuals, np.clip(first.shares, 1e-3, 1 - 1e-3), np.array(untold) / np.sqrt(RANGE_VARIANCE), ftol)
 
 
 def _where_computed(residuals: Residuals, size: int) -> Residuals:
@@ -133,13 +136,13 @@ def _where_computed(residuals: Residuals, size: int) -> Residuals:
     return tried
 
 
-def _solve(residuals: Residuals, start: Array, held: Array) -> Fit:
+def _solve(residuals: Residuals, start: Array, held: Array, ftol: float) -> Fit:
     """Solve from ``start``, with the shares held at the middle as far as the rows of ``held`` say."""
 
     def slopes(u: Array) -> Array:
         return np.vstack((sensitivities(residuals, u), held))
 
-    found = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=1e-8)
+    found = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
     values = found.fun.size - len(held)
     return Fit(found.x, found.fun[:values], found.jac[:values], held)
 

@@ -37,40 +37,35 @@ def _integrals_to(places: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:
     return tuple(map(tuple, rows.tolist()))
 
 
+#: what is added to it, by the end of its name: around which sixth of the length, and the sixths to where it is 0
+_ADDED = {"left": (0, 3), "1": (1, 1), "2": (2, 1), "middle": (3, 3), "4": (4, 1), "5": (5, 1), "right": (6, 3)}
 #: values of a rope's permanent curvature, 1/m
-CURVATURES = (
-    *("initial_curvature", "curvature_left", "curvature_middle", "curvature_right"),
-    *("curvature_left_across", "curvature_middle_across", "curvature_right_across"),
-)
+CURVATURES = ("initial_curvature", *(f"curvature_{name}{way}" for way in ("", "_across") for name in _ADDED))
 
 
 def most_curvature(rope: Any) -> Any:
     """Return the largest permanent curvature (1/m) along the rope: 0 of a straight one alone."""
-    left = hypot(rope.initial_curvature + rope.curvature_left, rope.curvature_left_across)
-    middle = hypot(rope.initial_curvature + rope.curvature_middle, rope.curvature_middle_across)
-    right = hypot(rope.initial_curvature + rope.curvature_right, rope.curvature_right_across)
-    return larger(larger(left, middle), right)
+    largest = 0.0
+    for sixth in range(7):
+        largest = larger(hypot(*_curvature(rope, sixth)), largest)
+    return largest
 
 
 def curvature_components(rope: Any, s: Any, l: Any) -> tuple[Any, ...]:
     """Components (1/m) along e1 of no twist at the POINTS of an element from ``s`` on, then those along e2: (6,)."""
     c, t = cos(rope.initial_curvature_angle), sin(rope.initial_curvature_angle)
-    at = [2 * (s + xi * l) / rope.length for xi in POINTS]
-    along = [
-        rope.initial_curvature + _linear(x, rope.curvature_left, rope.curvature_middle, rope.curvature_right)
-        for x in at
-    ]
-    across = [
-        _linear(x, rope.curvature_left_across, rope.curvature_middle_across, rope.curvature_right_across) for x in at
-    ]
-    pairs = list(zip(along, across, strict=True))
+    pairs = [_curvature(rope, 6 * (s + xi * l) / rope.length) for xi in POINTS]
     return *(c * x - t * y for x, y in pairs), *(t * x + c * y for x, y in pairs)
 
 
-def _linear(x: Any, left: Any, middle: Any, right: Any) -> Any:
-    """Value at ``x`` in [0, 2] of what is linear between 0, 1 and 2."""
-    before, after = larger(1 - x, 0.0), larger(x - 1, 0.0)
-    return before * left + (1 - before - after) * middle + after * right
+def _curvature(rope: Any, x: Any) -> tuple[Any, Any]:
+    """Permanent curvature (1/m) along its direction and across it, ``x`` sixths of the length from the left end."""
+    along, across = rope.initial_curvature, 0.0
+    for name, (middle, width) in _ADDED.items():
+        hat = larger(1 - larger(x - middle, middle - x) / width, 0.0)
+        along += hat * getattr(rope, f"curvature_{name}")
+        across += hat * getattr(rope, f"curvature_{name}_across")
+    return along, across
 
 
 #: weights of the values at POINTS in their integral from the left node to each of them, in lengths of the element
