@@ -8,6 +8,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -127,6 +128,17 @@ def read(
     except ValidationError as error:
         problems = [line for one in error.errors() for line in _problems(_keys(model), one)]
         raise FileError(path, problems) from error
+
+
+@contextmanager
+def of_file(path: Path) -> Iterator[None]:
+    """Raise what is refused inside, beyond what files say of themselves, as FileError of this one."""
+    try:
+        yield
+    except FileError:
+        raise
+    except ValueError as error:
+        raise FileError(path, str(error).splitlines()) from error
 
 
 def opened_by(info: ValidationInfo) -> tuple[Path, ...]:

@@ -17,7 +17,7 @@ from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
 from hoist_demo.files.catalogue import of_run, parameters
-from hoist_demo.files.reading import EMPTY, File, FileError, Flat, Table, contents, flat, read, table_of
+from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, flat, of_file, read, table_of
 from hoist_demo.files.run_values import Head, Values
 from hoist_demo.files.values import VARIED, Given, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems
@@ -244,36 +244,28 @@ Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
-    try:
-        return _study(file, fmu, progress)
-    except FileError:
-        raise
-    except ValueError as error:
-        raise FileError(path, str(error).splitlines()) from error
-
-
-def _study(file: StudyFile, fmu: Path | None, progress: Progress) -> Study:
-    head = file.study
-    rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
-    with Problems() as problems:
-        if find_case(head.hoist).ropes:
-            problems += [f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"]
-        with problems.at("study"):
-            signals = match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)])
-        with problems.at("study"):
-            chosen = file.chosen()
-        with problems.at("variant"):
-            variants = file.variants
-        with problems.at("sample"):
-            plan, points = file.drawn()
-    fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
-    study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
-    probe, samples, every = Probe(rope), list[Sample](), math.ceil(len(points) * len(variants) / MOST_TRIED)
-    with Problems() as problems:
-        for values, name in ((values, name) for values in progress(points) for name in variants):
-            with problems.at(name and f"variant {name}"):
-                samples.append(study.run(name, values))
-                if not len(samples) % every:
-                    probe.require_start(samples[-1].data)
-    in_order = tuple(one for name in variants for one in samples if one.variant == name)
-    return replace(study, samples=in_order)
+    with of_file(path):
+        head = file.study
+        rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
+        with Problems() as problems:
+            several = f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
+            problems += [several] if find_case(head.hoist).ropes else []
+            with problems.at("study"):
+                signals = match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)])
+            with problems.at("study"):
+                chosen = file.chosen()
+            with problems.at("variant"):
+                variants = file.variants
+            with problems.at("sample"):
+                plan, points = file.drawn()
+        fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
+        study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
+        probe, samples, every = Probe(rope), list[Sample](), math.ceil(len(points) * len(variants) / MOST_TRIED)
+        with Problems() as problems:
+            for values, name in ((values, name) for values in progress(points) for name in variants):
+                with problems.at(name and f"variant {name}"):
+                    samples.append(study.run(name, values))
+                    if not len(samples) % every:
+                        probe.require_start(samples[-1].data)
+        in_order = tuple(one for name in variants for one in samples if one.variant == name)
+        return replace(study, samples=in_order)
