@@ -5,6 +5,7 @@ empty cache, another folder.  Each step is done and timed; nothing may be compil
 checkout, byte by byte.
 """
 
+import os
 import re
 import shutil
 import subprocess
@@ -109,7 +110,9 @@ class _Trial:
         self._do(what, "python", "-c", code)
 
     def _do(self, what: str, program: str, *arguments: str) -> None:
-        environment = {"PATH": str(self.bin), "HOME": str(self.folder), "BALANCE_ROPE_CACHE": str(self.cache)}
+        # by which numpy's linear algebra rounds
+        environment = {name: value for name, value in os.environ.items() if name.startswith("OPENBLAS_")}
+        environment |= {"PATH": str(self.bin), "HOME": str(self.folder), "BALANCE_ROPE_CACHE": str(self.cache)}
         begin = time.monotonic()
         command = [str(self.bin / program), *arguments]
         done = subprocess.run(
