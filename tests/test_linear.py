@@ -125,21 +125,19 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
 
 def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -> None:
     def model(ropes: str) -> LinearModel:
-        path = tmp_path / "hoist.toml"
-        path.write_text(f'name = "hoist"\nlike = "rope-120"\n{ropes}', encoding="utf-8")
+        (path := tmp_path / "hoist.toml").write_text(f'name = "hoist"\nlike = "rope-120"\n{ropes}', encoding="utf-8")
         return linearise(read(path, HoistFile).case, [0.3])[0]
 
     place = "x_left = 0.2\nx_right = 0.2\nz = 0.5\nswivels.mode = "
     s, seen = 2j * np.pi * np.array([0.1, 0.7]), (*SEEN, "left.mx", "loop.z")
     for mode in ("locked", "free"):
-        ropes = (f'[[rope]]\nname = "{name}"\n{place}"{mode}"\n' for name in "ab")
-        equal, apart = model(f'[[rope]]\nnumber = 2\nswivels.mode = "{mode}"'), model("".join(ropes))
+        equal = model(f'[[rope]]\nnumber = 2\nswivels.mode = "{mode}"')
+        apart = model("".join(f'[[rope]]\nname = "{name}"\n{place}"{mode}"\n' for name in "ab"))
         found = apart.selected((*TORQUE, "left.yaw"), [f"b.{x}" if "." in x else x for x in seen]).response(s)
-        own = [*TORQUE, "left.x", "left.z", *(["left.yaw"] if mode == "locked" else [])]
+        own = (*TORQUE, "left.x", "left.z", *(("left.yaw",) if mode == "locked" else ()))
         torque, x, z, *yaw = np.moveaxis(equal.selected(own, seen).response(s), 2, 0)
-        # a conveyance that yaws moves what hangs beside its centre
-        known = np.stack((torque, 0.5 * x - 0.2 * z + sum(yaw)), axis=2)
-        assert_allclose(found, known, rtol=1e-6, atol=1e-9 * np.abs(known).max())
+        moved = 0.5 * x - 0.2 * z + sum(yaw)  # what hangs beside the centre of a conveyance that yaws
+        assert_allclose(np.moveaxis(found, 2, 0), (torque, moved), rtol=1e-6, atol=1e-9 * np.abs(found).max())
 
 
 @pytest.mark.usefixtures("plain_figures")
