@@ -36,8 +36,7 @@ rope_model.numerics:
 rope_model.simulation: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
 rope_model.codegen: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
     rope_model.simulation rope_model.texts
-rope_model.engine: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
-    rope_model.simulation rope_model.texts rope_model.codegen
+rope_model.engine: .parameters .solver_parameters .numerics .simulation .texts .codegen
 rope_model.public: .cases .catalogue .parameters .solver_parameters .shaft_parameters .numerics .simulation .engine
 rope_model.version:
 rope_model.texts:

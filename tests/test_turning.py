@@ -9,19 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, turn, wound
 
-from rope_model import (
-    BalanceRope,
-    EndMotion,
-    Form,
-    Layout,
-    Mesh,
-    Model,
-    Rope,
-    RopeSimulator,
-    Scene,
-    balance_rope,
-    rope_120,
-)
+from rope_model import BalanceRope, EndMotion, Form, Layout, Mesh, Model, Rope, RopeSimulator, Scene, balance_rope
+from rope_model.cases import rope_120
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.stepping.statics import find_equilibrium
 
