@@ -22,7 +22,8 @@ from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Memory, Pair, Stopwatch
-from hoist_demo.design.linearise import LinearModel, linearise
+from hoist_demo.design.linear_model import LinearModel
+from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import ALPHA, reduced
 from hoist_demo.drive.equations import INPUT_NAMES
 from hoist_demo.drive.outputs import SHOWN

@@ -13,7 +13,7 @@ from balance_rope import main
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.design.linearise import LinearModel, linearise, linearise_hoist, linearise_rope
+from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
 from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import read
@@ -124,7 +124,7 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
 
 
 def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -> None:
-    def model(ropes: str) -> LinearModel:
+    def model(ropes: str):
         (path := tmp_path / "hoist.toml").write_text(f'name = "hoist"\nlike = "rope-120"\n{ropes}', encoding="utf-8")
         return linearise(read(path, HoistFile).case, [0.3])[0]
 

@@ -57,7 +57,7 @@ def _add(commands: Commands, name: str, run: Run, about: str, description: str) 
 
 
 def _hoist(options: argparse.Namespace) -> Case:
-    """Return the hoist."""
+    """Return the hoist; ValueError for a band that holds no response."""
     from hoist_demo.design.reduction import SLOWEST
 
     if not SLOWEST < options.band < math.inf:
@@ -89,7 +89,8 @@ def _modes(options: argparse.Namespace) -> int:
     """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
     import numpy as np
 
-    from hoist_demo.design.linearise import PARTS, Modes, linearise, linearise_hoist
+    from hoist_demo.design.linear_model import PARTS, Modes
+    from hoist_demo.design.linearise import linearise, linearise_hoist
     from hoist_demo.design.reduction import telling
     from hoist_demo.report.linear_figures import write_modes_figure
 

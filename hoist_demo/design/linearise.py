@@ -1,12 +1,9 @@
 """Linear models of hoist and balance ropes at rest or at constant speed, anywhere along the trip.
 
-Small motions x of the hoist's coordinates, of the rope's nodes and of what lags behind (motor torque, brake) obey
-
-    M x'' + D x' + K x = B u ,     y = C x + C_v x' + C_a x'' + D_u u .
-
+The coordinates x of `linear_model` are the hoist's, those of the ropes' nodes, and what lags behind (motor torque, brake).
 The rope's part is `rope_model.simulation.outputs.linear`, the hoist's the derivative of Lagrange's equation in
-`drive/equations.py`; the ends of the ropes and the conveyances share their heights, and each of n equal ropes counts n
-times. Rows of M are 0 for what lags. Ends move sideways and yaw as conveyances do that are told to: inputs.
+`drive/equations.py`. Ropes and conveyances share the heights of the ends, and each of n equal ropes counts n times. Rows
+of M are 0 for what lags. Sideways motion and yaw of the conveyances are given: their accelerations are inputs.
 
 The hoist is left without what has no derivative: Coulomb friction, jams, slip on the lining, play between the guides.
 A sticking brake is a spring. At constant speed the lengths of head ropes and legs are frozen.
@@ -22,12 +19,10 @@ from typing import Any, Literal, NamedTuple
 import casadi as ca
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
-from scipy.linalg import eigh
-from scipy.sparse.linalg import splu
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.design.linear_model import Array, LinearModel
 from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, extra_coordinates, state_names
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
@@ -36,7 +31,6 @@ from hoist_demo.parameters.place import Place
 from rope_model import EndMotion, Level, RopeSimulator, Scene
 from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
-Array = NDArray[np.float64]
 Swivels = Literal["as given", "locked", "free", "sticking"]
 HeldBy = Literal["motor", "brake"]
 
@@ -45,99 +39,6 @@ _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
 _SHOWN = ("angle", "rate", "motor_rate", "torque", "y_left", "y_right", "v_left", "v_right", "pull_left", "pull_right")
 _TENSIONS = ("tension_left", "tension_right")
-_SLOWEST = 2 * np.pi * 1e-3  #: rad/s, below which a motion is none of vibration.
-#: What moves in a mode: the hoist, or the rope along its legs, in the loop's plane, out of it, or about itself.
-PARTS = ("hoist", "vertical", "in plane", "out of plane", "twist")
-_DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind the first.
-
-
-@dataclass(frozen=True)
-class Modes:
-    """Undamped modes: frequencies [Hz], damping ratios of the diagonal of D, shapes (coordinates, modes) of unit mass.
-
-    `shares` (PARTS, modes) are the parts of the kinetic energy.
-    """
-
-    frequencies: Array
-    damping: Array
-    shapes: Array
-    shares: Array
-
-
-@dataclass(frozen=True)
-class LinearModel:
-    """A model in its sparse second-order form, SI units.
-
-    Coordinates come in the order of `names`: free ones, those `held` whose accelerations are inputs, those that lag.
-    A rope's are "rope.NODE.k", k from 0 to 6 for r, r' and theta; of ropes that differ "rope.NAME.NODE.k", and their
-    outputs begin with their names. `rest_inputs` and `rest_outputs` are the values from
-    which u and y count; outputs that have none rest at 0.
-    """
-
-    at: float  # height of the left conveyance over the travel
-    names: tuple[str, ...]
-    held: int  # number of held coordinates
-    lags: int  # and of those that lag
-    mass: sp.csc_matrix
-    damping: sp.csc_matrix
-    stiffness: sp.csc_matrix
-    inputs: tuple[str, ...]
-    B: Array
-    outputs: tuple[str, ...]
-    maps: tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]  # C, C_v and C_a
-    through: Array  # D_u
-    rest_inputs: Array
-    rest_outputs: Array
-
-    @property
-    def free(self) -> int:
-        """Number of coordinates that vibrate."""
-        return len(self.names) - self.held - self.lags
-
-    def response(self, s: Iterable[complex]) -> NDArray[np.complex128]:
-        """Transfer functions (len(s), outputs, inputs) at complex frequencies [rad/s]."""
-        C, C_v, C_a = self.maps
-        found = []
-        for z in s:
-            x = splu((z * z * self.mass + z * self.damping + self.stiffness).tocsc()).solve(self.B.astype(complex))
-            found.append((C + z * C_v + z * z * C_a) @ x + self.through)
-        return np.array(found)
-
-    def modes(self, highest: float) -> Modes:
-        """All modes up to the frequency [Hz], held coordinates at rest and without what lags."""
-        n = self.free
-        K, M = (0.5 * (A + A.T).toarray() for A in (self.stiffness[:n, :n], self.mass[:n, :n]))
-        squares, shapes = eigh(K, M, subset_by_value=(-np.inf, (2 * np.pi * highest) ** 2))
-        omega = np.sqrt(np.maximum(squares, 0.0))
-        damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (2 * np.maximum(omega, _SLOWEST))
-        # kinetic energy by the coordinates' first part: the hoist, or a direction of the rope
-        kind = [
-            "hoist" if not name.startswith("rope.") else PARTS[1 + _DIRECTION[int(name[-1])]] for name in self.names[:n]
-        ]
-        energy = shapes * (M @ shapes)
-        shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
-        return Modes(omega / (2 * np.pi), damping, shapes, shares)
-
-    def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
-        """Return the model with these inputs and outputs only; ValueError for others than it has."""
-        columns, rows = _places(inputs, self.inputs, "inputs"), _places(outputs, self.outputs, "outputs")
-        return replace(
-            self,
-            inputs=tuple(self.inputs[k] for k in columns),
-            B=self.B[:, columns],
-            outputs=tuple(self.outputs[k] for k in rows),
-            maps=tuple(A[rows] for A in self.maps),
-            through=self.through[np.ix_(rows, columns)],
-            rest_inputs=self.rest_inputs[columns],
-            rest_outputs=self.rest_outputs[rows],
-        )
-
-
-def _places(wanted: Iterable[str], there: tuple[str, ...], what: str) -> list[int]:
-    wanted = tuple(wanted)
-    if missing := [name for name in wanted if name not in there]:
-        raise ValueError(f"{what} {', '.join(missing)} must be among {', '.join(there)}: choose from them")
-    return [there.index(name) for name in wanted]
 
 
 def linearise(

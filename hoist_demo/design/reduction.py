@@ -33,7 +33,8 @@ from scipy.io import savemat
 from scipy.sparse.linalg import splu
 
 from hoist_demo.cases.case import Case
-from hoist_demo.design.linearise import Array, LinearModel, Modes, linearise
+from hoist_demo.design.linear_model import Array, LinearModel, Modes
+from hoist_demo.design.linearise import linearise
 from hoist_demo.parameters.winding import start_heights
 
 SLOWEST = 0.02  #: Hz, lower end of the band in which errors are measured.
