@@ -31,7 +31,7 @@ mathjax3_config = {"options": {"enableMenu": False}}
 nitpick_ignore_regex = [
     ("py:.*", r"(pathlib|collections|numpy|np|scipy|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*"),
     ("py:.*", r"[A-Z]\w*"),
-    ("py:.*", r"rope_model\.(simulation|codegen|numerics|physics|parameters|parameter_table)\..*"),
+    ("py:.*", r"rope_model\.(simulation|codegen|numerics|physics|parameters|solver_parameters|parameter_table)\..*"),
 ]
 
 # docstrings follow numpydoc

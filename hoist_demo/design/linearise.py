@@ -1,8 +1,8 @@
 """Linear models of hoist and balance ropes at rest or at constant speed, anywhere along the trip.
 
-The coordinates x of `linear_model` are the hoist's, those of the ropes' nodes, and what lags behind (motor torque, brake).
-The rope's part is `rope_model.simulation.outputs.linear`, the hoist's the derivative of Lagrange's equation in
-`drive/equations.py`. Ropes and conveyances share the heights of the ends, and each of n equal ropes counts n times. Rows
+The coordinates x of `linear_model` are those of the hoist, of the ropes' nodes, and of what lags behind: motor torque
+and brake. The rope's part is `rope_model.simulation.outputs.linear`, the hoist's the derivative of Lagrange's equation
+in `drive/equations.py`. Ropes and conveyances share the heights of the ends; each of n equal ropes counts n times. Rows
 of M are 0 for what lags. Sideways motion and yaw of the conveyances are given: their accelerations are inputs.
 
 The hoist is left without what has no derivative: Coulomb friction, jams, slip on the lining, play between the guides.
