@@ -22,7 +22,7 @@ GROUPS = {
     "energy": "energies; works and dissipation since the start; the energy balance",
     "count": "time steps, iterations, transformations, swivel events",
     "shape": "points along the rope, with tension and stresses there: 567 numbers",
-    "station": "tension, curvature and torque at places that stay in the rope: 243 numbers",
+    "station": "place, tension, curvature and torque of points that stay in the rope: 486 numbers",
     "clearance": "distances of the rope from the bodies in its shaft",
     "nearest": "the smallest of these so far, when and where",
     "guard": "whether a guard of the loop has tripped, which one and when",
@@ -43,6 +43,7 @@ DESCRIPTIONS = {
     "station.tension": "tension at places that stay in the rope",
     "station.curvature": "curvature at these places, RMS along an element",
     "station.torque": "torque about the tangent at these places",
+    **{f"station.{axis}": f"{axis.upper()} of these places" for axis in "xyz"},
 }
 
 

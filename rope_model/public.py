@@ -21,15 +21,15 @@ from rope_model.simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
 from rope_model.simulation.outputs.signal_table import SIGNALS, Signal
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
-from rope_model.solver_parameters import Accuracy, Inputs, Mesh, Model, Solver
+from rope_model.solver_parameters import Accuracy, Inputs, Mesh, Model, Solver, Stations
 
 __all__ = [
     "BEARINGS", "BODIES", "CHOICES", "CONSTRUCTIONS", "FAR", "FIDELITIES", "GUARD_CAUSES", "ROPE_CASES", "SIGNALS",
     "Account", "Accuracy", "Air", "BalanceRope", "Contact", "Contacts", "Conveyance", "Datum", "DatumStatus",
     "Divider", "Effect", "EndMotion", "Form", "Guard", "HeadRopes", "Inputs", "KnownRope", "Layout", "Level",
     "Lining", "Mesh", "Model", "Neighbours", "PointForces", "Rope", "RopeCase", "RopeSimulator", "RopeState",
-    "Scene", "Shaft", "Signal", "Snapshot", "Solver", "Status", "Sump", "Swivel", "at_level", "balance_rope",
-    "neglected_effects", "neglected_text", "rope", "rope_120", "rope_240",
+    "Scene", "Shaft", "Signal", "Snapshot", "Solver", "Stations", "Status", "Sump", "Swivel", "at_level",
+    "balance_rope", "neglected_effects", "neglected_text", "rope", "rope_120", "rope_240",
 ]  # fmt: skip
 
 log = logging.getLogger(__name__)

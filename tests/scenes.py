@@ -115,11 +115,6 @@ def going_aside(t: float) -> Ends:
     return left, EndMotion(y=6.0 - t**3, vy=-3 * t**2, ay=-6 * t)
 
 
-def stations(rope: BalanceRope, steps: int) -> Iterator[BalanceRope]:
-    """The rope each 10 ms while its ends go aside."""
-    return (rope for _ in followed(rope, going_aside, steps))
-
-
 @dataclass(frozen=True)
 class Trip:
     """A case's trip in steps of ``H`` (s): a winding, or one with an emergency stop at three fifths of it."""

@@ -8,11 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, smooth_trip, wound
 
-from rope_model import BalanceRope, Layout, Mesh, Model, Rope, RopeSimulator, Scene, balance_rope
+from rope_model import BalanceRope, Layout, Mesh, Model, Rope, RopeSimulator, Scene, Stations, balance_rope
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.outputs.diagnostics import shape, shape_places
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
+from rope_model.simulation.rope_system import arc_lengths
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way
@@ -28,10 +29,10 @@ def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> RopeSimu
     return seen(wound(balance_rope(scene), lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps))
 
 
-def seen(wound: BalanceRope) -> RopeSimulator:
+def seen(wound: BalanceRope, station: Stations = SHORT.station) -> RopeSimulator:
     """The Python rope in the state of one that was wound; it compiles nothing for a look."""
     solver = replace(wound.scene.solver, kernels="portable")
-    rope = RopeSimulator(wound.scene.with_(solver=solver))
+    rope = RopeSimulator(wound.scene.with_(solver=solver, station=station))
     rope.restore(wound.state)
     return rope
 
@@ -133,3 +134,10 @@ def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
     # tension is smooth along the rope: stations .4 m apart show that of the points within its change on half of that
     at_stations = np.interp(s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), along(after, "tension", "station"))
     assert_allclose(at_stations, along(after, "tension"), atol=0.5 * 0.375 * 9.81 * SHORT.rope.mass_per_length)
+
+
+def test_a_station_at_a_node_is_where_the_node_is() -> None:
+    after = move(SHORT, 400)
+    where = arc_lengths(after.state.partition.lengths)[20] / SHORT.rope.length
+    coordinates = [along(seen(after, Stations(where, where)), axis, "station") for axis in "xyz"]
+    assert_allclose(np.transpose(coordinates), np.tile(after.state.motion.q[20, :3], (SHAPE_POINTS, 1)), atol=1e-12)

@@ -215,16 +215,12 @@ def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
     assert ends(plain, *rest_at(plain, (0.0, 90.0)))[0] == EndMotion(y=0.0, ay=pytest.approx(0.0, abs=1e-10))
 
 
-def on_its_way(travel: float, height: float) -> None:
-    require_jams_on_the_way(Hoist(jam_right=Jam(height=height)), Winding(travel=travel))
-
-
 BAD = {
     "conveyance_mass": lambda: Hoist(conveyance_mass=0.0),
     "torque_limit": lambda: Hoist(torque_limit=math.nan),
     "slack_tension": lambda: Hoist(slack_tension=1e5),
     "jam_right.height": lambda: Hoist(jam_right=Jam(height=91.0)),
-    r"jam_right\.height": lambda: on_its_way(10.0, 53.0),
+    r"jam_right\.height": lambda: require_jams_on_the_way(Hoist(jam_right=Jam(height=53.0)), Winding(travel=10.0)),
     "lining.sliding": lambda: Lining(sliding=1.2),
     "lining": lambda: drive_model(replace(find_case("rope-120"), hoist=Hoist(lining=Lining()))),
     "jam_right": lambda: drive_model(find_case("jammed-conveyance")),

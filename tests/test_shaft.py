@@ -12,7 +12,7 @@ from conftest import Array
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from scenes import Ends, ends_at, followed, going_aside, hung, stations, wound
+from scenes import Ends, ends_at, followed, going_aside, hung, wound
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
@@ -170,13 +170,13 @@ SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16), shaft=EVERYTHING
 
 
 def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
-    ropes = stations(balance_rope(SHORT, "native"), 25)
-    seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for rope in ropes])
-    now, so_far = seen[:, : len(NOW)], seen[:, len(NOW) :]
+    rope = balance_rope(SHORT, "native")
+    steps = followed(rope, going_aside, 25)
+    seen = np.array([[*rope.signals(NOW).values(), *rope.signals(SO_FAR).values()] for _ in steps])
+    now, so_far = np.hsplit(seen, 2)
     least = np.minimum.accumulate(now, axis=0)
     assert np.all(so_far <= least + RESOLUTION)
     assert np.all(so_far >= least - RESOLUTION)
-    rope = wound(balance_rope(SHORT, "native"), going_aside, 25)
     times = rope.signals([f"nearest.{kind}.time" for kind in KINDS]).values()
     assert 0.0 in times  # what moves away
     assert 0.0 < max(times) <= 0.25

@@ -101,13 +101,20 @@ static void error_signals(Simulator *rope, double *values) {
     values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
-static void shape_signals(Simulator *rope, double *values) {
+/* of the points at arc lengths `at`: all x, then all y, then all z */
+static void points_at(const Simulator *rope, const double *at, double *values) {
     const Arrays m = state_arrays(rope->state);
-    double at[SHAPE_POINTS], xyz[SHAPE_POINTS][3];
-    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, at);
+    double xyz[SHAPE_POINTS][3];
     diagnostics_shape(m.nodes, m.q, m.s, SHAPE_POINTS, at, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++)
-        for (int axis = 0; axis < 3; axis++) values[SIGNAL_SHAPE_X_1 + SHAPE_POINTS * axis + i] = xyz[i][axis];
+        for (int axis = 0; axis < 3; axis++) values[SHAPE_POINTS * axis + i] = xyz[i][axis];
+}
+
+static void shape_signals(Simulator *rope, double *values) {
+    const Arrays m = state_arrays(rope->state);
+    double at[SHAPE_POINTS];
+    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, at);
+    points_at(rope, at, values + SIGNAL_SHAPE_X_1);
 }
 
 /* a value of the material at arc lengths `at`, which ascend, linear between the middles of the elements */
@@ -124,14 +131,13 @@ static void along(const Simulator *rope, const double *at, int which, double *va
 static void pull_at(const Simulator *rope, const double *at, double *tension) {
     const double rho = rope->scene.rope.mass_per_length, gravity = rope->scene.layout.gravity;
     const Arrays m = state_arrays(rope->state);
-    double xyz[SHAPE_POINTS][3], y[SHAPE_POINTS];
+    double xyz[3 * SHAPE_POINTS];
     if (rope->state->fidelity != RIGID) {
         diagnostics_tension(&m, rho, gravity, SHAPE_POINTS, at, tension);
         return;
     }
-    diagnostics_shape(m.nodes, m.q, m.s, SHAPE_POINTS, at, xyz[0]);
-    for (int i = 0; i < SHAPE_POINTS; i++) y[i] = xyz[i][1];
-    rigid_tension(&m, rho, gravity, SHAPE_POINTS, at, y, tension);
+    points_at(rope, at, xyz);
+    rigid_tension(&m, rho, gravity, SHAPE_POINTS, at, xyz + SHAPE_POINTS, tension);
 }
 
 static void along_signals(Simulator *rope, double *values) {
@@ -155,6 +161,7 @@ static void station_signals(Simulator *rope, double *values) {
     pull_at(rope, at, values + SIGNAL_STATION_TENSION_1);
     along(rope, at, CURVATURE, values + SIGNAL_STATION_CURVATURE_1);
     along(rope, at, TORQUE, values + SIGNAL_STATION_TORQUE_1);
+    points_at(rope, at, values + SIGNAL_STATION_X_1);
 }
 
 SignalGroup group_of(int signal) {

@@ -13,6 +13,8 @@ from rope_model.simulation.ends.paths import SIDES
 
 SHAPE_POINTS = 81
 
+_PLACE = tuple((axis, "m", f"coordinate {axis.upper()}") for axis in "xyz")
+
 
 class Signal(NamedTuple):
     """Facts of an output."""
@@ -134,10 +136,8 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"{of}.s", Signal("m", f"place of {of}.clearance along the rope, from its left end")
         yield f"{of}.y", Signal("m", f"height of {of}.clearance")
         yield f"{of}.touched_at", Signal("s", "time of the first contact; 0 before")
-    for axis in "xyz":
-        for i in range(1, SHAPE_POINTS + 1):
-            yield f"shape.{axis}[{i}]", Signal("m", f"{axis.upper()} of point {i} of {SHAPE_POINTS} along the rope")
     for name, unit, what in (
+        *_PLACE,
         ("s", "m", "place along the rope, from its left end,"),
         ("tension", "N", "tension"),
         ("bending", "Pa", "nominal bending stress"),
@@ -149,6 +149,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("tension", "N", "tension"),
         ("curvature", "1/m", "curvature"),
         ("torque", "N.m", "torque about the tangent"),
+        *_PLACE,
     ):
         for i in range(1, SHAPE_POINTS + 1):
             yield f"station.{name}[{i}]", Signal(unit, f"{what} at station {i} of {SHAPE_POINTS}, fixed in the rope")

@@ -34,7 +34,7 @@ from rope_model.simulation.outputs.sensitivity import Linearised, added_mass_sig
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.simulation.outputs.state_signals import STATE_SIGNALS, remembered
 from rope_model.simulation.rigid import rigid_tension
-from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem, arc_lengths
+from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem, arc_lengths
 
 
 class Evaluated(Linearised, Protocol):
@@ -149,7 +149,7 @@ def shape_signals(rope: Evaluated) -> dict[str, float]:
     """Points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
     points = shape(q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
-    return {f"shape.{axis}[{i}]": float(x) for k, axis in enumerate("xyz") for i, x in enumerate(points[:, k], start=1)}
+    return _rows("shape", dict(zip("xyz", points.T, strict=True)))
 
 
 def along_signals(rope: Evaluated) -> dict[str, float]:
@@ -161,11 +161,12 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def station_signals(rope: Evaluated) -> dict[str, float]:
-    """Tension, curvature and torque at places that stay in the rope."""
+    """Tension, curvature, torque and place of points that stay in the rope."""
     where, lengths = rope.scene.station, rope.state.partition.lengths
     s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
     curvature, torque = (interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4])
-    return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque})
+    points = dict(zip("xyz", interpolate(rope.state.motion.q, arc_lengths(lengths), s)[:, POSITION].T, strict=True))
+    return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque} | points)
 
 
 def pull_at(rope: Evaluated, s: Array) -> Array:
