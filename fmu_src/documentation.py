@@ -77,7 +77,7 @@ def rows(table: Iterable[Variable]) -> Iterator[tuple[str, str, str, str]]:
     for v in table:
         if match := re.fullmatch(r"((?:shape|station)\.\w+)\[(\d+)\]", v.name):
             if match[2] == "1":
-                yield f"`{match[1]}[1]` ... `[81]`", v.unit, "", DESCRIPTIONS[match[1]]
+                yield f"`{match[1]}[1...81]`", v.unit, "", DESCRIPTIONS[match[1]]
             continue
         start = "" if v.start is None else str(v.start).lower() if isinstance(v.start, bool) else f"{v.start:g}"
         tunable = "*tunable*; " if v.variability == "tunable" else ""

@@ -267,8 +267,12 @@ def _included(file: str, sources: Mapping[str, str]) -> list[str]:
 
 
 def _run(command: Sequence[str], folder: Path) -> None:
-    """CalledProcessError when it fails."""
-    subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
+    """CalledProcessError, which notes what the command said, when it fails."""
+    try:
+        subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
+    except subprocess.CalledProcessError as error:
+        error.add_note(error.stderr)
+        raise
 
 
 def _key(*parts: str) -> str:
