@@ -142,12 +142,8 @@ def _pressed(stiff: bool) -> ca.Function:
 
     Or, with (cq, cv), the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
     """
-    rows, speeds, l, P = (
-        ca.MX.sym("r", 3, 4),
-        ca.MX.sym("v", 3, 4),
-        ca.MX.sym("l"),
-        ca.MX.sym("P", len(LAW) + BODY_SIZE),
-    )
+    rows, speeds = ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
+    l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
     look, halve, _ = _searches()
     start, stop = ca.MX.sym("start"), ca.MX.sym("stop")

@@ -199,8 +199,7 @@ class RopeSystem:
     def frame_turn(self, q: Array) -> Array:
         """Return (nodes,): gain of theta when ``q`` becomes the reference, rad."""
         rest = np.zeros_like(q)
-        turn: Array = self.transport(q, rest, rest)[0]
-        return turn
+        return np.asarray(self.transport(q, rest, rest)[0])
 
     def prescribed_motion(self, t: float) -> Array:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)

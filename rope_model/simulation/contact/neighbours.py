@@ -21,6 +21,7 @@ start, and grow to their diameter in GROWTH; its energy counts as created, too.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from typing import NamedTuple, Protocol
 
@@ -260,11 +261,7 @@ class _Joint:
     def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
         """The forces of the next iteration."""
         K = np.concatenate([self.forces[two].tangent for two in self._twos])
-
-        def resisted(x: Array) -> Array:
-            force: Array = np.einsum("mij,mj->mi", K, x)
-            return force
-
+        resisted = partial(np.einsum, "mij,mj->mi", K)
         x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
         force, at, corrected = self._tried + self._missing - resisted(x), 0, dict(self.forces)
         for two in self._twos:
