@@ -123,8 +123,7 @@ def judge(
         until = "" if result.completed else " until then"
         words += f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
     remarks = (*warnings(result, hoist, ropes), *said)
-    when = _what_matters(ropes, pairs)
-    return Verdict(words, rows, remarks, when, result.completed and not broken and not remarks)
+    return Verdict(words, rows, remarks, _what_matters(ropes, pairs), result.completed and not broken and not remarks)
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
@@ -203,13 +202,11 @@ def _rows(
         text, bound = hold.words, f"at least {hold.asked:g}: {hold.rule}"
         where = f"t = {hold.t:.2f} s"
         yield Judged(f"slip safety {hold.when}", text, bound, hold.enough, where)
-    struck = [rope.data for rope in ropes if passages(rope.recording)]
-    names = [one.name or "struck" for one in struck]
+    names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]
     near = [pair for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
     names += [f"{pair.one} on {pair.other}" for pair in near]
     yield Judged(_STRIKES, ", ".join(names) or "none", "none", not names)
-    first = ropes[0]
-    set_guards = [cause for cause in GUARD_CODES.values() if first.asked(f"guard.{cause}") > 0.0]
+    set_guards = [cause for cause in GUARD_CODES.values() if ropes[0].asked(f"guard.{cause}") > 0.0]
     trip = guard_trip(result.recording)
     text = f"{trip.cause} tripped" if trip else "none tripped" if set_guards else "none set"
     where = f"t = {trip.t:.2f} s" if trip else ""
