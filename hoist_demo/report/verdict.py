@@ -199,9 +199,8 @@ def _rows(
     for pair in pairs:
         yield from _between(pair, max(rope.length_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
     for hold in holds(result.recording, hoist, result.winding):
-        text, bound = hold.words, f"at least {hold.asked:g}: {hold.rule}"
-        where = f"t = {hold.t:.2f} s"
-        yield Judged(f"slip safety {hold.when}", text, bound, hold.enough, where)
+        bound = f"at least {hold.asked:g}: {hold.rule}"
+        yield Judged(f"slip safety {hold.when}", hold.words, bound, hold.enough, f"t = {hold.t:.2f} s")
     names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]
     near = [pair for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
     names += [f"{pair.one} on {pair.other}" for pair in near]
@@ -237,8 +236,7 @@ def _between(pair: Pair, error: float) -> Iterator[Judged]:
     """Clearance of two ropes, and how they pressed each other if they may."""
     if (near := pair.nearest) is not None:
         where = _where(near.t, near.place)
-        struck = near.clearance <= 0.0
-        where += _ALONE if struck and pair.account is None else ""
+        where += _ALONE if near.clearance <= 0.0 and pair.account is None else ""
         quantity = f"clearance between {pair.one} and {pair.other}"
         bound = f"above {number(error, 2)} m, its error"
         yield Judged(quantity, f"{rounded(near.clearance, error)} m", bound, near.clearance > error, where)

@@ -17,12 +17,7 @@ def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.
     """
     e, tau, k = strains
-    moment = torque_of(rope, e, tau)
+    moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)
     stress = 16 * abs(moment) / (math.pi * rope.diameter**3)
     # the sum makes +0 of -0
     return bending_stress(rope, k), stress * torsional, k, moment * torsional + 0.0
-
-
-def torque_of(rope: Any, e: Any, tau: Any) -> Any:
-    """Torque (N m) about the tangent at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
-    return torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)

@@ -251,8 +251,7 @@ class RopeSystem:
 
         def resolve(change: Array) -> Array:
             without = evaluated(x.q, x.v, x.a - change, x.R).reaction
-            resolved: Array = c[2] * self._free * solve(without - x.R)
-            return resolved
+            return np.asarray(c[2] * self._free * solve(without - x.R))
 
         x, newton_report = newton(
             Coupled(factorized, lambda at: self._coupling(at, c), lambda *at: evaluated(*at).reaction, self.norm),
