@@ -37,6 +37,7 @@ from rope_model.simulation.mesh.partition import mesh_elements
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed
 
+_ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ("rope_model", "fmu_src")
 #: not needed by the FMU: parts of the export, and of the native flavour
 _LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py"}
@@ -67,7 +68,7 @@ def export_fmu(
         key = _build_key(f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
         package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
         _copy_package(package)
-        slave = (_root() / "fmu_src" / "slave.py").read_text(encoding="utf-8")
+        slave = (_ROOT / "fmu_src" / "slave.py").read_text(encoding="utf-8")
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
         facts = _build_facts(case, level, key)
@@ -114,22 +115,18 @@ def _build_key(start_values: str, kernels: Path, library: Mapping[str, str]) -> 
     return digest.hexdigest()[:12]
 
 
-def _root() -> Path:
-    return Path(__file__).resolve().parent.parent
-
-
 def _sources() -> list[Path]:
-    files = [path for package in SOURCES for path in sorted((_root() / package).rglob("*.py"))]
-    return [path for path in files if not _LEFT_OUT.intersection(path.relative_to(_root()).parts)]
+    files = [path for package in SOURCES for path in sorted((_ROOT / package).rglob("*.py"))]
+    return [path for path in files if not _LEFT_OUT.intersection(path.relative_to(_ROOT).parts)]
 
 
 def _copy_package(package: Path) -> None:
     """rope_model and fmu_src as subpackages of ``package``, their absolute imports made relative."""
     for path in _sources():
-        copy = package / path.relative_to(_root())
+        copy = package / path.relative_to(_ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
         text = path.read_text(encoding="utf-8")
-        if path.is_relative_to(_root() / "fmu_src"):
+        if path.is_relative_to(_ROOT / "fmu_src"):
             text = re.sub(r"(?m)^from rope_model", "from ..rope_model", text)
         copy.write_text(text, encoding="utf-8")
     (package / "__init__.py").write_text("", encoding="utf-8")

@@ -69,8 +69,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         self.modelName = MODEL
         self._resources = Path(kwargs["resources"])
         self._build = json.loads((self._resources / "build.json").read_text(encoding="utf-8"))
-        case = case_with(self._build["case"], self._build["level"], self._build["start"])
-        self._table = variables(case)
+        self._table = variables(case_with(self._build["case"], self._build["level"], self._build["start"]))
         self._places = {v.name: i for i, v in enumerate(self._table)}
         self._texts: dict[int, str] = {}  # by scalar: the library hands out their addresses
         self._packed: tuple[RopeState | None, bytes] = (None, b"")

@@ -27,7 +27,8 @@ SwivelMode = Literal["locked", "free", "coulomb"]
 SwivelStart = Literal["locked", "relaxed"]
 Attachment = Literal["plumb", "clamped", "hinged"]
 
-_DATA_SHEET = "check the rope's data sheet"
+_POSITIVE = at_least(LEAST, "check the rope's data sheet")
+_TIMES_BETA_K = Bounds(0.0, 1e6, "use 1 for beta_K")
 
 
 def _added_curvature(where: str) -> float:
@@ -50,16 +51,13 @@ class Rope(Checked):
         "length between the two swivels",
         Bounds(LEAST, 1e4, "give it in metres, as the rope's data sheet does"),
     )
-    mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", at_least(LEAST, _DATA_SHEET))
-    Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", at_least(LEAST, _DATA_SHEET))
+    mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", _POSITIVE)
+    Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", _POSITIVE)
     Qb: float = parameter(2.336e5, "N.m", "tension per twist; default is the symmetric mean of the published pair")
     Qc: float = parameter(2.336e5, "N.m", "torque per axial strain, M = Qc e + Qd tau; default as Qb")
-    Qd: float = parameter(3.3e3, "N.m2", "torsional stiffness [assumed]", at_least(LEAST, _DATA_SHEET))
+    Qd: float = parameter(3.3e3, "N.m2", "torsional stiffness [assumed]", _POSITIVE)
     EI: float = parameter(
-        300.0,
-        "N.m2",
-        "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none",
-        at_least(LEAST, _DATA_SHEET),
+        300.0, "N.m2", "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none", _POSITIVE
     )
     EI_stick: float = parameter(
         0.0,
@@ -79,12 +77,7 @@ class Rope(Checked):
         "growth of that moment with the tension, over the diameter [assumed]",
         Bounds(0.0, 1.0, "use 0 for a moment that does not depend on the tension"),
     )
-    rhoJ: float = parameter(
-        1.94e-3,  # rho d^2/8
-        "kg.m",
-        "polar mass moment per length [assumed]",
-        at_least(LEAST, _DATA_SHEET),
-    )
+    rhoJ: float = parameter(1.94e-3, "kg.m", "polar mass moment per length [assumed]", _POSITIVE)  # rho d^2/8
     c2: float = parameter(
         0.0,
         "1",
@@ -97,12 +90,8 @@ class Rope(Checked):
         "material damping proportional to stiffness [assumed]",
         at_least(0.0, "use 0 for no material damping"),
     )
-    torsion_damping: float = parameter(
-        1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", Bounds(0.0, 1e6, "use 1 for beta_K")
-    )
-    bending_damping: float = parameter(
-        1.0, "1", "damping of bending as a multiple of beta_K [assumed]", Bounds(0.0, 1e6, "use 1 for beta_K")
-    )
+    torsion_damping: float = parameter(1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", _TIMES_BETA_K)
+    bending_damping: float = parameter(1.0, "1", "damping of bending as a multiple of beta_K [assumed]", _TIMES_BETA_K)
     diameter: float = parameter(0.044, "m", "rope diameter [assumed]", Bounds(LEAST, 1.0, "give it in metres"))
     installed_twist: float = parameter(
         0.0,

@@ -120,8 +120,7 @@ def _threshold(unit: str, description: str, cure: str) -> float:
 
 
 def _delay() -> float:
-    text = "delay before this guard trips"
-    return parameter(0.0, "s", text, Bounds(0.0, REACH, "use 0 to trip at once"))
+    return parameter(0.0, "s", "delay before this guard trips", Bounds(0.0, REACH, "use 0 to trip at once"))
 
 
 def _switch(description: str) -> float:

@@ -42,7 +42,16 @@ typedef struct {
 
 static const char MAGIC[8] = "FMUSTATE";
 
-static int refuse(Component *c, const char *format, ...);
+static int refuse(Component *c, const char *format, ...) {
+    char message[MODEL_MESSAGE]; /* the arguments may point into c->message */
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    memcpy(c->message, message, sizeof message);
+    c->log(c->context, LOG_ERROR, c->message);
+    return 0;
+}
 
 /* of each scalar, 1 where the host has set it */
 static double *entered(Component *c) {
@@ -96,21 +105,6 @@ void component_destroy(Component *c) {
     Allocator allocator = c->allocator;
     model_destroy(c->model);
     allocator.give_back(c);
-}
-
-const char *component_message(const Component *c) {
-    return c->message;
-}
-
-static int refuse(Component *c, const char *format, ...) {
-    char message[MODEL_MESSAGE]; /* the arguments may point into c->message */
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
-    va_end(arguments);
-    memcpy(c->message, message, sizeof message);
-    c->log(c->context, LOG_ERROR, c->message);
-    return 0;
 }
 
 int component_refuse(Component *c, const char *message) {

@@ -1,7 +1,7 @@
 /* A model behind value references: what the FMI shells have in common.
 
-   Functions that return int return 1 when all is well; 0 when not, then the reason was logged and component_message
-   tells it.  Nothing is allocated between the end of initialisation and destruction, but for states. */
+   Functions that return int return 1 when all is well; 0 when not, then the reason was logged.  Nothing is allocated
+   between the end of initialisation and destruction, but for states. */
 #ifndef COMPONENT_H
 #define COMPONENT_H
 
@@ -27,8 +27,7 @@ typedef void (*ComponentLog)(void *context, Severity severity, const char *messa
 /* NULL when there is no memory; `log` gets `context` back */
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context);
 void component_destroy(Component *c);
-const char *component_message(const Component *c);
-/* says `message` in the log, and leaves it for component_message; returns 0 */
+/* says `message` in the log; returns 0 */
 int component_refuse(Component *c, const char *message);
 /* after a refusal that leaves host and FMU at odds, as of a value to be set: FAILED, status.message tells why */
 void component_fail(Component *c);
@@ -58,10 +57,10 @@ int component_has_token(const char *token);
 int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length);
 int component_get(Component *c, size_t scalar, double *value);
 int component_get_text(Component *c, size_t scalar, const char **text);
-/* finite, one of the choices, and not fixed by now */
 /* The derivative of so high an order of an input: it stands for the input that is this derivative, where there is one
    and the host has not set it. */
 int component_set_rate(Component *c, size_t scalar, int order, double value);
+/* finite, one of the choices, and not fixed by now */
 int component_set(Component *c, size_t scalar, double value);
 
 /* sensitivity (unknowns) = derivatives of the unknowns to the knowns, times seed (knowns) */

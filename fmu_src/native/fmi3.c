@@ -209,22 +209,18 @@ REFUSED(GetVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueR
 REFUSED(EnterConfigurationMode, NO_EVENTS, fmi3Instance instance)
 REFUSED(ExitConfigurationMode, NO_EVENTS, fmi3Instance instance)
 REFUSED(EvaluateDiscreteStates, NO_EVENTS, fmi3Instance instance)
-REFUSED(GetIntervalDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
-REFUSED(GetIntervalFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
-REFUSED(GetShiftDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, fmi3Float64 shifts[])
-REFUSED(GetShiftFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
-REFUSED(SetIntervalDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, const fmi3Float64 intervals[])
-REFUSED(SetIntervalFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-REFUSED(SetShiftDecimal, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, const fmi3Float64 shifts[])
-REFUSED(SetShiftFraction, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+#define OF_CLOCKS(name, ...)                                                                                           \
+    REFUSED(name, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
+            size_t nValueReferences, __VA_ARGS__)
+
+OF_CLOCKS(GetIntervalDecimal, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+OF_CLOCKS(GetIntervalFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
+OF_CLOCKS(GetShiftDecimal, fmi3Float64 shifts[])
+OF_CLOCKS(GetShiftFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+OF_CLOCKS(SetIntervalDecimal, const fmi3Float64 intervals[])
+OF_CLOCKS(SetIntervalFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+OF_CLOCKS(SetShiftDecimal, const fmi3Float64 shifts[])
+OF_CLOCKS(SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 REFUSED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
         fmi3Float64 activationTime)
 

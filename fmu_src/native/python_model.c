@@ -92,14 +92,8 @@ static const char LOAD[] =
 #ifdef _WIN32
 
 static SRWLOCK starting = SRWLOCK_INIT;
-
-static void begin_alone(void) {
-    AcquireSRWLockExclusive(&starting);
-}
-
-static void end_alone(void) {
-    ReleaseSRWLockExclusive(&starting);
-}
+#define BEGIN_ALONE() AcquireSRWLockExclusive(&starting)
+#define END_ALONE() ReleaseSRWLockExclusive(&starting)
 
 static void *symbol(HMODULE from, const char *name) {
     return (void *)GetProcAddress(from, name);
@@ -114,14 +108,8 @@ static HMODULE library(void) {
 #else
 
 static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
-
-static void begin_alone(void) {
-    pthread_mutex_lock(&starting);
-}
-
-static void end_alone(void) {
-    pthread_mutex_unlock(&starting);
-}
+#define BEGIN_ALONE() pthread_mutex_lock(&starting)
+#define END_ALONE() pthread_mutex_unlock(&starting)
 
 static void *symbol(void *from, const char *name) {
     return dlsym(from, name);
@@ -182,10 +170,9 @@ static int find_python(char *message) {
 }
 
 static int have_python(char *message) {
-    int there;
-    begin_alone();
-    there = find_python(message);
-    end_alone();
+    BEGIN_ALONE();
+    const int there = find_python(message);
+    END_ALONE();
     return there;
 }
 

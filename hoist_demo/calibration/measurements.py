@@ -71,8 +71,7 @@ class Trial:
         """An output at rest with the ends at these heights (m)."""
         if (left, right) not in self._at_rest:
             rope = balance_rope(self.scene)
-            status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
-            _require_rest(status, left, right)
+            _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
@@ -122,8 +121,7 @@ class Trial:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
         rope = RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
-        status = rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right))
-        _require_rest(status, left, right)
+        _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
         modes = natural_modes(rope.system, rope.state.motion.q, MODES)
         return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
 

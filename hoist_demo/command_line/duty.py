@@ -86,9 +86,8 @@ def _duty(options: argparse.Namespace) -> int:
     written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
     print(f"{schedule.head.title}: hoist {schedule.head.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
-    contradiction = contradictions(run.hoist, rope.data().parameters)
-    missing = remark(_as_it_is(rope) if last is None else last.result.recording)
-    warned = [*filter(None, (contradiction, missing))]
+    recording = _as_it_is(rope) if last is None else last.result.recording
+    warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording)))]
     print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *told(known)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))

@@ -112,8 +112,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     resume = Checkpoint.read(options.resume) if options.resume else None
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
-    of_rope_file = {key: one.value for key, one in identified.items()}
-    chosen = of_rope_file | own
+    chosen = {key: one.value for key, one in identified.items()} | own
     options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST
     case = find_case(options.hoist)
     asked = _winding(options, case) | chosen
@@ -150,8 +149,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     report = wound.report
     name, rows = report.changed
     changed = [SummaryRow(name, key, f"{f'{value} {unit}'.rstrip()}, not {own}") for key, value, unit, own in rows]
-    settings_table = render(changed)
-    print("\n\n".join([report.title, render_verdict(report.verdict), *filter(None, [settings_table]), ASSUMED_DATA]))
+    print("\n\n".join([report.title, render_verdict(report.verdict), *filter(None, [render(changed)]), ASSUMED_DATA]))
     for text in report.verdict.remarks:
         print(f"balance-rope: {text}", file=sys.stderr)
     print("written: " + ", ".join(str(path) for path in written))

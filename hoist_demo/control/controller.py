@@ -76,8 +76,7 @@ def emergency_brake(
     fraction = wanted * hoist.sheave_radius / brake.torque
     if not 0.0 <= fraction <= 1.0:
         return min(max(fraction, 0.0), 1.0), state
-    integral = state.integral + h * gains.speed * error / gains.integral_time
-    return fraction, BrakeState(state.bite_speed, integral)
+    return fraction, BrakeState(state.bite_speed, state.integral + h * gains.speed * error / gains.integral_time)
 
 
 class Measurement(NamedTuple):

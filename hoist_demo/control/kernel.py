@@ -25,6 +25,5 @@ def law_kernel(parts: Hoist) -> Any:
     given, p = ca.SX.sym("given", len(ARGUMENTS)), ca.SX.sym("p", len(parts.numbers))
     hoist = with_numbers(parts, ca.vertsplit(p))
     s, v, a, travel, speed, hold, integral, h = ca.vertsplit(given)
-    controller = SpeedController(hoist, hold, SimpleNamespace(**gains))
-    found = controller.law((s, v, a), travel, speed, integral, h)
+    found = SpeedController(hoist, hold, SimpleNamespace(**gains)).law((s, v, a), travel, speed, integral, h)
     return ca.Function("law", [ca.vertcat(given, *gains.values(), p)], [ca.vertcat(*found)])

@@ -91,8 +91,7 @@ class Trajectory:
 
 def s_curve(winding: Winding) -> Trajectory:
     """The trip of `winding` from rest to rest, its emergency stop included when one is asked for."""
-    sign = math.copysign(1.0, winding.travel)
-    j = sign * winding.jerk
+    j = math.copysign(winding.jerk, winding.travel)
     if winding.creeps:
         signs, times = _creep_profile(winding)
         jerks = tuple(s * j for s in signs)

@@ -187,8 +187,7 @@ class CompiledTrip:
         run.memory = run.memory._replace(samples=samples, exchanges=int(trip.exchanges), residual=trip.residual)
         run.controller, run.steps = ControllerState(trip.integral), trip.steps
         run.commands = [Command(trip.torque, False, run.controller)]
-        sides = self._drive.given["path"][_SIDES]
-        run.drive.command(trip.torque, 0.0, sides)
+        run.drive.command(trip.torque, 0.0, self._drive.given["path"][_SIDES])
         self._drive.evaluations += trip.evaluations
         for clock, time in zip(self._clocks, (trip.drive_time, trip.rope_time), strict=True):
             clock.wall += time

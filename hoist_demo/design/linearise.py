@@ -234,12 +234,8 @@ def _linear_hoist(
     size = n + len(lag)
     M, D, K = (np.zeros((size, size)) for _ in range(3))
     M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
-    D[n:, :n], D[n:, n:], K[n:, :n], K[n:, n:] = (
-        -by_x[late][:, v],
-        np.eye(len(lag)),
-        -by_x[late][:, q],
-        -by_x[late][:, lag],
-    )
+    D[n:, :n], D[n:, n:] = -by_x[late][:, v], np.eye(len(lag))
+    K[n:, :n], K[n:, n:] = -by_x[late][:, q], -by_x[late][:, lag]
     given = ["torque_command", *(["brake"] if held_by == "brake" else [])]
     B = np.zeros((size, len(given) + 3))
     B[n:, : len(given)] = by_u[late][:, [INPUT_NAMES.index(name) for name in given]]

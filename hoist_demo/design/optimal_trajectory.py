@@ -18,7 +18,7 @@ import numpy as np
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, chain, rest, s_curve
-from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, Vector, low_fidelity
+from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, low_fidelity
 from hoist_demo.parameters import Hoist, Winding, start_heights
 from hoist_demo.parameters.quantity import Bounds, Stated, quantity
 
@@ -52,7 +52,8 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOpt
     # start from an S-curve that keeps off the limits, as an interior-point method likes it
     gentle = {name: _INSIDE * getattr(winding, name) for name in ("speed", "acceleration", "jerk")}
     plain = s_curve(replace(winding, start_delay=0.0, **gentle))
-    jerks = _mean_jerks(plain, N)
+    times = np.linspace(0.0, plain.duration, N + 1)
+    jerks = np.diff(plain.sample(times)[:, 2]) / np.diff(times)  # means of the intervals
     N_hold = max(1, round(limits.hold * N / plain.duration))
     substeps = max(1, math.ceil(plain.duration / N / _SUBSTEP))
     swing = _swing(model, N, N_hold, substeps)
@@ -85,7 +86,7 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOpt
 
     opti.set_initial(T, plain.duration)
     opti.set_initial(J, jerks / winding.jerk)
-    opti.set_initial(r, (plain.sample(np.linspace(0.0, plain.duration, N + 1))[:, :3] / np.array([10.0, 10.0, 1.0])).T)
+    opti.set_initial(r, (plain.sample(times)[:, :3] / np.array([10.0, 10.0, 1.0])).T)
     opti.solver("ipopt", {"print_time": False}, _IPOPT)
     try:
         solution = opti.solve()
@@ -106,12 +107,6 @@ def require_no_creep(winding: Winding) -> None:
                 f"{name} = {getattr(winding, name):g} m must be 0 with controller = 'optimised-trajectory', which "
                 "chooses the speed itself: leave the creep out, or take another controller"
             )
-
-
-def _mean_jerks(trip: Trajectory, N: int) -> Vector:
-    """Mean jerk of each of N equal intervals [m/s^3]."""
-    times = np.linspace(0.0, trip.duration, N + 1)
-    return np.asarray(np.diff(trip.sample(times)[:, 2]) / np.diff(times))
 
 
 def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:

@@ -201,8 +201,7 @@ def _line(band: float) -> NDArray[np.complex128]:
 
 
 def _response(A: Array, B: Array, C: Array, D: Array, s: Complex) -> Complex:
-    found: Complex = C @ _states(A, B, s) + D
-    return found
+    return np.asarray(C @ _states(A, B, s) + D)
 
 
 def _states(A: Array, B: Array, s: Complex) -> Complex:
@@ -259,8 +258,7 @@ def _krylov_bases(models: Sequence[LinearModel], band: float, count: int, others
             break
         s = 2 * np.pi * complex(_SHIFT, band * ((_TURNS[0] + k * _TURNS[1]) % _TURNS[2]))
         news = [_answers(*of, s) for of in zip(models, masses, bases, pushes, strict=True)]
-        energies = [x.T @ (M @ x) for x, M in zip(news, masses, strict=True)]
-        T = _new_at_all(energies, missing)
+        T = _new_at_all([x.T @ (M @ x) for x, M in zip(news, masses, strict=True)], missing)
         if not T.size:
             had = bases[0].shape[1]
             raise ValueError(f"states = {2 * count + others} must be fewer: the inputs move {had} motions; take less")

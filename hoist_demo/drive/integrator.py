@@ -271,5 +271,4 @@ def _change(error: float) -> float:
     """Factor to the next step of the integrator, after one of this error over the tolerance."""
     if not math.isfinite(error):
         return SHRINKS
-    factor: float = SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)
-    return max(SHRINKS, factor)
+    return max(SHRINKS, float(SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)))

@@ -128,8 +128,7 @@ def _shape_products(modes: int) -> NDArray[np.float64]:
     points, weights = np.polynomial.legendre.leggauss(4 * modes + 12)  # exact to rounding
     zeta, k = (points + 1) / 2, np.pi * np.arange(1, modes + 1)[:, None]
     shapes = np.vstack([1 - zeta, zeta, np.sin(k * zeta), k * zeta * np.cos(k * zeta)])
-    products: NDArray[np.float64] = (shapes * weights / 2) @ shapes.T
-    return products
+    return np.asarray((shapes * weights / 2) @ shapes.T)
 
 
 class _Lateral(NamedTuple):

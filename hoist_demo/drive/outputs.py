@@ -38,5 +38,4 @@ SHOWN = {name: k for k, name in enumerate(OUTPUTS)}  #: Places of OUTPUTS.
 def tension_ratio(one: Array, other: Array) -> Array:
     """Return the larger tension over the smaller one (Euler-Eytelwein), infinite where a side is slack [-]."""
     low, high = np.minimum(one, other), np.maximum(one, other)
-    found: Array = np.divide(high, low, out=np.full(np.shape(low), np.inf), where=low > 0.0)
-    return found
+    return np.asarray(np.divide(high, low, out=np.full(np.shape(low), np.inf), where=low > 0.0))

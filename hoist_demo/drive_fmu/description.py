@@ -121,8 +121,7 @@ def _table(
 ) -> str:
     """drive_table.h: sizes, places in the table and the trip."""
     trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
-    shown = plant_outputs(case.hoist, tails)
-    hardest = [i for i, name in enumerate(shown) if name.endswith((".ax", ".ay", ".az"))]
+    hardest = [i for i, name in enumerate(plant_outputs(case.hoist, tails)) if name.endswith((".ax", ".ay", ".az"))]
     integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
     parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]

@@ -135,8 +135,7 @@ def shown_as(hoist: Hoist) -> dict[str, str]:
 
 def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Variable, ...]:
     """The table; ``step`` is the largest internal step [s], ``tails`` are the balance ropes where there are several."""
-    ends = (*motions(case.hoist), *placed_motions(case.hoist, tails))
-    outputs = [(name, *_words(_MOTIONS, name)) for name in ends]
+    outputs = [(name, *_words(_MOTIONS, name)) for name in (*motions(case.hoist), *placed_motions(case.hoist, tails))]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
     assert {*shown_as(case.hoist).values()} <= SHOWN.keys()
     return (

@@ -30,8 +30,7 @@ def leave_out(case: Case, names: Collection[str]) -> Case:
     parts: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.hoist)
     stops: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.winding)
     hoist = replace(case.hoist, brake=None, **parts)
-    winding = replace(case.winding, emergency_law="drive", **stops)
-    return replace(case, hoist=hoist, winding=winding)
+    return replace(case, hoist=hoist, winding=replace(case.winding, emergency_law="drive", **stops))
 
 
 def obstacles(case: Case) -> list[str]:

@@ -89,8 +89,7 @@ def host_parameters() -> dict[str, Parameter]:
 def table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
     """Return the type of a table that all parameters of a group have, which `leaf` gives theirs."""
     every = (*host_parameters().values(), *rope_parameters().values(), *swivel_parameters())
-    found = [p for p in every if p.name.startswith(f"{group}.")]
-    return table_of(group, found, leaf)
+    return table_of(group, [p for p in every if p.name.startswith(f"{group}.")], leaf)
 
 
 def of_run(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:

@@ -126,8 +126,7 @@ def read(
     try:
         return model.model_validate(tables, context=(*opened, path))
     except ValidationError as error:
-        problems = [line for one in error.errors() for line in _problems(_keys(model), one)]
-        raise FileError(path, problems) from error
+        raise FileError(path, [line for one in error.errors() for line in _problems(_keys(model), one)]) from error
 
 
 @contextmanager

@@ -168,8 +168,7 @@ def _joint(parts: Sequence[Recording], name: str) -> Array:
         return np.asarray(_JOINED.get(key, np.add).reduce(rows))
     leading, choose = _GOES_WITH[key]
     chosen = choose([part[f"{quantity}.{leading}"] for part in parts], axis=0)
-    column: Array = np.take_along_axis(rows, chosen[None], axis=0)[0]
-    return column
+    return np.asarray(np.take_along_axis(rows, chosen[None], axis=0)[0])
 
 
 def spread(exposed: Recording) -> dict[str, float]:

@@ -87,10 +87,6 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
     return sorted(found, key=attrgetter("t"))
 
 
-def _course(jam: Jam) -> str:
-    return "jammed" if jam.way is not None else "was held by a narrow place of its guides, and went through,"
-
-
 SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals that tell it.
 
 ALIKE = "make the two sides more alike in weight"  #: What gives friction more room.
@@ -166,7 +162,9 @@ def incidents(recording: Recording) -> str:
     told = []
     if (trip := guard_trip(recording)) is not None:
         told.append(f"its guard tripped at t = {trip.t:.4g} s ({trip.cause})")
-    told += [f"the {jam.side} conveyance {_course(jam)} at t = {jam.t:.4g} s" for jam in jams(recording)]
+    for jam in jams(recording):
+        course = "jammed" if jam.way is not None else "was held by a narrow place of its guides, and went through,"
+        told.append(f"the {jam.side} conveyance {course} at t = {jam.t:.4g} s")
     told += [
         f"the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s on, by "
         f"{slack.length:.3g} m at most"

@@ -63,8 +63,7 @@ def polygon_distance(one: Array, other: Array) -> tuple[float, Array]:
     gap = r + a[..., None] * d - b[..., None] * e
     distance = np.linalg.norm(gap, axis=-1)
     k = np.unravel_index(np.argmin(distance), distance.shape)
-    at = (p + a[..., None] * d)[k] - 0.5 * gap[k]
-    return float(distance[k]), at
+    return float(distance[k]), (p + a[..., None] * d)[k] - 0.5 * gap[k]
 
 
 def pairs(

@@ -197,8 +197,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
     """Panels above one another over a common axis."""
     figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5))
-    grid = figure.subplots(len(titles), 1, sharex=True, squeeze=False)
-    axes: list[Axes] = list(grid[:, 0])
+    axes: list[Axes] = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
     for ax, title in zip(axes, titles, strict=True):
         ax.set_title(title)
     figure.align_ylabels(axes)

@@ -7,7 +7,6 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from hoist_demo.design.linear_model import LinearModel, Modes
@@ -27,7 +26,6 @@ def write_modes_figure(
     """Draw models of all heights and their modes; `without` is the hoist at a middle height without ropes."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(10.0, 9.0))
-        FigureCanvasAgg(figure)
         axes = figure.subplots(3, 2)
         _frequencies(figure, axes[0, 0], models, modes, band)
         _poles(axes[0, 1], models, modes)

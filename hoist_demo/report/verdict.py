@@ -123,8 +123,7 @@ def judge(
         until = "" if result.completed else " until then"
         words += f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
     remarks = (*warnings(result, hoist, ropes), *said)
-    when = _what_matters(ropes, pairs)
-    return Verdict(words, rows, remarks, when, result.completed and not broken and not remarks)
+    return Verdict(words, rows, remarks, _what_matters(ropes, pairs), result.completed and not broken and not remarks)
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
@@ -200,16 +199,13 @@ def _rows(
     for pair in pairs:
         yield from _between(pair, max(rope.length_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
     for hold in holds(result.recording, hoist, result.winding):
-        text, bound = hold.words, f"at least {hold.asked:g}: {hold.rule}"
-        where = f"t = {hold.t:.2f} s"
-        yield Judged(f"slip safety {hold.when}", text, bound, hold.enough, where)
-    struck = [rope.data for rope in ropes if passages(rope.recording)]
-    names = [one.name or "struck" for one in struck]
+        bound = f"at least {hold.asked:g}: {hold.rule}"
+        yield Judged(f"slip safety {hold.when}", hold.words, bound, hold.enough, f"t = {hold.t:.2f} s")
+    names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]
     near = [pair for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
     names += [f"{pair.one} on {pair.other}" for pair in near]
     yield Judged(_STRIKES, ", ".join(names) or "none", "none", not names)
-    first = ropes[0]
-    set_guards = [cause for cause in GUARD_CODES.values() if first.asked(f"guard.{cause}") > 0.0]
+    set_guards = [cause for cause in GUARD_CODES.values() if ropes[0].asked(f"guard.{cause}") > 0.0]
     trip = guard_trip(result.recording)
     text = f"{trip.cause} tripped" if trip else "none tripped" if set_guards else "none set"
     where = f"t = {trip.t:.2f} s" if trip else ""
@@ -240,8 +236,7 @@ def _between(pair: Pair, error: float) -> Iterator[Judged]:
     """Clearance of two ropes, and how they pressed each other if they may."""
     if (near := pair.nearest) is not None:
         where = _where(near.t, near.place)
-        struck = near.clearance <= 0.0
-        where += _ALONE if struck and pair.account is None else ""
+        where += _ALONE if near.clearance <= 0.0 and pair.account is None else ""
         quantity = f"clearance between {pair.one} and {pair.other}"
         bound = f"above {number(error, 2)} m, its error"
         yield Judged(quantity, f"{rounded(near.clearance, error)} m", bound, near.clearance > error, where)

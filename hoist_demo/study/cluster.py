@@ -87,7 +87,11 @@ def run_samples(
     submitted.clear()  # a worker keeps the outcome as long as anybody holds its future
     for future in as_completed(list(futures)):
         key = futures.pop(future)
-        outcome, worker = _result_of(future)
+        try:
+            outcome, worker = future.result()
+        except Exception as error:  # whatever the cluster raises is that run's cause
+            outcome = Outcome(ERROR, f"{type(error).__name__}: {error}", dict.fromkeys(UNITS, math.nan), {})
+            worker = ""
         store.write(key, waiting[key], outcome, worker)
         _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")
         finished(key, outcome)
@@ -98,15 +102,6 @@ def _work(run: RunData, fmu_hash: str) -> tuple[Outcome, str]:
     """Carry out one run on a worker; return it with the worker's name."""
     worker = get_worker()
     return execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)), str(worker.name)
-
-
-def _result_of(future: object) -> tuple[Outcome, str]:
-    """The outcome, or the error that kept the run from having one."""
-    try:
-        result: tuple[Outcome, str] = future.result()  # type: ignore[attr-defined]
-        return result
-    except Exception as error:  # whatever the cluster raises is that run's cause
-        return Outcome(ERROR, f"{type(error).__name__}: {error}", dict.fromkeys(UNITS, math.nan), {}), ""
 
 
 def _fmu_of(directory: Path, fmu_hash: str) -> Path:

@@ -267,5 +267,4 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
                         probe.require_start(samples[-1].data)
-        in_order = tuple(one for name in variants for one in samples if one.variant == name)
-        return replace(study, samples=in_order)
+        return replace(study, samples=tuple(one for name in variants for one in samples if one.variant == name))

@@ -246,8 +246,6 @@ def _ripple(time: Array, force: Array) -> float:
         return math.nan
     # odd, so that the mean is centred
     count += 1 - count % 2
-    if time.size < count:
-        return math.nan
     mean = np.convolve(force, np.full(count, 1.0 / count), mode="valid")
     rest = force[count // 2 : count // 2 + mean.size] - mean
     return float(np.sqrt(np.mean(rest**2)))

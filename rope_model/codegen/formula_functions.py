@@ -91,8 +91,7 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
     with no_simplification():
         symbols = [symbols_of(argument) for argument in given]
         inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep results of the formula
-        traced = ca.Function("formula", inputs, _numbers(formula(*symbols)))
-        lines, texts = statements(traced)
+        lines, texts = statements(ca.Function("formula", inputs, _numbers(formula(*symbols))))
     if result == "void":
         taker = arguments[-1]
         places = product(*map(range, taker.shape))

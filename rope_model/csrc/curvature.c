@@ -8,24 +8,9 @@ int is_curved(const Simulator *rope, const State *state) {
 
 Rope partly_curved(const Rope *whole, double part) {
     Rope rope = *whole;
-    double *const curvatures[] = {
-        &rope.initial_curvature,
-        &rope.curvature_left,
-        &rope.curvature_middle,
-        &rope.curvature_right,
-        &rope.curvature_left_across,
-        &rope.curvature_middle_across,
-        &rope.curvature_right_across,
-        &rope.curvature_1,
-        &rope.curvature_2,
-        &rope.curvature_4,
-        &rope.curvature_5,
-        &rope.curvature_1_across,
-        &rope.curvature_2_across,
-        &rope.curvature_4_across,
-        &rope.curvature_5_across,
-    };
-    for (size_t k = 0; k < sizeof curvatures / sizeof *curvatures; k++) *curvatures[k] *= part;
+    rope.initial_curvature *= part;
+    /* what is added to it lies in a row */
+    for (double *added = &rope.curvature_left; added <= &rope.curvature_right_across; added++) *added *= part;
     return rope;
 }
 

@@ -93,10 +93,8 @@ def judge(rules: Rules = SMOOTH) -> ca.Function:
     sure = ca.logic_and(ca.logic_not(first), contraction < rules.unsure)
     guess = ca.if_else(first, rules.first * norm, norm)
     error = ca.if_else(sure, contraction / (1 - contraction) * norm, guess)
-    useless, diverged = (
-        ca.logic_not(ca.logic_or(sure, fresh)),
-        ca.logic_and(ca.logic_not(first), contraction >= rules.growing),
-    )
+    useless = ca.logic_not(ca.logic_or(sure, fresh))
+    diverged = ca.logic_and(ca.logic_not(first), contraction >= rules.growing)
     # status, applies, norm, error, contraction
     after = ca.vertcat(NewtonStatus.TOO_MANY.code, 1, norm, error, contraction)
     done = ca.vertcat(NewtonStatus.CONVERGED.code, 1, norm, error, contraction)

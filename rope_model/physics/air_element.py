@@ -8,7 +8,6 @@ The power that the rope gives to the air is -f . r_t; where the air blows and dr
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -84,18 +83,12 @@ def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFu
     own, blown = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
     R, J = plain.tangent(q, v, a, *own, cq, cv, c_a)
     pushed = air.residual(*blown)
-
-    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-        return ca.Function(f"element_{name}", inputs, outputs)
-
-    tangent = [R + pushed, J + air.tangent(*blown, cv)]
-    return replace(
-        plain,
-        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, *own) + pushed]),
-        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], tangent),
-        balance=function("balance", [q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*blown))]),
-        losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, *own)]),
-        momentum=function("momentum", [q, v, l, P], [plain.momentum(q, v, l, own[2])]),
+    return plain.replaced(
+        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, *own) + pushed]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a], [R + pushed, J + air.tangent(*blown, cv)]),
+        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*blown))]),
+        losses=([q, v, l, F, P], [plain.losses(q, v, *own)]),
+        momentum=([q, v, l, P], [plain.momentum(q, v, l, own[2])]),
     )
 
 

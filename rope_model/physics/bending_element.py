@@ -4,7 +4,6 @@ They follow from q and from numbers that F has behind those of the other element
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -28,15 +27,11 @@ def bending_element(plain: ElementFunctions, size: int, force: Part, tangent: Pa
     balance = plain.balance(q, v, l, own, P)
     balance[_BENDING] += energy(q, l, own, numbers)
 
-    def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-        return ca.Function(f"element_{name}", inputs, outputs)
-
-    return replace(
-        plain,
-        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + bent]),
-        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], [R + bent, J + tangent(q, l, own, numbers, cq)]),
-        balance=function("balance", [q, v, l, F, P], [balance]),
-        losses=function("losses", [q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
-        strains=function("strains", [q, l, F], [plain.strains(q, l, own)]),
-        transport=function("transport", [q, v, a, l, F], [plain.transport(q, v, a, l, own)]),
+    return plain.replaced(
+        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + bent]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a], [R + bent, J + tangent(q, l, own, numbers, cq)]),
+        balance=([q, v, l, F, P], [balance]),
+        losses=([q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
+        strains=([q, l, F], [plain.strains(q, l, own)]),
+        transport=([q, v, a, l, F], [plain.transport(q, v, a, l, own)]),
     )

@@ -8,7 +8,6 @@ Where the element is near a body, the force per length is integrated along the p
 with the cubic Hermite shapes N of r.
 """
 
-from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -69,20 +68,16 @@ def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: t
         zero = ca.Function(f"no_{function.name()}", function.mx_in(), [ca.MX.zeros(*function.size_out(0))])
         return ca.Function.if_else(f"{function.name()}_if", function, zero)(near, *inputs)
 
-    def function(name: str, inputs: list[ca.MX], outputs: list[ca.MX]) -> ca.Function:
-        return ca.Function(f"element_{name}", inputs, outputs)
-
     R_plain, J_plain = plain.tangent(q, v, a, l, *at, cq, cv, c_a)
     balance = added(sums)
-    return replace(
-        plain,
-        residual=function("residual", [q, v, a, l, F, P], [plain.residual(q, v, a, l, *at) + added(R)]),
-        tangent=function("tangent", [q, v, a, l, F, P, cq, cv, c_a], [R_plain + added(R), J_plain + added(J, cq, cv)]),
-        balance=function("balance", [q, v, l, F, P], [ca.vertcat(plain.balance(q, v, l, *at), balance)]),
-        losses=function("losses", [q, v, l, F, P], [ca.vertcat(plain.losses(q, v, l, *at), balance[1:3])]),
-        strains=function("strains", [q, l, F], [plain.strains(q, l, at[0])]),
-        momentum=function("momentum", [q, v, l, P], [plain.momentum(q, v, l, at[1])]),
-        transport=function("transport", [q, v, a, l, F], [plain.transport(q, v, a, l, at[0])]),
+    return plain.replaced(
+        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, *at) + added(R)]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a], [R_plain + added(R), J_plain + added(J, cq, cv)]),
+        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, l, *at), balance)]),
+        losses=([q, v, l, F, P], [ca.vertcat(plain.losses(q, v, l, *at), balance[1:3])]),
+        strains=([q, l, F], [plain.strains(q, l, at[0])]),
+        momentum=([q, v, l, P], [plain.momentum(q, v, l, at[1])]),
+        transport=([q, v, a, l, F], [plain.transport(q, v, a, l, at[0])]),
     )
 
 
@@ -142,12 +137,8 @@ def _pressed(stiff: bool) -> ca.Function:
 
     Or, with (cq, cv), the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
     """
-    rows, speeds, l, P = (
-        ca.MX.sym("r", 3, 4),
-        ca.MX.sym("v", 3, 4),
-        ca.MX.sym("l"),
-        ca.MX.sym("P", len(LAW) + BODY_SIZE),
-    )
+    rows, speeds = ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
+    l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
     look, halve, _ = _searches()
     start, stop = ca.MX.sym("start"), ca.MX.sym("stop")

@@ -33,7 +33,7 @@ The fidelities of the model are this one text with degrees of freedom left out:
     planar      r, r' in X, Y    the same in the plane
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Literal
 
@@ -123,6 +123,10 @@ class ElementFunctions:
     momentum: ca.Function
     reference: ca.Function
     transport: ca.Function
+
+    def replaced(self, **made: tuple[list[Any], list[Any]]) -> "ElementFunctions":
+        """Return the element with other functions of these inputs and outputs."""
+        return replace(self, **{name: ca.Function(f"element_{name}", *of) for name, of in made.items()})
 
 
 @cache

@@ -58,8 +58,7 @@ def travel_estimate(height_difference: Any, speed: Any, acceleration: Any) -> Tr
 
 def longitudinal_error(scene: Any, travel: Any) -> Any:
     """The first longitudinal mode of the longer leg after a step of the jerk, over the leg's weight."""
-    rope = scene.rope
-    omega = axial_frequency(rope, _long_leg(scene, travel))
+    omega = axial_frequency(scene.rope, _long_leg(scene, travel))
     return 8 / math.pi**2 * travel.jerk / (omega * scene.layout.gravity)
 
 

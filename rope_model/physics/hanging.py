@@ -26,11 +26,6 @@ def hanging_shape(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
     return Hanging(radius, left_leg, right_leg, radius - 0.5 * width)
 
 
-def turn_angle(hanging: Any, s: Any) -> Any:
-    """Angle (rad) from 0 to pi by which the rope has turned at arc length ``s``."""
-    return smaller(larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi)
-
-
 def place(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
     """Place across and below the left end (m), and the tangent there, at arc length ``s`` where ``phi`` is turned.
 
@@ -44,7 +39,7 @@ def place(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
 
 def node_row(hanging: Any, left: Any, across: Any, s: Any) -> tuple[Any, ...]:
     """r, r' and theta, (7,), at arc length ``s``, from the point ``left`` (3,) into the direction ``across`` (3,)."""
-    phi = turn_angle(hanging, s)
+    phi = smaller(larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi)  # rad, by which it has turned
     along, down, slope, rise = place(hanging, s, phi)
     legs_lean = where(phi >= math.pi, hanging.lean / hanging.right_leg, 0.0)
     slope = slope - where(phi <= 0, hanging.lean / hanging.left_leg, legs_lean)

@@ -11,26 +11,13 @@ def bending_stress(rope: Any, k: Any) -> Any:
     return 32 * rope.EI * k / (math.pi * rope.diameter**3)
 
 
-def torsional_stress(rope: Any, e: Any, tau: Any) -> Any:
-    """Largest shear stress (Pa) of the torque at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
-    return 16 * abs(torque_of(rope, e, tau)) / (math.pi * rope.diameter**3)
-
-
 def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, Any, Any]:
     """Bending and torsional stress (Pa), curvature (1/m), torque (N m) at ``strains``, element.STRAINS.
 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.
     """
     e, tau, k = strains
+    moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)
+    stress = 16 * abs(moment) / (math.pi * rope.diameter**3)
     # the sum makes +0 of -0
-    return (
-        bending_stress(rope, k),
-        torsional_stress(rope, e, tau) * torsional,
-        k,
-        torque_of(rope, e, tau) * torsional + 0.0,
-    )
-
-
-def torque_of(rope: Any, e: Any, tau: Any) -> Any:
-    """Torque (N m) about the tangent at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
-    return torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)
+    return bending_stress(rope, k), stress * torsional, k, moment * torsional + 0.0

@@ -58,8 +58,7 @@ def rigid_rope(scene: Scene, ends: Ends, t: float, nodes_s: Array) -> RigidRope:
 def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float) -> Array:
     """Tension (N) at arc lengths ``s`` and heights ``y`` of the rigid rope in ``motion``."""
     rate, rise = flow(float(motion.a[0, 1]), float(motion.a[-1, 1])), y - motion.q[0, 1]
-    along: Array = tension(rho, gravity, rate, float(motion.reaction[0, 1]), rise, s)
-    return along
+    return np.asarray(tension(rho, gravity, rate, float(motion.reaction[0, 1]), rise, s))
 
 
 def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array) -> Array:
@@ -70,8 +69,7 @@ def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array
         ends[side], **{name: getattr(ends[side], name) + d for name, d in zip(names, change, strict=True)}
     )
     before, after = (np.array(pull(scene.rope, scene.layout, *motions).tensions) for motions in (ends, moved))
-    gained: Array = after - before
-    return gained
+    return np.asarray(after - before)
 
 
 def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Motion:

@@ -60,8 +60,7 @@ class RopeKernels:
                 functions = compiling.load_portable(portable)
             else:
                 functions = [*rope_functions(elements, fidelity, bodies)]
-            build = partial(_build, elements, fidelity, bodies)
-            made, self.form = compiling.prepare(functions, build, form, library)
+            made, self.form = compiling.prepare(functions, partial(_build, elements, fidelity, bodies), form, library)
         solve, newton_step, evaluate, losses, strains, momentum, reference, transport = made
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity, self.kinds = elements, fidelity, bodies

@@ -199,8 +199,7 @@ class RopeSystem:
     def frame_turn(self, q: Array) -> Array:
         """Return (nodes,): gain of theta when ``q`` becomes the reference, rad."""
         rest = np.zeros_like(q)
-        turn: Array = self.transport(q, rest, rest)[0]
-        return turn
+        return np.asarray(self.transport(q, rest, rest)[0])
 
     def prescribed_motion(self, t: float) -> Array:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)
@@ -252,8 +251,7 @@ class RopeSystem:
 
         def resolve(change: Array) -> Array:
             without = evaluated(x.q, x.v, x.a - change, x.R).reaction
-            resolved: Array = c[2] * self._free * solve(without - x.R)
-            return resolved
+            return np.asarray(c[2] * self._free * solve(without - x.R))
 
         x, newton_report = newton(
             Coupled(factorized, lambda at: self._coupling(at, c), lambda *at: evaluated(*at).reaction, self.norm),

@@ -183,6 +183,5 @@ def _made(kind: Any, plain: Any, rest: list[float]) -> Any:
         kinds = repeat(parts[0]) if Ellipsis in parts else parts
         return tuple(_made(of, part, rest) for of, part in zip(kinds, plain, strict=Ellipsis not in parts))
     if is_dataclass(kind) or hasattr(kind, "_fields"):
-        hints = get_type_hints(kind).values()
-        return kind(*(_made(of, part, rest) for of, part in zip(hints, plain, strict=True)))
+        return kind(*(_made(of, part, rest) for of, part in zip(get_type_hints(kind).values(), plain, strict=True)))
     return kind(plain) if isinstance(kind, type) and issubclass(kind, Enum) else plain

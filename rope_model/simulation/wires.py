@@ -69,9 +69,10 @@ def carry(z: Array, old_lengths: Array, new_lengths: Array) -> Array:
     total = np.vstack((np.zeros(3), np.cumsum(np.diff(old)[:, None] * of_points, axis=0)))
     at_ends = np.stack([np.interp(new, old, column) for column in total.T], axis=1)
     carried = np.diff(at_ends, axis=0) / np.diff(new)[:, None]
-    # cells that are the same
-    nearest = np.clip(np.searchsorted(old, new - _tolerance(old)), 0, old.size - 1)
-    same = np.abs(old[nearest] - new) <= _tolerance(old)
+    # cells that are the same: their arc lengths differ by less than this, m
+    tolerance = 1e-9 * float(old[-1])
+    nearest = np.clip(np.searchsorted(old, new - tolerance), 0, old.size - 1)
+    same = np.abs(old[nearest] - new) <= tolerance
     kept = same[:-1] & same[1:] & (np.diff(nearest) == 1)
     carried[kept] = of_points[nearest[:-1][kept]]
     return carried.reshape(new_lengths.size, -1)
@@ -86,8 +87,3 @@ def _sections(q: Array, lengths: Array) -> Array:
 def _cells(lengths: Array) -> Array:
     """Arc lengths (m) between which the points stand for the rope."""
     return np.concatenate(([0.0], np.cumsum(np.outer(lengths, WEIGHTS).ravel())))
-
-
-def _tolerance(cells: Array) -> float:
-    """Within which two arc lengths are the same, m."""
-    return 1e-9 * float(cells[-1])

@@ -99,8 +99,7 @@ class FmuRope:
             with self._translate_failures():
                 for buffer in buffers:
                     buffer.call()
-            found: NDArray[np.float64] = values(1)[0]
-            return found
+            return np.asarray(values(1)[0])
 
         return read
 

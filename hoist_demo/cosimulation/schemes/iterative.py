@@ -42,8 +42,7 @@ class InterfaceJacobian:
         self._matrix = np.eye(jacobian.shape[0]) - jacobian
 
     def next(self, x: Vector, answer: Vector) -> Vector:
-        new: Vector = x + np.linalg.solve(self._matrix, answer - x)
-        return new
+        return np.asarray(x + np.linalg.solve(self._matrix, answer - x))
 
 
 class Aitken:
@@ -64,8 +63,7 @@ class Aitken:
             if size > 0.0:
                 self._factor *= -float(self._before @ change) / size
         self._before = r
-        new: Vector = x + self._factor * r
-        return new
+        return np.asarray(x + self._factor * r)
 
 
 class Secant:
@@ -88,9 +86,7 @@ class Secant:
         # newest differences first; least squares of least norm forgets those that tell nothing new
         V = np.array([old - r for old in self._residuals[-2::-1]][: x.size]).T
         W = np.array([old - answer for old in self._answers[-2::-1]][: x.size]).T
-        weights = np.linalg.lstsq(V, -r, rcond=1e-10)[0]
-        new: Vector = answer + W @ weights
-        return new
+        return np.asarray(answer + W @ np.linalg.lstsq(V, -r, rcond=1e-10)[0])
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,9 @@ def along(recording: Recording, name: str) -> dict[str, object]:
     `name` is that of one of several ropes.
     """
     rows = frames(len(recording.time), MOST_COLUMNS)
-    places = [arc_length(curve) for row in rows if (curve := recording.shape_at(row)) is not None]
+    curves = [curve for row in rows if (curve := recording.shape_at(row)) is not None]
+    # arc lengths of the points [m]
+    places = [np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves]
     length = max(float(place[-1]) for place in places)
     maps, missing = [], []
     for quantity, title, unit, factor in MAPS:
@@ -116,11 +118,6 @@ def along(recording: Recording, name: str) -> dict[str, object]:
     note = MISSING.format(" and ".join(missing)) if missing else ""
     size = {"length": length, "rows": ROPE_ROWS, "columns": len(rows), "span": recording.time[[0, -1]].tolist()}
     return {"maps": [one | size for one in maps], "note": note}
-
-
-def arc_length(curve: Array) -> Array:
-    """Length along a curve of shape (n, 3) from its first point [m]."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
 
 
 def over_length(values: Array, places: list[Array], length: float) -> Array:

@@ -39,8 +39,7 @@ def run_report(
         for group in dict.fromkeys(row.group for row in report.rows)
         for found in ([row for row in report.rows if row.group == group],)
     )
-    given = "".join(page.table(*table) for table in report.given)
-    body = page.fill("run.html", numbers=numbers, given=given)
+    body = page.fill("run.html", numbers=numbers, given="".join(page.table(*table) for table in report.given))
     data = _data(result, hoist, ropes)
     data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)

@@ -21,6 +21,7 @@ start, and grow to their diameter in GROWTH; its energy counts as created, too.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from typing import NamedTuple, Protocol
 
@@ -176,20 +177,14 @@ class Neighbours:
         return True
 
     def _rows(self, partners: Sequence[Partner]) -> list[Rows | None]:
-        ropes = [partner.rope for partner in partners]
-        return [
-            None if rope is None else rows_of(rope, origin) for rope, origin in zip(ropes, self._origins, strict=True)
-        ]
+        there = zip(partners, self._origins, strict=True)
+        return [None if one.rope is None else rows_of(one.rope, origin) for one, origin in there]
 
     def _found(self, t: float, rows: Sequence[Rows | None], c: Array) -> dict[Two, Pressing]:
         found, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
-            one, other = rows[i], rows[j]
-            found[i, j] = (
-                NOTHING
-                if one is None or other is None
-                else pair.pressing(one, other, c, (1.0 - grown) * self.contacts.insets[i, j])
-            )
+            one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
+            found[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
         return found
 
     def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Mapping[Two, Pressing]) -> None:
@@ -250,9 +245,11 @@ class _Joint:
         self.ropes = {k for two in self._twos for k in two}
         parts = [(_joined(tried[two], found[two]), found[two]) for two in self._twos]
         self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
-        laws = [_spread(one, x.number, one.force) for x, one in parts]
         self._tried = _stacked([x.force for x, _ in parts])
-        law = _stacked(laws)
+        # the rows of each two in it
+        own = np.split(np.arange(len(self._tried)), np.cumsum([x.number.size for x, _ in parts]))[:-1]
+        self._own = dict(zip(self._twos, own, strict=True))
+        law = _stacked([_spread(one, x.number, one.force) for x, one in parts])
         self._missing = law - self._tried
         largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
         self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL / TOLERANCE)
@@ -260,29 +257,19 @@ class _Joint:
     def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
         """The forces of the next iteration."""
         K = np.concatenate([self.forces[two].tangent for two in self._twos])
-
-        def resisted(x: Array) -> Array:
-            force: Array = np.einsum("mij,mj->mi", K, x)
-            return force
-
+        resisted = partial(np.einsum, "mij,mj->mi", K)
         x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
-        force, at, corrected = self._tried + self._missing - resisted(x), 0, dict(self.forces)
-        for two in self._twos:
-            size = self.forces[two].number.size
-            corrected[two] = self.forces[two]._replace(force=force[at : at + size])
-            at += size
-        return corrected
+        force = self._tried + self._missing - resisted(x)
+        changed = {two: self.forces[two]._replace(force=force[own]) for two, own in self._own.items()}
+        return self.forces | changed
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
         """Change of the distances of places by these forces."""
-        moved, at = np.zeros_like(force), {}
-        ends = np.cumsum([0] + [self.forces[two].number.size for two in self._twos]).tolist()
-        for two, start, stop in zip(self._twos, ends[:-1], ends[1:], strict=True):
-            at[two] = slice(start, stop)
+        moved = np.zeros_like(force)
         for k in sorted(self.ropes):
             mine = [two for two in self._twos if k in two]
-            sense = np.concatenate([np.full(self.forces[two].number.size, 1.0 - 2.0 * two.index(k)) for two in mine])
-            index = np.concatenate([np.arange(ends[-1])[at[two]] for two in mine])
+            sense = np.concatenate([np.full(self._own[two].size, 1.0 - 2.0 * two.index(k)) for two in mine])
+            index = np.concatenate([self._own[two] for two in mine])
             s = np.concatenate([self.forces[two].s[two.index(k)] for two in mine])
             order = np.argsort(s, kind="stable")
             given = sense[order, None] * force[index[order]]

@@ -47,9 +47,7 @@ class PointForces:
 
     def at(self, t: float) -> Array:
         """Return (n, 3): the forces at ``t``, N."""
-        part = part_of_time(self.start, self.stop, t)
-        now: Array = self.at_start + part * (self.at_stop - self.at_start)
-        return now
+        return np.asarray(self.at_start + part_of_time(self.start, self.stop, t) * (self.at_stop - self.at_start))
 
 
 NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.0)
@@ -66,8 +64,7 @@ def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
 def at_places(x: Array, elements: Array, shares: Array) -> Array:
     """Return (n, 3): values at the places of rows (nodes, 6 or more) of r, r'."""
     ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
-    found: Array = np.einsum("kn,nki->ni", shares, ends)
-    return found
+    return np.asarray(np.einsum("kn,nki->ni", shares, ends))
 
 
 def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:

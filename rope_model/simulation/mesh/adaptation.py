@@ -76,8 +76,7 @@ def _dynamic_equilibrium(model: RopeModel, state: RopeState, time: float, tolera
     blow.  An inertia that stands for this ``time`` (s) lets the stiff part give way and holds the rest.
     """
     m = state.motion
-    c = np.array([1.0, 0.0, time**-2])
-    return model.system(state).solve(m.q, m.v, m.a, m.reaction, c, tolerance)
+    return model.system(state).solve(m.q, m.v, m.a, m.reaction, np.array([1.0, 0.0, time**-2]), tolerance)
 
 
 def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
@@ -127,8 +126,7 @@ def nearest_turn(angle: float, last: float) -> float:
 def _with_energy_change(model: RopeModel, state: RopeState) -> RopeState:
     """A transformed rope with its energy change in the energy_balance."""
     m, before = state.motion, state.energy_balance
-    evaluation = model.system(state).evaluate(m.q, m.v, m.a, m.reaction)
-    after = energies(before, evaluation.balance)
+    after = energies(before, model.system(state).evaluate(m.q, m.v, m.a, m.reaction).balance)
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total
     event = Event(m.t, "transformation", kinetic, total - kinetic)
     log.debug("t = %.6f s: %s, kinetic energy %+.3g J, potential %+.3g J", *event)

@@ -118,11 +118,6 @@ def pressed_length(scene: Any) -> Any:
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
-def covered_length(radius: Any, fade: Any, coarse: Any) -> Any:
-    """Length (m) of segment IV: bend, its decay above, and the way to the next transformation."""
-    return math.pi * radius + 2 * fade + 2 * DUE * coarse
-
-
 class FittedMesh(NamedTuple):
     """Parameters of the mesh: equal elements, 0 for none, or else l (m), elements of IV, end_levels, grading_length."""
 
@@ -148,8 +143,8 @@ def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
 
 
 def _fine_count(of: FittedLengths, coarse: Any) -> Any:
-    """Elements of segment IV."""
-    return RATIO * ceil(covered_length(of.radius, of.fade, coarse) / coarse)
+    """Elements of segment IV, which has the bend, its decay above, and the way to the next transformation."""
+    return RATIO * ceil((math.pi * of.radius + 2 * of.fade + 2 * DUE * coarse) / coarse)
 
 
 def _inner_length(fine: Any) -> Any:

@@ -10,9 +10,8 @@ class Text:
     """
 
     def __init__(self, template: str) -> None:
-        parts = Formatter().parse(template)
         #: text before each place, and its name and format, '' behind the last
-        self.parts = [(before, name or "", spec or "") for before, name, spec, _ in parts]
+        self.parts = [(before, name or "", spec or "") for before, name, spec, _ in Formatter().parse(template)]
         #: type of each value by name
         self.kinds = {name: _kind(spec) for _, name, spec in self.parts if name}
         self._template = template

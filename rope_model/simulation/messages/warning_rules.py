@@ -64,14 +64,12 @@ def _legs_touch(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
 
 def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
     coupling, curvature, installed, ends = _torques(scene, turned)
-    largest = both(coupling >= curvature, coupling >= installed, coupling >= ends)
-    return largest, scene.rope.Qb, scene.rope.Qc
+    return both(coupling >= curvature, coupling >= installed, coupling >= ends), scene.rope.Qb, scene.rope.Qc
 
 
 def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
     _, curvature, installed, ends = _torques(scene, turned)
-    largest = both(curvature >= installed, curvature >= ends)
-    return largest, most_curvature(scene.rope)
+    return both(curvature >= installed, curvature >= ends), most_curvature(scene.rope)
 
 
 def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:

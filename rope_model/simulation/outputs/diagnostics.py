@@ -106,8 +106,7 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
     place = bottom.position[None, :]
     legs = [_rising(np.vstack((place, leg))) for leg in (points[k - 1 :: -1], points[k:])]
     every = np.union1d(legs[0][:, 1], legs[1][:, 1])
-    heights = every[1:]
-    left, right = (np.array([np.interp(heights, leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
+    left, right = (np.array([np.interp(every[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
     across = np.hstack((np.array(outline.heading(bottom.yaw))[:, None], right - left))
     turned = outline.turn(across[:, :-1], across[:, 1:])
     sharpest = int(np.argmax(np.abs(turned)))
@@ -117,8 +116,7 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
 def _rising(leg: Array) -> Array:
     """The points of a leg (points, 3), from the bottom upwards, that are higher than all before them."""
     highest = np.maximum.accumulate(leg[:, 1])
-    higher: Array = leg[np.append(True, leg[1:, 1] > highest[:-1])]
-    return higher
+    return np.asarray(leg[np.append(True, leg[1:, 1] > highest[:-1])])
 
 
 def _distance(points: Array, line: Array) -> float:
@@ -144,10 +142,8 @@ def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> A
     """(points,): arc lengths, m, from end to end, denser around the loop, of this width (m), above ``bottom_s``."""
     total = float(np.sum(lengths))
     u = np.linspace(-1.0, 1.0, points)
-    s: Array = np.clip(
-        outline.place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop), 0.0, total
-    )
-    return s
+    s = outline.place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop)
+    return np.asarray(np.clip(s, 0.0, total))
 
 
 def shape(q: Array, lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
@@ -179,5 +175,4 @@ def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float
     force = rho * (before + within) - motion.reaction[0, POSITION]
     force[:, 1] += rho * gravity * s
     d = interpolate(motion.q, nodes, s)[:, SLOPE]
-    along: Array = np.sum(force * d, axis=1) / np.linalg.norm(d, axis=1)
-    return along
+    return np.asarray(np.sum(force * d, axis=1) / np.linalg.norm(d, axis=1))

@@ -128,8 +128,7 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
     rows, values = [], []
     for node in (0, n):
         mine = slice(NODE_DOF * node, NODE_DOF * (node + 1))
-        found = _end_load()(q[node], reaction[node])
-        by_q, by_f, at_rest = (np.asarray(part) for part in found)
+        by_q, by_f, at_rest = (np.asarray(part) for part in _end_load()(q[node], reaction[node]))
         here = sp.csr_matrix(np.eye(NODE_DOF * (n + 1))[mine])
         rows.append([by_q @ here + by_f @ K[mine], by_f @ D[mine], by_f @ M[mine]])
         values.append(at_rest.ravel())

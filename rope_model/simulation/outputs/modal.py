@@ -69,8 +69,7 @@ def softest(system: RopeSystem, q: Array) -> float:
 def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
     """Sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da at rest in ``q``, all degrees of freedom."""
     n, element = system.lengths.size, element_functions()
-    angles = q[:, ANGLE] + system.frame_turn(q)
-    along = np.column_stack((q[:, :ANGLE], angles))
+    along = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
     q_e = np.hstack((along[:-1], along[1:])).T
     rest, row, l = np.zeros_like(q_e), np.ones((1, n)), system.lengths[None, :]
     F, P = element.reference.map(n)(q_e, l), np.tile(system.P[:, None], n)

@@ -174,8 +174,7 @@ def pull_at(rope: Evaluated, s: Array) -> Array:
     m, lengths = rope.state.motion, rope.state.partition.lengths
     rho, gravity = rope.scene.rope.mass_per_length, rope.scene.layout.gravity
     if rope.state.fidelity == "rigid":
-        y = interpolate(m.q, arc_lengths(lengths), s)[:, 1]
-        return rigid_tension(m, s, y, rho, gravity)
+        return rigid_tension(m, s, interpolate(m.q, arc_lengths(lengths), s)[:, 1], rho, gravity)
     return tension(m, lengths, s, rho, gravity)
 
 
