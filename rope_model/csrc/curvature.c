@@ -1,5 +1,7 @@
 /* The permanent curvature of a rope along its present shape: rope_model.simulation.curvature, which see. */
 
+#include <stddef.h>
+
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {
@@ -9,8 +11,10 @@ int is_curved(const Simulator *rope, const State *state) {
 Rope partly_curved(const Rope *whole, double part) {
     Rope rope = *whole;
     rope.initial_curvature *= part;
-    /* what is added to it lies in a row */
-    for (double *added = &rope.curvature_left; added <= &rope.curvature_right_across; added++) *added *= part;
+    /* what is added to it lies in a row, as in the table of parameters */
+    double *const values = (double *)&rope;
+    const size_t last = offsetof(Rope, curvature_right_across) / sizeof(double);
+    for (size_t k = offsetof(Rope, curvature_left) / sizeof(double); k <= last; k++) values[k] *= part;
     return rope;
 }
 
