@@ -19,8 +19,6 @@ def page(tables: Tables) -> str:
         "cases": len({about for about, _ in checks}),
         "checks": len(checks),
         "held": sum(m.holds for _, m in checks),
-        "fitted": brushes[0, 2e-3, STIFFNESS],
-        "fine": brushes[480, 2e-3, STIFFNESS],
         "base": brushes[480, 5e-3, STIFFNESS],
         "stiff": brushes[480, 5e-3, 4.0 * STIFFNESS],
         "orders": {name: number(x, ".2g") for name, x in orders(tables["brushes"]).items()},

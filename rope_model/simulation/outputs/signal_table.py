@@ -91,8 +91,8 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"contact.{kind}.impulse", Signal("N.s", text)
     for name, what in (
         ("steps", "accepted time steps"),
-        ("rejections", "rejected time steps"),
-        ("newton", "Newton iterations"),
+        ("rejections", "rejected time steps and solutions of new meshes"),
+        ("newton", "Newton iterations of time steps"),
         ("transformations", "mesh transformations"),
         ("swivel_events", "changes between stick and slip"),
     ):
