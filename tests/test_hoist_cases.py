@@ -14,11 +14,11 @@ from fmu_src.interface import case_with, variables
 from hoist_demo.cases.case import HOISTS, Case
 from hoist_demo.cases.rules import TAIL_SPARE
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
+from hoist_demo.study.metrics import exchange_energy
 from rope_model import EndMotion, Level
 
 INSTALLED = {name: find_case(name) for name in HOISTS if not name.startswith("rope-")}

@@ -10,7 +10,7 @@ from hoist_demo.cosimulation.schemes.interface import Memory, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
 from hoist_demo.drive.outputs import SHOWN, tension_ratio
 from hoist_demo.parameters import Hoist
-from hoist_demo.recording.time_series import TIME, Array, Recording
+from hoist_demo.recording.time_series import TIME, Recording
 
 _REFERENCE = ("position", "speed", "acceleration", "jerk")
 DRIVE_UNITS = {
@@ -100,10 +100,3 @@ def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:
     rope = {name: values for name, values in kept.items() if name not in ROW}
     signals, units = drive | rope, {**rows.units, **DRIVE_UNITS}
     return Recording(signals, {name: units[name] for name in signals})
-
-
-def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
-    """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
-    ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
-    total: Array = recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends
-    return total

@@ -92,8 +92,8 @@ class Equations:
 class Coordinates:
     """Symbols of q and q' by name."""
 
-    def __init__(self, hoist: Hoist) -> None:
-        self.names = ("phi", "y_left", "y_right", *extra_coordinates(hoist))
+    def __init__(self, parts: Hoist) -> None:
+        self.names = ("phi", "y_left", "y_right", *extra_coordinates(parts))
         self.q, self.v = ca.SX.sym("q", len(self.names)), ca.SX.sym("v", len(self.names))
 
     def __call__(self, name: str) -> tuple[Any, Any]:
@@ -107,9 +107,8 @@ class Coordinates:
 @cache
 def equations(parts: Hoist) -> Equations:
     """The equations of motion of all hoists with these parts, `Hoist.parts` of one of them."""
-    p = ca.SX.sym("p", len(parts.numbers))
+    at, p = Coordinates(parts), ca.SX.sym("p", len(parts.numbers))
     hoist = with_numbers(parts, ca.vertsplit(p))
-    at = Coordinates(hoist)
     q, v, R = at.q, at.v, hoist.sheave_radius
     torque, l0 = ca.SX.sym("M"), ca.SX.sym("l0", 2)
     u = ca.SX.sym("u", len(INPUT_NAMES))

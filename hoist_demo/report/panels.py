@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
@@ -19,6 +18,7 @@ from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import LOSSES, loses
+from hoist_demo.study.metrics import exchange_energy
 
 #: Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
 LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of
@@ -17,6 +16,7 @@ from hoist_demo.recording.ropes import of_rope
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import SummaryRow
+from hoist_demo.study.metrics import exchange_energy
 
 #: What the rope loses only where its scene has that, in words.
 ELSEWHERE = {

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.cosimulation.drive_signals import exchange_energy
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import fit_swing
 from hoist_demo.parameters import Arrival, Hoist, Winding
@@ -133,6 +132,12 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
     found |= trip_metrics(result, winding, arrival)
     swing, missing = _swing(recording, hoist, result.trajectory.duration, arrival)
     return Measures(found | swing, missing)
+
+
+def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
+    """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
+    ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
+    return np.asarray(recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends)
 
 
 def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:

@@ -175,7 +175,8 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
 def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
     """Return the co-simulation of a run with any rope; `progress` as of `Host.run`."""
     chosen = run.design()
-    return Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory).run(progress)
+    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
+    return host.run(progress)
 
 
 #: Parameters of the rope of which the hoist has a copy for its controller, and their unit.
