@@ -110,9 +110,9 @@ def prepare(
 
 
 def last_words(error: Exception) -> str:
-    """Return the error's text, with the last line of the compiler."""
+    """Return the error's text, with the compiler's first error, or its last line."""
     said = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
-    return f"{error} {said[-1]}" if said else str(error)
+    return " ".join([str(error), *([line for line in said if "error" in line] or said[-1:])[:1]])
 
 
 def find_compiler() -> tuple[str, ...] | None:
