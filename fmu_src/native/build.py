@@ -95,7 +95,7 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
     made = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
 
     def make() -> None:
-        progress.warning("compiling %s for %s%s, some 10 s", identifier, name, version)
+        progress.warning("compiling %s for %s%s, up to a minute", identifier, name, version)
         more = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
         if name.endswith("linux") and "ziglang" in compiler:
             # without zig's own library, of which nothing is needed, and which it would compile first for 14 s

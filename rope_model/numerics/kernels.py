@@ -36,7 +36,7 @@ log = logging.getLogger(__name__)
 progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
-_ANNOUNCED = "compiling %s with %s, once on this machine: 2 to 20 s"
+_ANNOUNCED = "compiling %s with %s, once on this machine: up to a minute"
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE)
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
