@@ -25,7 +25,7 @@ COMPUTED_BY = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
     _EFFECTS[0],
     (
-        "`loop.x`, `loop.y`, `loop.clearance`, `shape`, `stress.bending_max`",
+        "`loop.x`, `loop.y`, `loop.clearance`, `shape`, `station`, `stress.bending_max`",
         "planar, spatial, torsional; rigid: of a loop drawn as half a circle",
     ),
     *_EFFECTS[1:],

@@ -27,15 +27,10 @@ def plant() -> Plant:
     return Plant(Hoist())
 
 
-def _move(plant: Plant) -> PlantState:
-    """Mid-shaft, moving at 5 m/s, with the ropes slightly out of balance."""
-    state = plant.equilibrium(40.0, 50.0, -TAIL * 55.0, -TAIL * 65.0)
-    x = state.x + np.array([2e4, 0.0, 0.01, -0.02, 5.0 / 1.25, 5.1, -4.9])
-    return state._replace(x=x)
-
-
 def test_the_tensions_shown_are_those_that_turn_the_sheave(plant: Plant) -> None:
-    state, u = _move(plant), PlantInput(9e4, -4e3, -5e3)
+    rest, u = plant.equilibrium(40.0, 50.0, -TAIL * 55.0, -TAIL * 65.0), PlantInput(9e4, -4e3, -5e3)
+    # mid-shaft, moving at 5 m/s, with the ropes slightly out of balance
+    state = rest._replace(x=rest.x + np.array([2e4, 0.0, 0.01, -0.02, 5.0 / 1.25, 5.1, -4.9]))
     shown, hoist = plant.outputs(state, u), plant.hoist
     speed = hoist.sheave_radius * shown.rate
     rim = hoist.loss_coulomb * math.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed

@@ -118,11 +118,6 @@ def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
     assert "inputs.hold_max" in message
 
 
-def values_of(scene: Scene) -> dict[str, Any]:
-    table = variables(RopeCase(scene, 0.0, 1.0))
-    return {x.name: x.start for x in table if x.causality == "parameter" and not x.name.startswith("inputs")}
-
-
 def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
     structure = scene_structure(scene)
     for name, value in values.items():
@@ -146,7 +141,8 @@ def message_of(values: dict[str, Any]) -> str:
     return ""
 
 
-PARAMETERS = {name: value for name, value in values_of(Scene()).items() if name != "solver.kernels"}
+TABLE = [variable for variable in variables(RopeCase(Scene(), 0.0, 1.0)) if variable.causality == "parameter"]
+PARAMETERS: dict[str, Any] = {x.name: x.start for x in TABLE if not x.name.startswith(("inputs", "solver.kernels"))}
 REALS = (
     *(math.nan, math.inf, -math.inf, -1.0, 0.0, 5e-324, 1e-5, 9.9e-6, 1e-3, 1.001e-3, 0.0017, 0.02, 1.0, 1.0000001),
     *(1e4, 10000.1, 3e5, 1.1e6),

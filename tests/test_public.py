@@ -37,7 +37,7 @@ from release.trial import try_wheel
 from release.wheels import PACKAGES, add_bill, build
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public, rope_120
 from rope_model.codegen.build import library
-from rope_model.numerics.kernels import cache_folder, find_compiler
+from rope_model.numerics.kernels import cache_folder, find_compiler, last_words
 
 PYTHON = "Use the rope in Python"
 SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))
@@ -192,3 +192,10 @@ def test_the_wheel_needs_no_compiler_and_exports_what_a_checkout_does(tmp_path: 
     for one in ("rope_model/csrc/prebuilt/rope", "fmu_src/native/prebuilt/BalanceRope"):
         assert all(any(name.startswith(f"{one}-{platform}-") for name in names) for platform in PLATFORMS)
     try_wheel(wheel)
+
+
+def test_of_what_a_compiler_says_its_first_error_is_told() -> None:
+    named = "In function 'error_signals':\na.c:1:6: error: no such name\n ^"
+    linked = "undefined reference to 'g'\ncollect2: error: ld returned 1"
+    for said, first in ((named, "a.c:1:6: error: no such name"), (linked, "reference to 'g'"), ("", "status 1.")):
+        assert last_words(subprocess.CalledProcessError(1, "cc", stderr=said)).endswith(first)

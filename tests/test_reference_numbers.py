@@ -94,13 +94,10 @@ def half(length: float) -> Array:
     return np.asarray(lengths * length / lengths.sum())
 
 
-def hanging_lengths(height: float) -> Array:
-    return np.concatenate((half(60 + height / 2), half(60 - height / 2)[::-1]))
-
-
 def loop_system(rope: Rope, height: float, theta: str, torque: float, lengths: Any = None, spacing: float = 2.0) -> Any:
     """``theta``: both ends ``held``, or only the left one (``swivel``) and ``torque`` (N m) on the right."""
-    lengths = hanging_lengths(height) if lengths is None else lengths
+    if lengths is None:
+        lengths = np.concatenate((half(60 + height / 2), half(60 - height / 2)[::-1]))
     ends = 0.5 * np.array([[-spacing, height, 0.0], [spacing, -height, 0.0]])
     chain = Chain.unloaded(np.zeros((lengths.size + 1, 7)))
     chain.held[[0, -1]] = True

@@ -8,7 +8,7 @@ from evidence.tables import Table, Tables, records
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Shaft
 from rope_model.simulation.mesh import mesh_fit, mesh_pattern
-from rope_model.simulation.mesh.partition import faced_by, fit_mesh, mesh_elements, partition
+from rope_model.simulation.mesh.partition import faced_by, fit_mesh, partition
 
 
 def page(tables: Tables) -> str:
@@ -26,7 +26,6 @@ def page(tables: Tables) -> str:
         "heights": HEIGHTS,
         "finest": FINEST,
         "fit": mesh_fit,
-        "fitted_elements": mesh_elements(past().scene),
         "pattern": mesh_pattern,
         "prices": [_price(length) for length in (60.0, 120.0, 400.0, 1000.0)],
         "wall": wall,

@@ -27,7 +27,7 @@ typedef void (*ComponentLog)(void *context, Severity severity, const char *messa
 /* NULL when there is no memory; `log` gets `context` back */
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context);
 void component_destroy(Component *c);
-/* says `message` in the log; returns 0 */
+/* says `message` in the log, and leaves it for component_fail; returns 0 */
 int component_refuse(Component *c, const char *message);
 /* after a refusal that leaves host and FMU at odds, as of a value to be set: FAILED, status.message tells why */
 void component_fail(Component *c);

@@ -92,8 +92,14 @@ static const char LOAD[] =
 #ifdef _WIN32
 
 static SRWLOCK starting = SRWLOCK_INIT;
-#define BEGIN_ALONE() AcquireSRWLockExclusive(&starting)
-#define END_ALONE() ReleaseSRWLockExclusive(&starting)
+
+static void begin_alone(void) {
+    AcquireSRWLockExclusive(&starting);
+}
+
+static void end_alone(void) {
+    ReleaseSRWLockExclusive(&starting);
+}
 
 static void *symbol(HMODULE from, const char *name) {
     return (void *)GetProcAddress(from, name);
@@ -108,8 +114,14 @@ static HMODULE library(void) {
 #else
 
 static pthread_mutex_t starting = PTHREAD_MUTEX_INITIALIZER;
-#define BEGIN_ALONE() pthread_mutex_lock(&starting)
-#define END_ALONE() pthread_mutex_unlock(&starting)
+
+static void begin_alone(void) {
+    pthread_mutex_lock(&starting);
+}
+
+static void end_alone(void) {
+    pthread_mutex_unlock(&starting);
+}
 
 static void *symbol(void *from, const char *name) {
     return dlsym(from, name);
@@ -170,9 +182,10 @@ static int find_python(char *message) {
 }
 
 static int have_python(char *message) {
-    BEGIN_ALONE();
-    const int there = find_python(message);
-    END_ALONE();
+    int there;
+    begin_alone();
+    there = find_python(message);
+    end_alone();
     return there;
 }
 

@@ -94,11 +94,11 @@ class Identified:
             find_case("rope-120"), scene_parameters(bench.scene_at(self.fit.shares)), given
         )  # the case of the defaults
 
-    def strong_correlations(self) -> list[tuple[str, str]]:
-        """Pairs of properties that the data determine together rather than apart, and their correlations."""
+    def strong_correlations(self) -> list[tuple[str, str, float]]:
+        """Pairs of properties that the data determine together rather than apart."""
         matrix, n = self.fit.correlations, len(self.names)
         pairs = [(i, j) for i in range(n) for j in range(i) if abs(matrix[i, j]) > STRONG]
-        return [(f"{self.names[j]} and {self.names[i]}", f"{matrix[i, j]:+.2f}") for i, j in pairs]
+        return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
 
 
 def identify(measured: Measured) -> Identified:

@@ -22,7 +22,7 @@ def summary(found: Identified) -> list[SummaryRow]:
     group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
     rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(found)]
     rows += [SummaryRow("Undetermined by the data", text, "") for text in _open(found)]
-    rows += [SummaryRow("Determined only together", *row) for row in found.strong_correlations()]
+    rows += [SummaryRow("Determined only together", *row) for row in _pairs(found)]
     group = "Best next measurement, and its remaining error"
     unit = _wanted_unit(found)
     rows.append(SummaryRow(group, f"now: {found.measured.wanted.signal}, {number(found.wanted)} {unit}", _error(found)))
@@ -66,7 +66,7 @@ def write_page(found: Identified, path: Path) -> Path:
     ]
     left = [(c.measurement.name, f"{number(c.error)} {_wanted_unit(found)}") for c in found.candidates]
     title, data = data_table(found.provenance())
-    pairs = found.strong_correlations()
+    pairs = _pairs(found)
     notes = [text for text in (misfit(found), *found.warnings) if text]
     parts = [
         ("", paragraphs(notes) + grid(("property", with_interval, "unit", "known before", "status before"), known)),
@@ -111,6 +111,10 @@ def _properties(found: Identified) -> list[tuple[str, str, str]]:
 
 def _open(found: Identified) -> list[str]:
     return [f"{text}: the range stands" for text in found.open_directions()]
+
+
+def _pairs(found: Identified) -> list[tuple[str, str]]:
+    return [(f"{one} and {other}", f"{value:+.2f}") for one, other, value in found.strong_correlations()]
 
 
 def _error(found: Identified) -> str:

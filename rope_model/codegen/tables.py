@@ -15,6 +15,7 @@ from rope_model.numerics.program import no_simplification
 from rope_model.parameter_table import Joint, Parameter, check_order, parameters_of
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
 from rope_model.physics.elementary import both
+from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.contact.shaft import BODIES
 from rope_model.simulation.ends.paths import REACH, SIDES
@@ -69,6 +70,8 @@ def parameter_structures() -> str:
         "/* of the values of an EndMotion: names and largest sizes */\n"
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n"
     )
+    curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
+    parts.append(f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n")
     parts.append(f"/* s, of rope_advance_to */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
     parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))

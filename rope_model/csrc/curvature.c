@@ -1,7 +1,5 @@
 /* The permanent curvature of a rope along its present shape: rope_model.simulation.curvature, which see. */
 
-#include <stddef.h>
-
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {
@@ -10,11 +8,8 @@ int is_curved(const Simulator *rope, const State *state) {
 
 Rope partly_curved(const Rope *whole, double part) {
     Rope rope = *whole;
-    rope.initial_curvature *= part;
-    /* what is added to it lies in a row, as in the table of parameters */
-    double *const values = (double *)&rope;
-    const size_t last = offsetof(Rope, curvature_right_across) / sizeof(double);
-    for (size_t k = offsetof(Rope, curvature_left) / sizeof(double); k <= last; k++) values[k] *= part;
+    double *const values[] = CURVATURES_OF(rope);
+    for (size_t k = 0; k < sizeof values / sizeof *values; k++) *values[k] *= part;
     return rope;
 }
 

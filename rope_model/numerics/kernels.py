@@ -36,6 +36,8 @@ log = logging.getLogger(__name__)
 progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
+#: Not the names of functions that have "error" in them.
+_AN_ERROR = re.compile(r"\berror:|undefined reference")
 _ANNOUNCED = "compiling %s with %s, once on this machine: up to a minute"
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE)
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
@@ -110,9 +112,10 @@ def prepare(
 
 
 def last_words(error: Exception) -> str:
-    """Return the error's text, with the compiler's first error, or its last line."""
+    """Return the error's text, with the first error that the compiler or the linker names, or their last line."""
     said = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
-    return " ".join([str(error), *([line for line in said if "error" in line] or said[-1:])[:1]])
+    first = next((line for line in said if _AN_ERROR.search(line)), said[-1] if said else "")
+    return f"{error} {first}".rstrip()
 
 
 def find_compiler() -> tuple[str, ...] | None:
@@ -267,7 +270,7 @@ def _included(file: str, sources: Mapping[str, str]) -> list[str]:
 
 
 def _run(command: Sequence[str], folder: Path) -> None:
-    """CalledProcessError, which notes what the command said, when it fails."""
+    """Run it; CalledProcessError, with a note of what the command said, when it fails."""
     try:
         subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
     except subprocess.CalledProcessError as error:

@@ -17,6 +17,7 @@ def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.
     """
     e, tau, k = strains
+    # largest shear stress of the torque
     moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)
     stress = 16 * abs(moment) / (math.pi * rope.diameter**3)
     # the sum makes +0 of -0

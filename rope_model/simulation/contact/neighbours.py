@@ -246,7 +246,7 @@ class _Joint:
         parts = [(_joined(tried[two], found[two]), found[two]) for two in self._twos]
         self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
         self._tried = _stacked([x.force for x, _ in parts])
-        # the rows of each two in it
+        # rows of each two ropes in `_tried`
         own = np.split(np.arange(len(self._tried)), np.cumsum([x.number.size for x, _ in parts]))[:-1]
         self._own = dict(zip(self._twos, own, strict=True))
         law = _stacked([_spread(one, x.number, one.force) for x, one in parts])

@@ -8,7 +8,7 @@ TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segment
 
 IV around the loop's lowest point.  For every l that the loop travels along the rope a transformation moves the pattern
 by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
-coarser elements join, where it gets finer they split (see transfer).  Without III and V IV has l/4, without II and VI
+coarser, elements join; where it gets finer, they split (see transfer).  Without III and V IV has l/4, without II and VI
 too l/2: shorter ways from one transformation to the next, which IV need not cover. Near an end of the rope the
 pattern goes on beyond it.  The outermost l stays, with the loop's elements where they are shorter; the part cut off by
 the end, up to half of the pattern, halves the other leg's longest elements: their number stays.

@@ -161,8 +161,9 @@ def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float
 
         F(s) = int_0^s rho (a + g Y) dx - reaction at the left end,    T = F . t
 
-    Exact for the discrete equations: F arrives at the right end as its reaction.  Costello's law with the strains is
-    not, for Qa multiplies what the cubic errs by in the length of a bent element, 200 N in the loop of rope-120.
+    Exact for the discrete equations without air and contact: F arrives at the right end as its reaction.  Costello's
+    law with the strains is not, for Qa multiplies what the cubic errs by in the length of a bent element, 200 N in the
+    loop of rope-120.
     """
     nodes = arc_lengths(lengths)
     i = np.clip(np.searchsorted(nodes, s, side="right") - 1, 0, lengths.size - 1)
