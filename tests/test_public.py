@@ -79,7 +79,7 @@ def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_
     # half a metre of rope: waves still run through it
     assert_allclose([left, right], [-25.0 * WEIGHT, -95.0 * WEIGHT], atol=0.5 * WEIGHT)
     assert sum("again the same: True" in line for line in (*told, at_rest)) == 9
-    assert re.match(r"\d+ signals;", last)
+    assert re.match(r"\d{4} signals;", last)
     assert "no warnings" in last
     assert [file.name for file in cache.iterdir() if file.suffix != ".json"] == [library().name]
 

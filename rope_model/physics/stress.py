@@ -17,8 +17,8 @@ def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.
     """
     e, tau, k = strains
-    # largest shear stress of the torque
     moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)
+    # the largest shear stress
     stress = 16 * abs(moment) / (math.pi * rope.diameter**3)
     # the sum makes +0 of -0
     return bending_stress(rope, k), stress * torsional, k, moment * torsional + 0.0
