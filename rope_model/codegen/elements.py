@@ -11,7 +11,7 @@ import casadi as ca
 from rope_model.codegen.expressions import is_number, statements
 from rope_model.physics.air_element import air_functions
 from rope_model.physics.curved_element import curved_functions
-from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, element_functions
+from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
 from rope_model.physics.wire_element import wire_functions
 
 
@@ -22,8 +22,13 @@ def element_code() -> str:
 
 def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     e = element_functions(fidelity)
-    yield f"{fidelity}_tangent", _upper_half("tangent", e.tangent)
-    for name in ("residual", "balance", "losses", "strains", "momentum"):
+    inputs = e.tangent.sx_in()
+    tangent = ca.vertcat(_upper_half("tangent", e.tangent)(*inputs), e.tangent(*inputs)[0])
+    yield f"{fidelity}_tangent", ca.Function("tangent", inputs, [ca.cse(tangent)])  # and the residual there
+    inputs = e.balance.sx_in()
+    energies = e.balance(*inputs)[: BALANCE.index("damping_power")]
+    yield f"{fidelity}_balance", ca.Function("balance", inputs, [ca.cse(energies)])
+    for name in ("residual", "losses", "strains", "momentum"):
         yield f"{fidelity}_{name}", getattr(e, name)
     air = air_functions(fidelity)
     yield f"{fidelity}_air_residual", air.residual

@@ -8,6 +8,12 @@
 #include "rope.h"
 #include "state.h"
 
+#if defined(_MSC_VER)
+#define RESTRICT __restrict
+#else
+#define RESTRICT restrict
+#endif
+
 #define PI 3.14159265358979323846
 
 static const char *const SIDE_NAMES[2] = {"left", "right"};

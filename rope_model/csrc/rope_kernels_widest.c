@@ -5,9 +5,9 @@
 #if HAS_WIDE_FORMS
 #if defined(__clang__)
 #pragma clang fp contract(off)
-#pragma clang attribute push(__attribute__((target("avx512f"))), apply_to = function)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512vl"))), apply_to = function)
 #else
-#pragma GCC target("avx512f")
+#pragma GCC target("avx512f,avx512vl")
 #pragma GCC optimize("fp-contract=off")
 #endif
 #define LANES 8

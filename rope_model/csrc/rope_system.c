@@ -78,16 +78,18 @@ void rope_system_prescribed_motion(const Simulator *rope, const State *state, co
 }
 
 double rope_system_norm(const System *s, const double *x, double slopes) {
-    double largest = 0;
+    double largest[DOF] = {0}, all = 0;
+    int finite = 1;
     for (int k = 0; k <= s->elements; k++, x += DOF) {
         const int *free = k == 0 ? s->free[LEFT] : k == s->elements ? s->free[RIGHT] : NULL;
         for (int dof = 0; dof < DOF; dof++) {
-            if (free != NULL && !free[dof]) continue;
-            if (!isfinite(x[dof])) return INFINITY;
-            largest = fmax(largest, fabs(x[dof]) * (dof >= SLOPE && dof < ANGLE ? slopes : 1.));
+            const double size = free == NULL || free[dof] ? fabs(x[dof]) : 0.;
+            finite &= size < INFINITY;
+            largest[dof] = size > largest[dof] ? size : largest[dof];
         }
     }
-    return largest;
+    for (int dof = 0; dof < DOF; dof++) all = fmax(all, largest[dof] * (dof >= SLOPE && dof < ANGLE ? slopes : 1.));
+    return finite ? all : INFINITY;
 }
 
 double longest_near(const System *s) {

@@ -6,7 +6,7 @@
 #include "formulas.h"
 
 enum {
-    BALANCE = 9,
+    BALANCE = 7,
     FRAME = 21,
     STRAINS = 3,
     MOMENTUM = 9,
@@ -16,8 +16,8 @@ enum {
     CURVED = 12,
     MOST_LANES = 8 /* the last group of elements may have lanes to spare */
 };
-/* of physics.element.BALANCE */
-enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY, DAMPING_POWER, NONCONSERVATIVE_POWER };
+/* of physics.element.BALANCE, without the powers, which are the losses */
+enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY };
 
 /* of numerics.newton.NewtonStatus */
 enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };

@@ -23,22 +23,29 @@ double recentring(const Coefficients *method, double h, double before) {
     return rate_known(h, before) ? recentring_time(method, h, before) : 0;
 }
 
+static void predict(const Arrays *old, double h, double ahead, const double of[6], double *RESTRICT q,
+                    double *RESTRICT v, double *RESTRICT a) {
+    const Arrays m = *old;
+    for (int i = 0; i < m.nodes * DOF; i++) {
+        q[i] = m.q[i] + h * m.v[i] + of[0] * m.a[i] + of[2] * m.b[i] + of[4] * m.a_rate[i];
+        v[i] = m.v[i] + of[1] * m.a[i] + of[3] * m.b[i] + of[5] * m.a_rate[i];
+        a[i] = m.a[i] + ahead * m.a_rate[i];
+    }
+}
+
 StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h) {
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
     const double moved_by = recentring(&method, h, state->h);
     const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
-    double c[3], of[6], aux[4], sum = 0;
+    double c[3], of[6], aux[4];
+    int finite = 1;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
     prediction_weights(&method, h, moved_by, ahead, of);
     auxiliary_weights(&method, moved_by, aux);
     newton_coefficients(&method, h, c);
-    for (size_t i = 0; i < size; i++) {
-        now->q[i] = old.q[i] + h * old.v[i] + of[0] * old.a[i] + of[2] * old.b[i] + of[4] * old.a_rate[i];
-        now->v[i] = old.v[i] + of[1] * old.a[i] + of[3] * old.b[i] + of[5] * old.a_rate[i];
-        now->a[i] = old.a[i] + ahead * old.a_rate[i];
-    }
+    predict(&old, h, ahead, of, now->q, now->v, now->a);
     rope_system_prescribed_motion(rope, state, s, result.t, 3, (double *[]){now->q, now->v, now->a});
     s->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
@@ -47,8 +54,8 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
     result.newton =
         chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
                      newton_may_leave(solver->newton_tolerance, solver->work_max, HASTY_STEP), result.balance);
-    for (size_t i = 0; i < size; i++) sum += fabs(now->reaction[i]);
-    if (result.newton.status == CONVERGED && !isfinite(sum)) result.newton.status = NOT_FINITE;
+    for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
+    if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
     result.reached = result.newton.status == CONVERGED;
     if (!result.reached) return result;
     for (size_t i = 0; i < size; i++) {

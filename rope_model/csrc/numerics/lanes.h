@@ -6,10 +6,11 @@
 
 #include <math.h>
 
-#if defined(_MSC_VER)
-#define RESTRICT __restrict
+/* before a short loop: what it works on stays in registers */
+#if defined(__GNUC__) && !defined(__clang__)
+#define UNROLL _Pragma("GCC unroll 8")
 #else
-#define RESTRICT restrict
+#define UNROLL
 #endif
 
 #if defined(__GNUC__) || defined(__clang__)
@@ -21,6 +22,14 @@ typedef double V __attribute__((vector_size(8 * LANES)));
 typedef double P2 __attribute__((vector_size(16)));
 #define SPLAT(x) ((V){0} + (x))
 #define LANE(x, i) ((x)[i])
+#define TWO(p, s, i) (p)[(i) * (s)], (p)[((i) + 1) * (s)]
+#if LANES == 8
+#define EACH(p, s) ((V){TWO(p, s, 0), TWO(p, s, 2), TWO(p, s, 4), TWO(p, s, 6)})
+#elif LANES == 4
+#define EACH(p, s) ((V){TWO(p, s, 0), TWO(p, s, 2)})
+#else
+#define EACH(p, s) ((V){TWO(p, s, 0)})
+#endif
 #define SPLAT2(x) ((P2){(x), (x)})
 #define SIDE(x, i) ((x)[i])
 static inline V SQRT_V(V x) {
@@ -41,6 +50,7 @@ typedef double V;
 typedef double P2;
 #define SPLAT(x) (x)
 #define LANE(x, i) (x)
+#define EACH(p, s) (*(p))
 #define SPLAT2(x) (x)
 #define SIDE(x, i) (x)
 #define SQRT_V(x) sqrt(x)
