@@ -6,7 +6,7 @@
 #include "rope.h"
 #include "rope_table.h"
 
-enum { INPUTS_OF_END = sizeof(EndMotion) / sizeof(double), FORCES = 12 };
+enum { FORCES = 12 };
 
 struct ModelInstance {
     Simulator *rope;
@@ -30,11 +30,9 @@ static void read_parameters(ModelInstance *model, const double *values) {
 }
 
 static void read_motions(const double *values, EndMotion ends[2]) {
-    for (size_t i = 0; i < MODEL_SCALARS; i++) {
-        const Place *place = &ROPE_PLACES[i];
-        if (place->where == LEFT_MOTION) *(double *)field(&ends[LEFT], place->offset) = values[i];
-        if (place->where == RIGHT_MOTION) *(double *)field(&ends[RIGHT], place->offset) = values[i];
-    }
+    for (int side = LEFT; side <= RIGHT; side++)
+        for (size_t k = 0; k < INPUTS_OF_END; k++)
+            *(double *)field(&ends[side], k * sizeof(double)) = values[ROPE_MOTIONS[side][k]];
 }
 
 static int copy_message(const ModelInstance *model, int ok, char *message) {

@@ -4,6 +4,8 @@
 
 #include <stddef.h>
 
+#include "rope.h"
+
 enum Where {
     NOWHERE,
     SCENE_REAL,    /* offset: in struct Scene */
@@ -24,5 +26,8 @@ typedef struct {
 } Place;
 
 extern const Place ROPE_PLACES[]; /* MODEL_SCALARS */
+
+enum { INPUTS_OF_END = sizeof(EndMotion) / sizeof(double) };
+extern const size_t ROPE_MOTIONS[2][INPUTS_OF_END]; /* the scalars of both ends' motions, as in EndMotion */
 
 #endif

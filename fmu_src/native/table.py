@@ -2,11 +2,13 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 
 from fmu_src.interface import RATES, Variable
 from fmu_src.profile import arrays, scalars
 from rope_model.scene_names import choices_of
 from rope_model.shaft_parameters import PARTS
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.outputs.sensitivity import LOADS
 from rope_model.simulation.outputs.signal_table import SIGNALS
 from rope_model.texts import c_string
@@ -52,7 +54,10 @@ def c_places(table: Sequence[Variable], fmi: int) -> str:
     """``places.c``: where rope_model.c finds each scalar."""
     rows = [_place(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
     includes = '#include "rope.h"\n#include "rope_table.h"\n'
-    return "\n".join([_HEAD.rstrip(), includes, _array("const Place ROPE_PLACES[]", rows)])
+    names = [v.name for v in table]
+    motions = [", ".join(str(names.index(f"{side}.{f.name}")) for f in fields(EndMotion)) for side in ("left", "right")]
+    inputs = _array("const size_t ROPE_MOTIONS[2][INPUTS_OF_END]", (f"{{{of_end}}}" for of_end in motions))
+    return "\n".join([_HEAD.rstrip(), includes, _array("const Place ROPE_PLACES[]", rows), inputs])
 
 
 def _array(declaration: str, rows: Iterable[str]) -> str:
