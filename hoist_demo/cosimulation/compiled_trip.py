@@ -37,7 +37,7 @@ _ENDS = [SHOWN.get(f"{_SPELT.get(name, name)}_{side}", -1) for side in ENDS for 
 _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 #: What trip.c takes from here for all hoists, by name.
 _NUMBERS: dict[str, float] = {
-    **{name: getattr(integrator, name) for name in ("CHUNK", "SHORTEST", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
+    **{name: getattr(integrator, name) for name in ("SHORTEST", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
     "LEAST_ROPE": plant.LEAST_ROPE,
     "KEPT": KEPT,
     "WARNING": WARNING,

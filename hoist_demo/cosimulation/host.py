@@ -49,7 +49,7 @@ _log = logging.getLogger(__name__)
 Progress = Callable[[float, float], bool]
 
 
-KEPT_EVERY = 1.0  #: Simulated time from one state that is kept to the next [s].
+KEPT_EVERY = 5.0  #: Simulated time from one state that is kept to the next [s].
 LOADING = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
 LOADED_EVERY = 0.1  #: Time between two changes of a payload that is being loaded [s].
 

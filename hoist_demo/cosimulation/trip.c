@@ -143,7 +143,7 @@ static bool step_drive(Trip *m, double s, double end) {
     double *z = m->z, *y = m->y;
     double size = (m->step_next != 0.0 ? m->step_next : m->H) / m->H, growth = GROWS;
     while (size * m->H > SHORTEST) {
-        const double calls = fmax(1.0, ceil((end - s) / (CHUNK * size) - 1e-9)), used = (end - s) / (CHUNK * calls);
+        const double steps = fmax(1.0, ceil((end - s) / size - 1e-9)), used = (end - s) / steps;
         z[AT_S] = s;
         z[AT_H] = used;
         evaluate(m->drive, z, y);
@@ -154,8 +154,8 @@ static bool step_drive(Trip *m, double s, double end) {
             continue;
         }
         memcpy(z, y, REACHED * sizeof(double));
-        s += CHUNK * used;
-        if (calls == 1.0) {
+        s += used;
+        if (steps == 1.0) {
             const double wound = m->radius * y[PHI];
             m->step_next = size * m->H;
             return fmin(z[AT_L0] - wound, z[AT_L0 + 1] + wound) > LEAST_ROPE;

@@ -1,12 +1,12 @@
 """The drive's equations compiled where there is a C compiler, and integrated by steps of their own choice.
 
-`advance`, one text for all hoists with the same parts, does CHUNK steps of a Runge-Kutta method of the length h (s
-counts from 0 to 1 over a communication step H)
+`advance`, one text for all hoists with the same parts, does a step of a Runge-Kutta method of the length h (s counts
+from 0 to 1 over a communication step H)
 
     dx/ds = H rates(x, u(s)) ,   dW/ds = H powers(x, u(s)) ,
 
-and shows the drive at their end: state, work so far, these steps' included, largest error over tolerance
-(1 + |y| + |dy/ds|) of any of them (infinite where anything is not finite), input that acts there, outputs. With H = 0
+and shows the drive at its end: state, work so far, this step's included, its largest error over tolerance
+(1 + |y| + |dy/ds|) (infinite where anything is not finite), input that acts there, outputs. With H = 0
 it shows the drive as it is. Inputs change, and forces yield to the drive's acceleration,
 
     u(s) = u_0 + u_1 s + u_2 s^2 ,   F(s) = F_p(s) - m_a a ,   a = a_0 + B F .
@@ -46,7 +46,6 @@ Reached = tuple[Vector, float, float]
 SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
 LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
-CHUNK = 3  #: Steps in one call.
 TOLERANCE = 1e-9  #: Of a step's error, relative and in SI units.
 
 WORKS = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
@@ -133,23 +132,12 @@ def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
     s, h = z[given["s"]], z[given["h"]]
     y = ca.vertcat(z[given["x"]], ca.MX.zeros(WORKS))
     k = slope(y, s, held)
-    step, error = _step(slope, n + WORKS, numbers), ca.MX(0)
-    for j in range(CHUNK):
-        y, k, missed = step(s + j * h, y, k, h, held)
-        error = ca.fmax(error, missed)
-    acting, shown = _loads_and_outputs(of, n, numbers)(y[:n], s + CHUNK * h, held)
+    new, _, error = runge_kutta_step(lambda at, x: slope(x, at, held), s, y, k, h)
+    error = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
+    acting, shown = _loads_and_outputs(of, n, numbers)(new[:n], s + h, held)
     # what is not finite anywhere passes as no step; a comparison with NaN is false
-    error = ca.if_else(ca.norm_1(ca.vertcat(y, error, acting, shown)) < ca.inf, error, ca.inf)
-    return ca.Function("advance", [z], [ca.vertcat(y[:n], z[given["works"]] + y[n:], error, acting, shown)])
-
-
-def _step(slope: Any, size: int, numbers: int) -> Any:
-    """(s, y, dy/ds, h, held) -> y and dy/ds after h, largest error."""
-    s, y, k = ca.MX.sym("s"), ca.MX.sym("y", size), ca.MX.sym("k", size)
-    h, held = ca.MX.sym("h"), ca.MX.sym("held", numbers)
-    new, last, error = runge_kutta_step(lambda t, at: slope(at, t, held), s, y, k, h)
-    missed = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
-    return ca.Function("step", [s, y, k, h, held], [new, last, missed])
+    error = ca.if_else(ca.norm_1(ca.vertcat(new, error, acting, shown)) < ca.inf, error, ca.inf)
+    return ca.Function("advance", [z], [ca.vertcat(new[:n], z[given["works"]] + new[n:], error, acting, shown)])
 
 
 def _slope(of: drive.Equations, states: int, numbers: int) -> Any:
@@ -230,25 +218,25 @@ class Integrator:
         """
         growth = GROWS
         while size * h > SHORTEST:
-            calls = max(1, math.ceil((end - s) / (CHUNK * size) - 1e-9))
-            used = (end - s) / (CHUNK * calls)
+            steps = max(1, math.ceil((end - s) / size - 1e-9))
+            used = (end - s) / steps
             y = self.evaluate(s, used)
             error = y.item(self._error)
             size = min(used * _change(error), size * growth)
             if error <= 1.0:
                 if watch is not None and watch(y) > 0.0:
                     y, used = self._first(y, s, used, h, watch)
-                    return y, size, s + CHUNK * used
-                if calls == 1:
+                    return y, size, s + used
+                if steps == 1:
                     return y, size, end
                 self.z[self._reached] = y[self._reached]
-                s += CHUNK * used
+                s += used
             else:
                 growth = 1.0
         return None
 
     def evaluate(self, s: float, used: float = 0.0) -> Vector:
-        """All that `advance` gives after CHUNK steps of the size used from the state given, at s; 0: in that state."""
+        """All that `advance` gives after a step of the size used from the state given, at s; 0: in that state."""
         self.give(s=s, h=used)
         self._advance.evaluate()
         self.evaluations += used > 0.0
@@ -257,7 +245,7 @@ class Integrator:
     def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:
         """The result where what is watched has just become positive, and the size of the steps to there."""
         low = 0.0
-        while CHUNK * (used - low) * h > LOCATED:
+        while (used - low) * h > LOCATED:
             middle = (low + used) / 2.0
             there = self.evaluate(s, middle)
             if watch(there) > 0.0:
