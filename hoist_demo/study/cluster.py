@@ -1,18 +1,20 @@
 """Runs on dask.distributed: a cluster of this machine's cores, or a scheduler elsewhere.
 
 Every worker is handed the FMU's bytes when it joins, also one that replaces a dead one, so that no folder need be
-shared. A run whose worker died is given to another; after three deaths the run is recorded as an error.
+shared. Short runs are handed out several at a time, as each time costs as much as a tenth of one. Runs whose worker
+died are given to others; after three deaths they are given singly, and after three more a run is recorded as an error.
 """
 
 import logging
 import math
 import os
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import dask
-from dask.distributed import Client, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
+from dask.distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
 
 from hoist_demo.study.definition import Sample, Study
 from hoist_demo.study.metrics import UNITS
@@ -22,6 +24,9 @@ from hoist_demo.study.store import Store
 _log = logging.getLogger(__name__)
 
 Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
+
+BATCH = 0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
+AHEAD = 2  #: Batches for each thread of a worker that are given before others have ended.
 
 #: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
 #: late each part of the cluster is fifty times a second; and no run fills the memory in a tenth of a second.
@@ -81,27 +86,48 @@ def run_samples(
     if not waiting:
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
-    names = [f"run-{key}" for key in waiting]
-    submitted = client.map(_work, [*waiting.values()], fmu_hash=study.fmu_hash, key=names, pure=False)
-    futures = dict(zip(submitted, waiting, strict=True))
-    submitted.clear()  # a worker keeps the outcome as long as anybody holds its future
-    for future in as_completed(list(futures)):
-        key = futures.pop(future)
+    collected, batches = as_completed(), dict[Future, list[str]]()
+
+    def give(made: list[list[str]]) -> None:
+        runs = [[waiting[key] for key in batch] for batch in made]
+        names = [f"runs-{len(batch)}-{batch[0]}" for batch in made]
+        futures = client.map(_work, runs, fmu_hash=study.fmu_hash, key=names, pure=False)
+        batches.update(zip(futures, made, strict=True))
+        collected.update(futures)
+
+    def give_more(run_time: float) -> None:
+        threads = max(1, sum(client.ncores().values()))
+        while left and len(batches) < AHEAD * threads:
+            size = max(1, min(int(BATCH / run_time), len(left) // (AHEAD * threads)))
+            give([left[:size]])
+            del left[:size]
+
+    left, quickest = [*waiting], math.inf
+    give_more(quickest)
+    for future in collected:
+        batch = batches.pop(future)  # a worker keeps outcomes as long as anybody holds their future
         try:
-            outcome, worker = future.result()
+            outcomes, worker, took = future.result()
+            quickest = min(quickest, took / len(batch))
         except Exception as error:  # whatever the cluster raises is that run's cause
-            outcome = Outcome(ERROR, f"{type(error).__name__}: {error}", dict.fromkeys(UNITS, math.nan), {})
-            worker = ""
-        store.write(key, waiting[key], outcome, worker)
-        _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")
-        finished(key, outcome)
+            if len(batch) > 1:  # it is not known which
+                give([[key] for key in batch])
+                continue
+            cause = f"{type(error).__name__}: {error}"
+            outcomes, worker = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})], ""
+        give_more(quickest)
+        for key, outcome in zip(batch, outcomes, strict=True):
+            store.write(key, waiting[key], outcome, worker)
+            _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")
+            finished(key, outcome)
     return keys
 
 
-def _work(run: RunData, fmu_hash: str) -> tuple[Outcome, str]:
-    """Carry out one run on a worker; return it with the worker's name."""
-    worker = get_worker()
-    return execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)), str(worker.name)
+def _work(runs: Sequence[RunData], fmu_hash: str) -> tuple[list[Outcome], str, float]:
+    """Carry out runs on a worker; return them with the worker's name and the time that they took [s]."""
+    worker, begin = get_worker(), time.perf_counter()
+    outcomes = [execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)) for run in runs]
+    return outcomes, str(worker.name), time.perf_counter() - begin
 
 
 def _fmu_of(directory: Path, fmu_hash: str) -> Path:
