@@ -24,6 +24,7 @@ _log = logging.getLogger(__name__)
 
 MEMORY = 48  #: Steps for which the rope's answer is followed.
 PULSE = 0.05  #: Acceleration of the trial [m/s^2].
+STILL = 4, 1e-7  #: Steps without a pulse in which a rope's forces change by less than this part: it hangs still.
 MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope's damping beyond its memory decides.
 
 
@@ -102,6 +103,9 @@ def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forc
             if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest + way, pulse * H, pulse * (k == 0))):
                 return cause
             forces[k] = pair.forces()[0]
+            if k == STILL[0] and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL[1], atol=0.0):
+                forces[k:] = forces[k]
+                break
         return ""
     finally:
         pair.restore_rope(snapshot)
