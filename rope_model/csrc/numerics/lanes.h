@@ -25,10 +25,20 @@ typedef double P2 __attribute__((vector_size(16)));
 #define TWO(p, s, i) (p)[(i) * (s)], (p)[((i) + 1) * (s)]
 #if LANES == 8
 #define EACH(p, s) ((V){TWO(p, s, 0), TWO(p, s, 2), TWO(p, s, 4), TWO(p, s, 6)})
+#define MOVED 1, 2, 3, 4, 5, 6, 7, 8
 #elif LANES == 4
 #define EACH(p, s) ((V){TWO(p, s, 0), TWO(p, s, 2)})
+#define MOVED 1, 2, 3, 4
 #else
 #define EACH(p, s) ((V){TWO(p, s, 0)})
+#define MOVED 1, 2
+#endif
+/* all lanes of x but the first, and y */
+#if defined(__clang__)
+#define NEXT(x, y) __builtin_shufflevector(x, (V){y}, MOVED)
+#else
+typedef long long Place __attribute__((vector_size(8 * LANES)));
+#define NEXT(x, y) __builtin_shuffle(x, (V){y}, (Place){MOVED})
 #endif
 #define SPLAT2(x) ((P2){(x), (x)})
 #define SIDE(x, i) ((x)[i])
@@ -51,6 +61,7 @@ typedef double P2;
 #define SPLAT(x) (x)
 #define LANE(x, i) (x)
 #define EACH(p, s) (*(p))
+#define NEXT(x, y) (y)
 #define SPLAT2(x) (x)
 #define SIDE(x, i) (x)
 #define SQRT_V(x) sqrt(x)
