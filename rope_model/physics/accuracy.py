@@ -49,7 +49,7 @@ TINY = 1e-300
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
 #: m and rad: errors that Newton's method may leave in a step, and on a new mesh, where work is bounded to one step
-HASTY_STEP, HASTY_MESH = 1e-4, 1e-3
+HASTY_STEP, HASTY_MESH = 1e-4, 2e-3
 #: part of the share that is left when all is used up
 LEAST_LEFT = 0.1
 #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
