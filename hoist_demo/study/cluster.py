@@ -87,35 +87,31 @@ def run_samples(
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
     collected, batches = as_completed(), dict[Future, list[str]]()
+    left, quickest = [*waiting], math.inf
 
-    def give(made: list[list[str]]) -> None:
-        runs = [[waiting[key] for key in batch] for batch in made]
-        names = [f"runs-{len(batch)}-{batch[0]}" for batch in made]
-        futures = client.map(_work, runs, fmu_hash=study.fmu_hash, key=names, pure=False)
-        batches.update(zip(futures, made, strict=True))
-        collected.update(futures)
+    def give(batch: list[str]) -> None:
+        runs, name = [waiting[key] for key in batch], f"runs-{len(batch)}-{batch[0]}"
+        batches[future := client.submit(_work, runs, study.fmu_hash, key=name, pure=False)] = batch
+        collected.add(future)
 
-    def give_more(run_time: float) -> None:
+    while left or batches:
         threads = max(1, sum(client.ncores().values()))
         while left and len(batches) < AHEAD * threads:
-            size = max(1, min(int(BATCH / run_time), len(left) // (AHEAD * threads)))
-            give([left[:size]])
+            size = max(1, min(int(BATCH / quickest), len(left) // (AHEAD * threads)))
+            give(left[:size])
             del left[:size]
-
-    left, quickest = [*waiting], math.inf
-    give_more(quickest)
-    for future in collected:
+        future = next(collected)
         batch = batches.pop(future)  # a worker keeps outcomes as long as anybody holds their future
         try:
             outcomes, worker, took = future.result()
             quickest = min(quickest, took / len(batch))
         except Exception as error:  # whatever the cluster raises is that run's cause
             if len(batch) > 1:  # it is not known which
-                give([[key] for key in batch])
+                for key in batch:
+                    give([key])
                 continue
             cause = f"{type(error).__name__}: {error}"
             outcomes, worker = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})], ""
-        give_more(quickest)
         for key, outcome in zip(batch, outcomes, strict=True):
             store.write(key, waiting[key], outcome, worker)
             _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")

@@ -22,9 +22,7 @@ def element_code() -> str:
 
 def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     e = element_functions(fidelity)
-    inputs = e.tangent.sx_in()
-    tangent = ca.vertcat(_upper_half("tangent", e.tangent)(*inputs), e.tangent(*inputs)[0])
-    yield f"{fidelity}_tangent", ca.Function("tangent", inputs, [ca.cse(tangent)])  # and the residual there
+    yield f"{fidelity}_tangent", _upper_half("tangent", e.tangent)
     inputs = e.balance.sx_in()
     energies = e.balance(*inputs)[: BALANCE.index("damping_power")]
     yield f"{fidelity}_balance", ca.Function("balance", inputs, [ca.cse(energies)])

@@ -5,11 +5,11 @@
 
 #include "processor.h"
 
-/* no fidelity needs more than the torsional: tangents and residuals, steps, correction and residual */
+/* no fidelity needs more than the torsional: tangents, steps, correction and residual */
 size_t chain_work_bytes(int elements) {
     const size_t n = (size_t)elements;
     return sizeof(torsional_Step) * ((n + 1) / PAIR + 1) +
-           sizeof(double) * ((n + MOST_LANES) * (105 + 2 * DOF) + (n + 1) * 2 * DOF);
+           sizeof(double) * ((n + MOST_LANES) * 105 + (n + 1) * 2 * DOF);
 }
 
 size_t chain_frames_bytes(int elements) {

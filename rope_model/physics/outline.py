@@ -17,18 +17,13 @@ def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ..
     return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
 
 
-def evenness(reach: Any, loop: Any) -> Any:
-    """Share of the ``reach`` (m) to an end of the rope that ``place`` spaces evenly: twice the ``loop`` (m), or all."""
-    return smaller(2.0 * loop / larger(abs(reach), loop), 1.0)
-
-
-def place(bottom: Any, reach: Any, part: Any, even: Any) -> Any:
+def place(bottom: Any, reach: Any, part: Any, loop: Any) -> Any:
     """Arc length (m) of the sample at ``part`` from 0 to 1 of the ``reach`` from ``bottom`` to an end of the rope.
 
-    With its ``evenness``, samples stand around the bottom as densely as if they had the width of the loop twice to
-    share, however deep the legs hang; from there their distance grows.
+    Around the bottom the samples stand as densely as if they had the width of the ``loop`` (m) twice to share, however
+    deep the legs hang; from there their distance grows.
     """
-    square = part * part
+    even, square = smaller(2.0 * loop / larger(abs(reach), loop), 1.0), part * part
     return bottom + reach * (even * part + (1.0 - even) * (square * square))
 
 

@@ -7,7 +7,7 @@
 enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
 
 static double clip(double x, double low, double high) {
-    return smaller(larger(x, low), high);
+    return fmin(fmax(x, low), high);
 }
 
 /* the centre line at arc length `at`: r, r', theta */
@@ -41,12 +41,10 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
 }
 
 void shape_places(double total, double bottom_s, double loop, int points, double *at) {
-    const double step = 2.0 / (points - 1), reach[2] = {-bottom_s, total - bottom_s};
-    const double even[2] = {evenness(reach[LEFT], loop), evenness(reach[RIGHT], loop)};
+    double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
-        const double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        const int side = u < 0 ? LEFT : RIGHT;
-        at[k] = clip(place_on_rope(bottom_s, reach[side], fabs(u), even[side]), 0.0, total);
+        double u = k < points - 1 ? k * step - 1.0 : 1.0;
+        at[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
     }
 }
 
