@@ -18,7 +18,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
@@ -99,7 +98,8 @@ def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
     states = [[plant.hanging_state(*heights, float(f), float(g)) for g in nodes] for f in nodes]
     values = np.array([[[*s.x, *s.free_lengths] for s in row] for row in states])
     force = ca.SX.sym("F", 2)
-    weights = [_lagrange(nodes, force[i]) for i in range(2)]
+    # polynomials that are 1 at one node and 0 at the others
+    weights = [[math.prod((f - b) / (a - b) for b in nodes if b != a) for a in nodes] for f in ca.vertsplit(force)]
     # the mean first and the small rest by interpolation: rounding is that of the small part
     mean = values.mean(axis=(0, 1))
     sum_ = ca.SX(mean)
@@ -107,11 +107,6 @@ def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
         sum_ += weights[0][i] * weights[1][j] * (values[i, j] - mean)
     n = values.shape[2] - 2
     return ca.Function("drive_rest", [force], [sum_[:n], sum_[n:]])
-
-
-def _lagrange(nodes: NDArray[np.float64], at: Any) -> list[Any]:
-    """Polynomials that are 1 at one node and 0 at the others."""
-    return [math.prod((at - other) / (node - other) for other in nodes if other != node) for node in nodes]
 
 
 def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:

@@ -45,7 +45,8 @@ def fidelities_of(recording: Recording) -> list[str]:
 def remark(recording: Recording) -> str:
     """Return the signals that `mask_neglected` left out of a recording, in words; "" for none."""
     for fidelity in FIDELITIES:
-        effects = [effect for effect in neglected_effects(fidelity) if _is_missing(effect, recording)]
+        effects = [effect for effect in neglected_effects(fidelity)
+                   if any(np.isnan(recording[name]).any() for name in _names([effect], recording))]  # fmt: skip
         if effects and fidelity in fidelities_of(recording):
             words = ", ".join(effect.words for effect in effects)
             return (
@@ -72,7 +73,3 @@ def _when(fidelity: str, recording: Recording) -> str:
 
 def _names(effects: Iterable[Effect], recording: Recording) -> list[str]:
     return [name for name in recording.signals if any(effect.has(name) for effect in effects)]
-
-
-def _is_missing(effect: Effect, recording: Recording) -> bool:
-    return any(bool(np.isnan(recording[name]).any()) for name in _names([effect], recording))

@@ -90,7 +90,10 @@ def _integrals(kept: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Functi
     # which entry of the element is component i of node value k: r and r' of both nodes
     place = {dof: i for i, dof in enumerate(kept) if dof < 6}
     entries = {(i, k): place[i + 3 * (k % 2)] + m * (k // 2) for i in range(3) if i in place for k in range(4)}
-    rows, speeds = (ca.horzcat(*(_nodal(x, entries, k) for k in range(4))) for x in (q, v))
+    rows, speeds = (
+        ca.horzcat(*(ca.vertcat(*(x[entries[i, k]] if (i, k) in entries else 0 for i in range(3))) for k in range(4)))
+        for x in (q, v)
+    )
 
     force, sums, stiff = ca.MX.zeros(3, 4), ca.MX.zeros(len(CONTACT_BALANCE)), ca.MX.zeros(6, 10)
     for k, kind in enumerate(kinds):
@@ -111,11 +114,6 @@ def _integrals(kept: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Functi
         ca.Function("contact_tangent", [q, v, l, near, P, cq, cv], [ca.densify(J)]),
         ca.Function("contact_sums", [q, v, l, near, P], [sums]),
     )
-
-
-def _nodal(x: ca.MX, entries: dict[tuple[int, int], int], k: int) -> ca.MX:
-    """Node value k (3,) of an element's entries ``x``."""
-    return ca.vertcat(*(x[entries[i, k]] if (i, k) in entries else 0 for i in range(3)))
 
 
 def _where_near(function: ca.Function) -> ca.Function:

@@ -102,7 +102,7 @@ def _point_function() -> ca.Function:
     slope = ca.jacobian(z, bent)
     # prediction by the latest tangent
     bent_then, z_then, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
-    slope_then = _from_upper_half(upper)
+    slope_then: Any = ca.vertcat(upper[[0, 1, 2]].T, upper[[1, 3, 4]].T, upper[[2, 4, 5]].T)
     promised = z_then + slope_then @ (bent - bent_then)
     share = within(ca.dot(promised, z) / (ca.dot(z, z) + NOTHING * k0 * k0))
     slope = share * 0.5 * (slope + slope.T) + (1 - share) * slid.secant * ca.SX.eye(3)
@@ -114,10 +114,6 @@ def _point_function() -> ca.Function:
 
 def _upper_half(A: ca.SX) -> ca.SX:
     return ca.vertcat(*(A[i, j] for i in range(3) for j in range(i, 3)))
-
-
-def _from_upper_half(x: ca.SX) -> ca.SX:
-    return ca.vertcat(x[[0, 1, 2]].T, x[[1, 3, 4]].T, x[[2, 4, 5]].T)
 
 
 @cache

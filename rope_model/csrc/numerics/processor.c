@@ -8,8 +8,7 @@
 
 /* registers that the system must keep for each thread: those of SSE and AVX, and with the masks of AVX-512 */
 enum { WIDE_REGISTERS = 0x6, WIDEST_REGISTERS = 0xe6 };
-enum { AVX2 = 1 << 5, AVX512F = 1 << 16, AVX512VBMI = 1 << 1 };
-static const unsigned AVX512VL = 1u << 31;
+enum { AVX2 = 1 << 5, AVX512F = 1 << 16, VL_BIT = 31, AVX512VBMI = 1 << 1 };
 
 int processor_lanes(void) {
     unsigned a, b, c, d, kept, unused;
@@ -20,7 +19,7 @@ int processor_lanes(void) {
     __cpuid_count(7, 0, a, b, c, d);
     if ((kept & WIDE_REGISTERS) != WIDE_REGISTERS || !(b & AVX2)) return 2;
     /* those without VBMI lower their clock for eight */
-    return (kept & WIDEST_REGISTERS) == WIDEST_REGISTERS && (b & AVX512F) && (b & AVX512VL) && (c & AVX512VBMI) ? 8 : 4;
+    return (kept & WIDEST_REGISTERS) == WIDEST_REGISTERS && (b & AVX512F) && b >> VL_BIT && (c & AVX512VBMI) ? 8 : 4;
 }
 #else
 typedef int nothing_to_do_here;
