@@ -42,7 +42,8 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
         "fmi-ls-manifest.xml": xml_bytes(node("fmiReferences", node("Related", **related), **head)),
         f"{name}.exp": xml_bytes(node("Experiments", experiment, name=name)),
         f"{name}_in.csv": _table([*inputs[0]], inputs, _text),
-        f"{name}_ref.csv": _table(outputs, results, _round),
+        # beyond nine digits and six decimals is rounding, which differs between machines
+        f"{name}_ref.csv": _table(outputs, results, lambda x: f"{round(x, 6) + 0.0:.9g}"),
     }
     return {f"extra/{_LAYER}/{path}": data for path, data in files.items()}
 
@@ -82,11 +83,6 @@ def _motion(t: float, left: float, right: float) -> dict[str, float]:
 
 def _text(x: float) -> str:
     return f"{x:.15g}"
-
-
-def _round(x: float) -> str:
-    """Nine digits, six decimals: below is rounding, which differs between machines."""
-    return f"{round(x, 6) + 0.0:.9g}"
 
 
 def _table(columns: Sequence[str], rows: Rows, text: Callable[[float], str]) -> bytes:

@@ -21,9 +21,9 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model import SIGNALS, BalanceRope, EndMotion, Form, PointForces, RopeSimulator, RopeState, balance_rope
 from rope_model.cases import rope_120, rope_240
-from rope_model.codegen.build import sources
+from rope_model.codegen.build import library_of
 from rope_model.engine import NativeRope, declare
-from rope_model.numerics.kernels import FLAGS, cache_folder, compile_objects, find_compiler, object_files
+from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
 from rope_model.solver_parameters import Mesh, Model, Solver
@@ -234,20 +234,14 @@ WIDE = {
 
 
 @pytest.fixture(scope="module", params=[(2, "avx2"), (4, "avx512vbmi")], ids=["plain", "wide"])
-def narrower(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> type[NativeRope]:
+def narrower(request: pytest.FixtureRequest) -> type[NativeRope]:
     """The rope whose processor says that its vectors are narrower than they are."""
     (lanes, has), flags, compiler = request.param, Path("/proc/cpuinfo"), find_compiler()
     if platform.machine() != "x86_64" or not flags.is_file() or has not in flags.read_text(encoding="utf-8"):
         pytest.skip(f"asks Linux on x86_64 for a processor with {has}")
     if compiler is None:
         pytest.skip("needs a C compiler")
-    folder, command = tmp_path_factory.mktemp("narrower"), [*compiler, *FLAGS]
-    objects = object_files(sources(), compiler, FLAGS, cache_folder())
-    compile_objects(sources(), command, objects)
-    (folder / "processor.c").write_text(f"int processor_lanes(void) {{ return {lanes}; }}\n", encoding="utf-8")
-    files = [str(folder / "processor.c"), *(str(path) for file, path in objects.items() if file != "processor.c")]
-    subprocess.run([*command, *files, "-o", str(folder / "rope.so"), "-lm"], check=True)
-    library = declare(ctypes.CDLL(str(folder / "rope.so")))
+    library = declare(ctypes.CDLL(str(library_of(lanes, compiler))))
 
     class Narrower(NativeRope):
         _library = staticmethod(lambda: library)

@@ -212,7 +212,8 @@ def test_the_widest_form_that_the_processor_has_is_taken() -> None:
     texts = {file.name: file.read_text(encoding="utf-8") for file in files}
     for made in (ctypes.CDLL(str(open_library(texts, "processor", host_platform()))), NativeRope._library()):
         has = {*flags.read_text(encoding="utf-8").split()}
-        assert made.processor_lanes() == (8 if {"avx512f", "avx512vbmi"} <= has else 4 if "avx2" in has else 2)
+        widest = {"avx512f", "avx512vl", "avx512vbmi"} <= has
+        assert made.processor_lanes() == (8 if widest else 4 if "avx2" in has else 2)
 
 
 def test_start_values_are_set_on_the_command_line(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:

@@ -20,7 +20,7 @@ FILES = {path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (
 #: first step, numbers written as Python does, vectors of several elements and the processor's
 ENGINE = {
     "core.h", "rope.h", "memory.c", "text.c", "text.h", "lanes.h", "processor.c", "processor.h",
-    "rope_kernels_form.inc", "rope_kernels_wide.c", "rope_kernels_widest.c",
+    "rope_kernels_form.inc", "rope_kernels_plain.c", "rope_kernels_wide.c", "rope_kernels_widest.c",
 }  # fmt: skip
 #: functions without a Python one in the module of their file: other names there, types, numpy, room for memory
 C_ONLY = {

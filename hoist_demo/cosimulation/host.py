@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from subprocess import CalledProcessError
 from typing import Any
@@ -90,6 +90,8 @@ class Host:
         self.coupling = Coupling() if coupling is None else coupling
         if after is not None:
             self.coupling = replace(self.coupling, start=after.t)
+        times = KEPT_EVERY, LOADED_EVERY
+        self._kept_every, self._loaded_every = (max(1, round(t / self.coupling.period)) for t in times)  # in samples
         self.scheme = find_scheme(self.coupling.scheme) if scheme is None else scheme
         self._after = None if after is None else after.books_closed()
         self._next_hoist = next_hoist
@@ -334,16 +336,6 @@ class Host:
             run.memory = memory
             run.steps += 1
         return ""
-
-    @cached_property
-    def _kept_every(self) -> int:
-        """Samples from one state that is kept to the next."""
-        return max(1, round(KEPT_EVERY / self.coupling.period))
-
-    @cached_property
-    def _loaded_every(self) -> int:
-        """Samples from one change of a payload to the next."""
-        return max(1, round(LOADED_EVERY / self.coupling.period))
 
     def _loads(self, k: int) -> bool:
         """Whether a payload may change at a sample."""

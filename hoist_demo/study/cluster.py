@@ -1,7 +1,7 @@
 """Runs on dask.distributed: a cluster of this machine's cores, or a scheduler elsewhere.
 
 Every worker is handed the FMU's bytes when it joins, also one that replaces a dead one, so that no folder need be
-shared. Short runs are handed out several at a time, as each time costs as much as a tenth of one. Runs whose worker
+shared. Short runs are handed out several at a time, as handing over costs a tenth of one. Runs whose worker
 died are given to others; after three deaths they are given singly, and after three more a run is recorded as an error.
 """
 
@@ -26,7 +26,7 @@ _log = logging.getLogger(__name__)
 Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
 
 BATCH = 0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
-AHEAD = 2  #: Batches for each thread of a worker that are given before others have ended.
+AHEAD, FEWEST = 2, 16  #: Batches given before others have ended, by thread; of how many at least: workers may join.
 
 #: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
 #: late each part of the cluster is fifty times a second; and no run fills the memory in a tenth of a second.
@@ -35,6 +35,7 @@ _UNWATCHED = {
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.admin.tick.interval": "1s",
     "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.scheduler.allowed-failures": 2,
 }
 
 
@@ -87,7 +88,7 @@ def run_samples(
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
     collected, batches = as_completed(), dict[Future, list[str]]()
-    left, quickest = [*waiting], math.inf
+    left, pace = [*waiting], BATCH  # time that a run takes [s]
 
     def give(batch: list[str]) -> None:
         runs, name = [waiting[key] for key in batch], f"runs-{len(batch)}-{batch[0]}"
@@ -96,15 +97,15 @@ def run_samples(
 
     while left or batches:
         threads = max(1, sum(client.ncores().values()))
-        while left and len(batches) < AHEAD * threads:
-            size = max(1, min(int(BATCH / quickest), len(left) // (AHEAD * threads)))
+        while left and len(batches) < AHEAD * max(threads, FEWEST):
+            size = max(1, min(int(BATCH / pace), len(left) // (AHEAD * threads)))
             give(left[:size])
             del left[:size]
         future = next(collected)
         batch = batches.pop(future)  # a worker keeps outcomes as long as anybody holds their future
         try:
             outcomes, worker, took = future.result()
-            quickest = min(quickest, took / len(batch))
+            pace = max(took / len(batch), 0.5 * pace)  # one that fails at once says little
         except Exception as error:  # whatever the cluster raises is that run's cause
             if len(batch) > 1:  # it is not known which
                 for key in batch:

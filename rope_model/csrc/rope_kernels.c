@@ -1,30 +1,27 @@
-/* The chains in the form that every processor runs, and the choice between the forms. */
+/* The choice between the forms of the chains, and the memory that each needs. */
 
-#define FORM(name) name##_plain
-#include "rope_kernels_form.inc"
-
+#include "lanes.h"
 #include "processor.h"
+#include "rope_system.h"
 
-/* no fidelity needs more than the torsional: tangents, steps, correction and residual */
+/* tangents, steps, correction and residual: of the torsional chain, the largest, a tangent has MOST entries, and a step
+   as many numbers for either end */
 size_t chain_work_bytes(int elements) {
+    enum { MOST = DOF * (2 * DOF + 1) };
     const size_t n = (size_t)elements;
-    return sizeof(torsional_Step) * ((n + 1) / PAIR + 1) +
-           sizeof(double) * ((n + MOST_LANES) * 105 + (n + 1) * 2 * DOF);
+    return sizeof(double) * ((n + MOST_LANES) * MOST + (n + 1) * 2 * DOF) + sizeof(P2) * MOST * ((n + 1) / PAIR + 1);
 }
 
 size_t chain_frames_bytes(int elements) {
     return sizeof(double) * FRAME * ((size_t)elements + MOST_LANES - 1);
 }
 
-#if HAS_WIDE_FORMS
-extern const Chain chains_wide[3], chains_widest[3];
+extern const Chain chains_plain[3], chains_wide[3], chains_widest[3];
 
 const Chain *fastest_chains(void) {
+#if HAS_WIDE_FORMS
     const int lanes = processor_lanes();
-    return lanes == 8 ? chains_widest : lanes == 4 ? chains_wide : chains_plain;
-}
-#else
-const Chain *fastest_chains(void) {
+    if (lanes > 2) return lanes == 8 ? chains_widest : chains_wide;
+#endif
     return chains_plain;
 }
-#endif

@@ -180,8 +180,9 @@ def compile_library(
     made = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
 
     def link() -> None:
-        # python runs ziglang
-        progress.warning(_ANNOUNCED, name, "ziglang" if "ziglang" in command else Path(command[0]).name)
+        # python runs ziglang; what is short takes no time
+        if sum(map(len, sources.values())) > 10_000:
+            progress.warning(_ANNOUNCED, name, "ziglang" if "ziglang" in command else Path(command[0]).name)
         compile_objects(sources, command, objects)
         link_library(command, files, made, made.name)
 

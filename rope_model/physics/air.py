@@ -71,18 +71,15 @@ def air_law(air: Any, diameter: Any, spacing: Any) -> AirLaw:
 def flow(law: AirLaw, conveyances: Sequence[Passing], point: Any, l: Any) -> list[Any]:
     """Velocity (m/s) of the air at ``point`` of an element of the length l."""
     x, y, z = law.velocity
-    share = _share_across(point[1] - law.cross_y, law.cross_height, EDGE + l)
+    up, half, edge = point[1] - law.cross_y, 0.5 * law.cross_height, EDGE + l
+    # where both steps are nearly 1, rounding may leave less than 0
+    share = sqrt(abs(_smooth_step((up + half) / edge) - _smooth_step((up - half) / edge)))
     x, z = share * x, share * z
     for underside, speed in conveyances:
         h = point[1] - underside[1]
         aside = law.buffet * speed / law.spacing * (_bell((h - law.height) / law.spacing) - _bell(h / law.spacing))
         x, z = x + aside * (point[0] - underside[0]), z + aside * (point[2] - underside[2])
     return [x, y, z]
-
-
-def _share_across(y: Any, height: Any, edge: Any) -> Any:
-    below, above = (_smooth_step((y + side * height) / edge) for side in (0.5, -0.5))
-    return sqrt(abs(below - above))  # where both are nearly 1, rounding may leave less than 0
 
 
 def _smooth_step(x: Any) -> Any:

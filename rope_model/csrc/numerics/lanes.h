@@ -7,7 +7,9 @@
 #include <math.h>
 
 /* before a short loop: what it works on stays in registers */
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__clang__)
+#define UNROLL _Pragma("clang loop unroll(full)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
 #define UNROLL _Pragma("GCC unroll 8")
 #else
 #define UNROLL

@@ -80,12 +80,6 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
     return say_no_equilibrium(message, k, previous);
 }
 
-/* length of the elements at arc length `at`, interpolated between their middles */
-static double cell_at(int nodes, const double *s, double at) {
-    int k = middle_before(nodes, s, 0, at);
-    return interpolate_midpoints(nodes, s, k, at, s[k + 1] - s[k], k < nodes - 2 ? s[k + 2] - s[k + 1] : 0.0);
-}
-
 void hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q, char *message) {
     message[0] = '\0';
     double length = s[nodes - 1];
@@ -97,7 +91,11 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
     }
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    Hanging legs = hanging_shape(length, middle, width, cell_at(nodes, s, middle));
+    /* length of the elements there, interpolated between their middles */
+    const int e = middle_before(nodes, s, 0, middle);
+    const double cell =
+        interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
+    Hanging legs = hanging_shape(length, middle, width, cell);
     if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
         say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
         return;

@@ -191,7 +191,10 @@ class Neighbours:
         """Forces from those of now to those of the ``end``."""
         now = self.contacts.forces
         for k, partner in enumerate(partners):
-            starts, stops = ([_side(two, k, one) for two, one in x.items() if k in two] for x in (now, end))
+            starts, stops = (  # places on rope k, and forces on it
+                [(f.s[0], f.force) if two[0] == k else (f.s[1], -f.force) for two, f in x.items() if k in two]
+                for x in (now, end)
+            )
             s = np.concatenate([s for s, _ in (*starts, *stops)])
             forces = [np.concatenate([f for _, f in x]) for x in (starts, stops)]
             first, last = (np.concatenate(x) for x in ((forces[0], 0 * forces[1]), (0 * forces[0], forces[1])))
@@ -278,11 +281,6 @@ class _Joint:
                 answer = rope.displacement(PointForces(s[order], given, given, 0.0, 1.0))
                 np.add.at(moved, index[order], sense[order, None] * answer)
         return moved
-
-
-def _side(two: Two, k: int, forces: Pressing) -> tuple[Array, Array]:
-    """Places on rope ``k`` and the forces on it."""
-    return (forces.s[0], forces.force) if two[0] == k else (forces.s[1], -forces.force)
 
 
 def _moved(two: Two, forces: Pressing, before: Sequence[Rows | None], after: Sequence[Rows | None]) -> Array:
