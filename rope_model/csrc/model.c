@@ -155,7 +155,7 @@ double model_energies(Simulator *rope, State *state) {
     const System s = rope_system(rope, state);
     const double before = energy_total(&state->energy_balance);
     double balance[BALANCE];
-    chain_of(rope, state)->evaluate(&s, m.q, m.v, m.a, m.reaction, rope->x, balance);
+    chain_of(rope, state)->evaluate(&s, m.q, m.v, m.a, m.reaction, NULL, balance);
     set_energies(&state->energy_balance, balance, &s, m.q, m.v);
     return energy_total(&state->energy_balance) - before;
 }

@@ -131,6 +131,7 @@ typedef struct {
     /* J x = -R on the free degrees of freedom; factorized: J is as the latest call left it */
     void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
                         const double *known, const double c[3], int factorized, double *x, double *R);
+    /* R may be NULL */
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
                      double balance[BALANCE]);
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
