@@ -92,7 +92,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "transfer_fields": (None, n, p, p, n, p, p),
         "nearest_turn": (x, x, x),
         "loop_bottom": (CLoopBottom, n, p, p),
-        "leg_clearance": (x, n, p, p, p, x, x, x),
+        "leg_clearance": (x, n, p, p, p, x, x, x, p),
         "legs_apart": (n, p, p, x, x),
         "shape_places": (None, x, x, x, n, p),
         "diagnostics_shape": (None, n, p, p, n, p, p),

@@ -45,8 +45,8 @@ def direct(x: dict[str, Array]) -> tuple[Array, Array]:
     R, J = np.zeros(size), np.zeros((size, size))
     for i in range(elements):
         at = slice(NODE_DOF * i, NODE_DOF * (i + 2))
-        motion = (x[k][i : i + 2].ravel() for k in "qva")
-        R_e, J_e = element.tangent(*motion, x["l"][i], x["F"][i], x["P"], *x["c"])
+        motion = [x[k][i : i + 2].ravel() for k in "qva"]
+        R_e, J_e = element.tangent(*motion, x["l"][i], x["F"][i], x["P"], *x["c"], motion[0])
         R[at] += np.asarray(R_e).ravel()
         J[at, at] += np.asarray(J_e)
     pressed = np.maximum(x["R"][:, 1:2], 0.0)

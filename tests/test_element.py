@@ -196,14 +196,26 @@ def test_at_rest_the_tangent_is_the_derivative_of_the_residual(fidelity, seed, c
     def force(q: Array, v: Array, a: Array) -> Array:
         return np.asarray(element.residual(q, v, a, s.l, F, P)).ravel()
 
-    R, J = (np.asarray(x) for x in element.tangent(q, rest, rest, s.l, F, P, *c))
+    R, J = (np.asarray(x) for x in element.tangent(q, rest, rest, s.l, F, P, *c, q))
     along = difference(lambda x: force(q + c[0] * x, c[1] * x, c[2] * x), rest, STEP / 8)
     # truncation of second order: up to 1e-6 where a planar element is nearly compressed to a point
     np.testing.assert_allclose(J, along, rtol=0, atol=1e-9 * np.abs(J).max() + 1e-6)
     np.testing.assert_allclose(R.ravel(), force(q, rest, rest), rtol=1e-12, atol=1e-12)
     v, a = s.v[kept], s.a[kept]
-    R = np.asarray(element.tangent(q, v, a, s.l, F, P, *c)[0]).ravel()
+    R = np.asarray(element.tangent(q, v, a, s.l, F, P, *c, s.reference[kept])[0]).ravel()
     np.testing.assert_allclose(R, force(q, v, a), rtol=1e-12, atol=1e-12)
+
+
+def test_the_tension_before_stiffens_the_element_as_that_of_a_string() -> None:
+    l, strain, P, still, string = 2.0, 1e-3, some_state(0).P(Qa=5.0), np.zeros(14), np.zeros((2, 14))
+    string[:, [3, 7, 10]] = np.outer((1.0, 1.0 + strain), (1.0, l, 1.0))
+    F = np.asarray(ELEMENT.reference(string[0], l)).ravel()
+    J = [np.asarray(ELEMENT.tangent(string[0], still, still, l, F, P, 1.0, 0.0, 0.0, q)[1]) for q in string]
+    # of cubic interpolation: Przemieniecki, Theory of Matrix Structural Analysis (1968), 15.2
+    K = [[36, 3 * l, -36, 3 * l], [3 * l, 4 * l**2, -3 * l, -(l**2)], [-36, -3 * l, 36, -3 * l]]
+    K = np.array([*K, [3 * l, -(l**2), -3 * l, 4 * l**2]]) * P[2] * strain / (30 * l)
+    sideways = [2, 5, 9, 12]
+    np.testing.assert_allclose((J[1] - J[0])[np.ix_(sideways, sideways)], K, rtol=1e-9)
 
 
 @seeds
@@ -213,7 +225,7 @@ def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_spee
     left_out = []
     for speed in (1e-2, 5e-3):
         v = speed * s.v
-        J = np.asarray(ELEMENT.tangent(s.q, v, rest, s.l, s.F, P, *c)[1])
+        J = np.asarray(ELEMENT.tangent(s.q, v, rest, s.l, s.F, P, *c, s.q)[1])
         along = difference(lambda x, v=v: residual(s.q + c[0] * x, v + c[1] * x, rest, s.l, s.F, P), rest, STEP)
         left_out.append(np.abs(J - along).max())
     np.testing.assert_allclose(left_out[0] / left_out[1], 2.0, rtol=0.05)

@@ -69,7 +69,7 @@ def waves(P: Array, l: float, k: float) -> Array:
     q, none = np.zeros(14), np.zeros(14)
     q[[3, 7, 10]] = 1.0, l, 1.0
     F = np.asarray(ELEMENT.reference(q, l)).ravel()
-    K, M = (np.asarray(ELEMENT.tangent(q, none, none, l, F, P, *c)[1]) for c in ((1, 0, 0), (0, 0, 1)))
+    K, M = (np.asarray(ELEMENT.tangent(q, none, none, l, F, P, *c, q)[1]) for c in ((1, 0, 0), (0, 0, 1)))
     along = [0, 3, 6]
     wave = np.zeros((14, 3), complex)
     wave[along], wave[[7 + i for i in along]] = np.eye(3), np.exp(1j * k * l) * np.eye(3)

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from rope_model.numerics.generalized_alpha import LARGEST_GROWTH, Coefficients, Motion, Solution, restart, step
-from rope_model.numerics.newton import NewtonReport, NewtonStatus, initial_progress, judge, newton, report
+from rope_model.numerics.newton import UNKNOWN, NewtonReport, NewtonStatus, initial_progress, judge, newton, report
 
 
 def verdict_on(norms: Iterator[float], tolerance: float, most: int) -> NewtonReport:
@@ -41,7 +41,9 @@ class Corrected:
 
     smooth = True
 
-    def solve(self: Any, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Told]:
+    def solve(
+        self: Any, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, _: Array
+    ) -> Solution[Told]:
         def corrections() -> Iterator[float]:
             nonlocal q, v, a, reaction
             while True:
@@ -249,8 +251,13 @@ def test_newton_returns_its_verdict(norms: list[float], status: NewtonStatus, it
     assert verdict.converged == (status is NewtonStatus.CONVERGED)
 
 
-@pytest.mark.parametrize(("tolerance", "reached", "corrections"), [(0.05, 1.04, 2), (0.03, 1.008, 3)])
-def test_the_error_left_by_a_wrong_derivative_is_estimated(tolerance: float, reached: float, corrections: int) -> None:
+@pytest.mark.parametrize(
+    ("tolerance", "leaves", "corrections", "error"),
+    [(0.05, UNKNOWN, 2, 0.04), (0.03, UNKNOWN, 3, 0.008), (0.1, 0.25, 2, 0.04), (0.3, 0.25, 1, 0.2)],
+)
+def test_the_error_left_by_a_wrong_derivative_is_estimated(
+    tolerance: float, leaves: float, corrections: int, error: float
+) -> None:
     z, factor, dx = ca.MX.sym("z", 1, 2), ca.MX.sym("factor"), ca.MX.sym("dx")  # x and its residual, x - 1
     moved = z[0] + dx
     iteration = newton(
@@ -258,8 +265,8 @@ def test_the_error_left_by_a_wrong_derivative_is_estimated(tolerance: float, rea
         ca.Function("correct", [z, factor], [-z[1] / factor, ca.fabs(z[1] / factor)]),
         ca.Function("apply", [z, dx], [ca.horzcat(moved, moved - 1)]),
     )
-    found, progress = iteration(ca.DM([[2.0, 1.0]]), tolerance)
+    found, progress = iteration(ca.DM([[2.0, 1.0]]), tolerance, leaves)
     verdict = report(progress.full().ravel().tolist())
     assert (verdict.status, verdict.iterations) == (NewtonStatus.CONVERGED, corrections)
-    assert_allclose(found.full().ravel(), [reached, reached - 1], rtol=1e-12)
-    assert verdict.error == pytest.approx(reached - 1, rel=1e-12)
+    assert_allclose(found.full().ravel(), [1 + error, error], rtol=1e-12)
+    assert verdict.error == pytest.approx(error, rel=1e-12)

@@ -35,7 +35,7 @@ def kinetic_energy(x: Array, lengths: Array) -> float:
     for i, l in enumerate(lengths):
         rest[7] = l
         v = x[i : i + 2].ravel()
-        mass = element.tangent(rest, 0 * rest, 0 * rest, l, element.reference(rest, l), P, 0.0, 0.0, 1.0)[1]
+        mass = element.tangent(rest, 0 * rest, 0 * rest, l, element.reference(rest, l), P, 0.0, 0.0, 1.0, rest)[1]
         energy += 0.5 * float(v @ np.asarray(mass) @ v)
     return energy
 

@@ -50,15 +50,15 @@ def raised(t: float) -> tuple[EndMotion, EndMotion]:
 SWIVEL, FREE = Swivel(mode="coulomb", release_time=0.5), Swivel("free", release_time=0.2)
 SHORT = Rope(length=60.0, installed_twist=1.5)
 #: a correction about as large as the tolerance may be the last one in one form and not in the other
-CLOSE = Solver(step_max=0.04, newton_tolerance=1e-10)
+CLOSE = Solver(step_max=0.04, newton_tolerance=1e-11)
 STICKING = rope_240("draft").scene.with_(left=SWIVEL, right=SWIVEL, model=Model(), solver=CLOSE)
 SEALED = Scene(rope=SHORT, left=FREE, right=replace(SWIVEL, seal_moment=0.05), solver=fixed_steps(0.01))
 PLAIN, UNCOUPLED = Rope(length=60.0), Rope(length=60.0, Qb=0.0, Qc=0.0)
 TURNED = Scene(rope=SHORT, mesh=Mesh("eem", elements=60), solver=Solver(rho_inf=0.8))
-UNEQUAL = Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton_tolerance=3e-10))
+UNEQUAL = Scene(rope=Rope(length=60.0, Qb=2.5e5, Qc=2.2e5), solver=Solver(newton_tolerance=3e-11))
 #: scene, motions, duration, communication step
 CASES: dict[str, tuple[Scene, Motions, float, float]] = {
-    "winding": (rope_120().scene, winding(90.0, 8.0), 4.0, 0.01),
+    "winding": (rope_120().scene.with_(solver=Solver(newton_tolerance=3e-7)), winding(90.0, 8.0), 4.0, 0.01),
     "coarse levels": (rope_120("draft").scene, winding(90.0, 8.0), 3.6, 0.02),
     "stick and slip": (STICKING, winding(200.0, 10.0), 2.2, 0.02),  # every event multiplies the rounding before it
     "free swivels, one with a seal": (SEALED, winding(40.0, 4.0), 3.0, 0.01),
@@ -186,7 +186,7 @@ def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
 
 def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter_one() -> None:
     released = Swivel(mode="coulomb", release_time=10.0)
-    even = Solver(tolerance=1e6, newton_tolerance=1e-7)  # no step is rejected for its error
+    even = Solver(step_max=0.03, tolerance=1e6, newton_tolerance=1e-7)  # no step is rejected for its error
     scene = rope_data(find_case("kiruna-710").rope).with_(left=released, right=released, solver=even)
     twisted = scene.with_(rope=replace(scene.rope, installed_twist=9.0), model=Model("torsional"))
     step, ends = scene.solver.step_max, winding(400.0, 16.0)

@@ -87,7 +87,7 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
         assert_allclose(xyz[:-1], diagnostics.shape(q, lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
         assert np.all(xyz[-1] == -7.0)
     for above in (0.0, 0.3, hanging[0], 1e3):
-        ours = parts.leg_clearance(s.size, q, s, same, 4.0, 0.044, above)
+        ours = parts.leg_clearance(s.size, q, s, same, 4.0, 0.044, above, (ct.c_int * 2)(seed, 40))
         assert_allclose(ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1])
 
 
@@ -120,7 +120,7 @@ def test_the_clearance_of_legs_that_tangle_is_the_same(parts: SimpleNamespace, k
         top = q[:, 1].max() - bottom.position[1]
         # just below the lower leg's top it has two points
         for above in (0.0, 0.3 * top, 0.999 * min(q[0, 1], q[-1, 1]) - 0.999 * bottom.position[1]):
-            ours = parts.leg_clearance(s.size, q, s, CLoopBottom.of(bottom), 4.0, 0.044, above)
+            ours = parts.leg_clearance(s.size, q, s, CLoopBottom.of(bottom), 4.0, 0.044, above, (ct.c_int * 2)())
             expected = leg_clearance(q, lengths, bottom, 4.0, 0.044, above)
             assert_allclose(ours, expected, atol=ROUNDING * s[-1])
             seen += math.isfinite(expected)
@@ -175,7 +175,7 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
     loop = LoopBottom(float(s[lowest]), q[lowest, :3], 0.0)
     same = CLoopBottom.of(loop)
     assert leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0) == math.inf
-    assert parts.leg_clearance(5, q, s, same, 4.0, 0.044, 1.0) == math.inf
+    assert parts.leg_clearance(5, q, s, same, 4.0, 0.044, 1.0, None) == math.inf
 
 
 KINDS = ("tmn", "eem", "auto")

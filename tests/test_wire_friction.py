@@ -176,7 +176,7 @@ def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: El
     straight[:, 3:6], straight[1, :3], straight[:, 6] = [0.6, -0.8, 0.0], straight[0, :3] + [1.2, -1.6, 0.0], 0.0
     q, F = straight[:, kept].ravel(), np.array(plain.reference(straight[:, kept].ravel(), 2.0))
     stiff, soft = (
-        np.array(plain.tangent(q, still, still, 2.0, F, parameter_vector(Rope(EI=EI), 9.81), 1.0, 0.0, 0.0)[1])
+        np.array(plain.tangent(q, still, still, 2.0, F, parameter_vector(Rope(EI=EI), 9.81), 1.0, 0.0, 0.0, q)[1])
         for EI in (ROPE.EI_stick, ROPE.EI)
     )
     added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(LATEST), 1.0))

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence.claims import below
+from evidence.claims import above, below
 from evidence.ropes import AT_ZERO, at_rest, moving
 from evidence.stability.entry import Entry, Finding
 from evidence.tables import Array
@@ -42,7 +42,13 @@ def measure_snatch() -> Finding:
     ours, fine, uncontrolled = (drop(Solver(tolerance=tolerance)) for tolerance in (1.0, 0.1, 1e6))
     largest = ours.kinetic.max()
     return Finding(
-        counterexample=(below("rho_inf = 1, fixed step: time reached", counterexample.t[-1], 0.9 * END, "s"),),
+        counterexample=(
+            above(
+                "rho_inf = 1, fixed step: energy that the balance does not explain, part of the largest kinetic energy",
+                np.abs(counterexample.unexplained).max() / counterexample.kinetic.max(),
+                0.02,
+            ),
+        ),
         ours=(
             below("time not reached", END - float(ours.t[-1]), 1e-9, "s"),
             below(
@@ -66,4 +72,4 @@ def measure_snatch() -> Finding:
     )
 
 
-ENTRIES = (Entry("snatch-load", "A snatch load without dissipation at high frequencies", measure_snatch),)
+ENTRIES = (Entry("snatch-load", "A snatch load on fixed steps", measure_snatch),)

@@ -220,7 +220,7 @@ int component_exit_initialization(Component *c) {
 }
 
 static int step(Component *c, double t, double h, int *event) {
-    char text[NUMBER], other[NUMBER], why[MODEL_MESSAGE] = "";
+    char text[NUMBER], other[NUMBER], why[MODEL_MESSAGE];
     double now = c->time;
     if (!(h > 0.0 && isfinite(h)))
         return refuse(c, "communication step %s s is not positive and finite", shortest(h, text));
@@ -299,7 +299,7 @@ int component_has_token(const char *token) {
 }
 
 int component_get(Component *c, size_t scalar, double *value) {
-    char why[MODEL_MESSAGE] = "";
+    char why[MODEL_MESSAGE];
     *value = 0.0;
     const Variable *variable = &MODEL_VARIABLES[scalar];
     if (variable->source == FROM_ENTRY) *value = c->values[scalar];

@@ -21,25 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
+import rope_model
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.files.reading import Table
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.values import Text
 from hoist_demo.parameters import Winding
-from rope_model import (
-    SIGNALS,
-    BalanceRope,
-    Datum,
-    EndMotion,
-    KnownRope,
-    Model,
-    Rope,
-    RopeSimulator,
-    Scene,
-    Status,
-    balance_rope,
-)
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
 from rope_model.scene_names import with_values
@@ -58,9 +46,9 @@ MODES = 14
 class Trial:
     """One rope, and what is measured of it; each position in the shaft is computed once."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene.with_(model=Model("torsional"))
-        self._at_rest: dict[tuple[float, float], BalanceRope] = {}
+    def __init__(self, scene: rope_model.Scene) -> None:
+        self.scene = scene.with_(model=rope_model.Model("torsional"))
+        self._at_rest: dict[tuple[float, float], rope_model.BalanceRope] = {}
 
     @cached_property
     def properties(self) -> dict[str, float]:
@@ -70,8 +58,10 @@ class Trial:
     def signal(self, name: str, left: float, right: float) -> float:
         """An output at rest with the ends at these heights (m)."""
         if (left, right) not in self._at_rest:
-            rope = balance_rope(self.scene)
-            _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
+            rope = rope_model.balance_rope(self.scene)
+            _require_rest(
+                rope.initialize(0.0, rope_model.EndMotion(y=left), rope_model.EndMotion(y=right)), left, right
+            )
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
@@ -84,12 +74,12 @@ class Trial:
         """
         travel, speed, acceleration, jerk = trip
         winding = Winding(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
-        motion, rope = s_curve(winding), balance_rope(self.scene)
+        motion, rope = s_curve(winding), rope_model.balance_rope(self.scene)
 
-        def ends(t: float) -> tuple[EndMotion, EndMotion]:
+        def ends(t: float) -> tuple[rope_model.EndMotion, rope_model.EndMotion]:
             p = motion.at(t)
-            rising = EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
-            return rising, EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
+            rising = rope_model.EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
+            return rising, rope_model.EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
 
         _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
         read, found = rope.reader((name,)), {0.0: rope.signals([name])[name]}
@@ -120,13 +110,13 @@ class Trial:
     def frequencies(self, plane: str, left: float, right: float) -> Array:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
-        rope = RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
-        _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
+        rope = rope_model.RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
+        _require_rest(rope.initialize(0.0, rope_model.EndMotion(y=left), rope_model.EndMotion(y=right)), left, right)
         modes = natural_modes(rope.system, rope.state.motion.q, MODES)
         return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
 
 
-def _require_rest(status: Status, left: float, right: float) -> None:
+def _require_rest(status: rope_model.Status, left: float, right: float) -> None:
     if not status.valid:
         raise RuntimeError(f"at rest with left_y = {left:g} m and right_y = {right:g} m: {status.message}")
 
@@ -139,7 +129,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0.0, le=LONGEST)]
 #: an output, docs/reference/variables.md
-Signal: Any = Literal[tuple(SIGNALS)]
+Signal: Any = Literal[tuple(rope_model.SIGNALS)]
 
 
 class Measurement(Table):
@@ -159,7 +149,7 @@ class Measurement(Table):
     @property
     def unit(self) -> str:
         """Unit of the values."""
-        return self.UNIT or str(SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
+        return self.UNIT or str(rope_model.SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
 
     def predict(self, trial: Trial) -> Sequence[float]:
         """Predict the values."""
@@ -348,12 +338,12 @@ AnyMeasurement = Annotated[
 class Bench:
     """The rope of which something is measured: what the catalogue knows of it, and the scene in which it hangs."""
 
-    known: KnownRope
-    scene: Scene
-    sought: Mapping[str, Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
+    known: rope_model.KnownRope
+    scene: rope_model.Scene
+    sought: Mapping[str, rope_model.Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
 
     @property
-    def data(self) -> dict[str, Datum]:
+    def data(self) -> dict[str, rope_model.Datum]:
         """Data of the properties and of the other parameters sought."""
         return {**self.known.data, **self.sought}
 
@@ -366,14 +356,14 @@ class Bench:
         """Return the value at its share of its range."""
         return self.data[name].at(float(shares[self.names.index(name)]))
 
-    def rope(self, shares: Array) -> Rope:
+    def rope(self, shares: Array) -> rope_model.Rope:
         """The rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
         data = self.known.data
         values = {name: self.value(name, shares) if name in self.names else data[name].low for name in data}
         made = self.known.rope(**values)
         return replace(self.scene.rope, **{name: getattr(made, name) for name in FOLLOWING})
 
-    def scene_at(self, shares: Array) -> Scene:
+    def scene_at(self, shares: Array) -> rope_model.Scene:
         """The rope in its shaft at these shares."""
         found = {name: self.value(name, shares) for name in self.sought}
         return with_values(self.scene.with_(rope=self.rope(shares)), found)

@@ -1,7 +1,6 @@
 """The swing mode that a trip leaves behind, measured: x(t) = c + e^(-zeta w t) (a cos w_d t + b sin w_d t).
 
-The frequency and damping are fitted to a record by least squares; a, b and c are linear and follow from them
-(variable projection; G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973).
+All of these, and a drift, are fitted to a record by least squares.
 """
 
 import math
@@ -24,7 +23,7 @@ class SwingMode:
 
 def fit_swing(time: Array, x: Array) -> SwingMode | str:
     """Return the strongest mode of an evenly sampled record; else why there is none, in words."""
-    from scipy.optimize import least_squares  # as slow to load as all the rest of a demo
+    from scipy.optimize import curve_fit  # as slow to load as all the rest of a demo
 
     t = time - time[0]
     drift = np.polynomial.Polynomial.fit(t, x, 1)
@@ -35,21 +34,26 @@ def fit_swing(time: Array, x: Array) -> SwingMode | str:
     frequencies = np.fft.rfftfreq(8 * t.size, t[1] - t[0])
     w0 = 2.0 * math.pi * max(float(frequencies[int(np.argmax(spectrum))]), 0.5 / t[-1])
 
-    def basis(p: Array) -> Array:
-        decay = np.exp(-p[1] * t)
-        return np.stack([np.ones_like(t), t, decay * np.cos(p[0] * t), decay * np.sin(p[0] * t)], axis=1)
+    def columns(t: Array, w: float, decay: float) -> Array:
+        wave = np.exp((1j * w - decay) * t)
+        return np.stack([np.ones_like(t), t, wave.real, wave.imag], axis=1)
 
-    def residual(p: Array) -> Array:
-        A = basis(p)
-        return np.asarray(A @ np.linalg.lstsq(A, x, rcond=None)[0] - x)
+    def swing(t: Array, w: float, decay: float, *c: float) -> Array:
+        return np.asarray(columns(t, w, decay) @ c)
 
-    fit = least_squares(
-        residual, [w0, 0.03 * w0], bounds=([0.5 * w0, -0.1 * w0], [1.5 * w0, w0]), x_scale=[w0, 0.03 * w0]
-    )
-    w_d, decay = (float(value) for value in fit.x)
-    # a fit that ends at its bounds has found a drift or a bump, not a mode
-    bounded = not 0.51 * w0 < w_d < 1.49 * w0 or decay > 0.99 * w0
-    if bounded or np.var(fit.fun) > 0.5 * np.var(rest):
+    def derivatives(t: Array, w: float, decay: float, *c: float) -> Array:
+        _, _, cosine, sine = (A := columns(t, w, decay)).T
+        return np.column_stack([t * (c[3] * cosine - c[2] * sine), -t * (c[2] * cosine + c[3] * sine), A])
+
+    start = w0, 0.03 * w0
+    linear = np.linalg.lstsq(columns(t, *start), x, rcond=None)[0]
+    try:
+        # a mode takes ten evaluations
+        w_d, decay, *c = curve_fit(swing, t, x, [*start, *linear], jac=derivatives, maxfev=25)[0].tolist()
+    except RuntimeError:  # it does not converge
+        w_d, decay, c = 0.0, 0.0, linear.tolist()
+    # a fit that ends far from where it began has found a drift or a bump, not a mode
+    far = not (0.51 * w0 < w_d < 1.49 * w0 and -0.1 * w0 < decay < 0.99 * w0)
+    if far or np.var(swing(t, w_d, decay, *c) - x) > 0.5 * np.var(rest):
         return "no single damped mode fits what swings"
-    c = np.linalg.lstsq(basis(fit.x), x, rcond=None)[0]
     return SwingMode(w_d / (2.0 * math.pi), decay / math.hypot(w_d, decay), math.hypot(c[2], c[3]))

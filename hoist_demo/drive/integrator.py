@@ -46,7 +46,7 @@ Reached = tuple[Vector, float, float]
 SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
 LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
-TOLERANCE = 1e-9  #: Of a step's error, relative and in SI units.
+TOLERANCE = 1e-8  #: Of a step's error, relative and in SI units.
 
 WORKS = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
 PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
@@ -136,7 +136,7 @@ def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
     error = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
     acting, shown = _loads_and_outputs(of, n, numbers)(new[:n], s + h, held)
     # what is not finite anywhere passes as no step; a comparison with NaN is false
-    error = ca.if_else(ca.norm_1(ca.vertcat(new, error, acting, shown)) < ca.inf, error, ca.inf)
+    error = ca.if_else(ca.sumsqr(ca.vertcat(new, error, acting, shown)) < ca.inf, error, ca.inf)
     return ca.Function("advance", [z], [ca.vertcat(new[:n], z[given["works"]] + new[n:], error, acting, shown)])
 
 

@@ -5,6 +5,7 @@ On a rope that carries no torque the zeros of what only torque makes are the com
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -29,8 +30,8 @@ def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
     signals = dict(recording.signals)
     for fidelity in FIDELITIES:
         rows = recording[FIDELITY] == code_of(fidelity)
-        effects = [effect for effect in neglected_effects(fidelity) if not (effect.by_torque and torque_free)]
-        for name in _names(effects, recording) if bool(rows.any()) else ():
+        effects = tuple(effect for effect in neglected_effects(fidelity) if not (effect.by_torque and torque_free))
+        for name in _names(effects, tuple(recording.signals)) if bool(rows.any()) else ():
             signals[name] = np.where(rows, np.nan, signals[name])
     return replace(recording, signals=signals)
 
@@ -45,8 +46,9 @@ def fidelities_of(recording: Recording) -> list[str]:
 def remark(recording: Recording) -> str:
     """Return the signals that `mask_neglected` left out of a recording, in words; "" for none."""
     for fidelity in FIDELITIES:
+        known = tuple(recording.signals)
         effects = [effect for effect in neglected_effects(fidelity)
-                   if any(np.isnan(recording[name]).any() for name in _names([effect], recording))]  # fmt: skip
+                   if any(np.isnan(recording[name]).any() for name in _names((effect,), known))]  # fmt: skip
         if effects and fidelity in fidelities_of(recording):
             words = ", ".join(effect.words for effect in effects)
             return (
@@ -71,5 +73,6 @@ def _when(fidelity: str, recording: Recording) -> str:
     return f" between t = {first:.4g} and {last:.4g} s"
 
 
-def _names(effects: Iterable[Effect], recording: Recording) -> list[str]:
-    return [name for name in recording.signals if any(effect.has(name) for effect in effects)]
+@lru_cache(maxsize=16)  # a study's recordings are alike
+def _names(effects: tuple[Effect, ...], signals: tuple[str, ...]) -> list[str]:
+    return [name for name in signals if any(effect.has(name) for effect in effects)]

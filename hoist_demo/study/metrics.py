@@ -13,16 +13,8 @@ import numpy as np
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import fit_swing
 from hoist_demo.parameters import Arrival, Hoist, Winding
+from hoist_demo.recording import incidents
 from hoist_demo.recording.fidelity import FIDELITY
-from hoist_demo.recording.incidents import (
-    GUARD_CODES,
-    GUARD_SIGNALS,
-    guard_trip,
-    largest_ratio,
-    slack_ropes,
-    slip,
-    stops,
-)
 from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
 
@@ -66,7 +58,10 @@ METRICS = {
     ),
     **dict.fromkeys(("left_swivel_torque", "right_swivel_torque"), ("N.m", "largest magnitude")),
     "guard_tripped": ("1", "whether a guard of the loop has tripped, and stopped the hoist"),
-    "guard_cause": ("1", "which: {codes}".format(codes=", ".join(f"{k} {c}" for k, c in GUARD_CODES.items()))),
+    "guard_cause": (
+        "1",
+        "which: {codes}".format(codes=", ".join(f"{k} {c}" for k, c in incidents.GUARD_CODES.items())),
+    ),
     "guard_time": ("s", "when, in the record's time"),
     "slack_time": ("s", "of slack head ropes, the worse side"),
     "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): up to 1 they slip"),
@@ -101,7 +96,7 @@ ROPE_SIGNALS = frozenset(
         FIDELITY,
     }
     | PASSAGE_SIGNALS
-    | GUARD_SIGNALS
+    | incidents.GUARD_SIGNALS
 )
 
 RIPPLE_WINDOW = 1.0  #: Length of the moving mean that is taken off the end force [s].
@@ -164,14 +159,14 @@ def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str
 
 def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str, float]:
     found = {
-        "slack_time": max((slack.duration for slack in slack_ropes(recording)), default=0.0),
-        "slip_safety": hoist.slip_safety(largest_ratio(recording, hoist.tension_ratio_limit)),
-        "head_rope_slip": 0.0 if (slid := slip(recording)) is None else slid.way,
+        "slack_time": max((slack.duration for slack in incidents.slack_ropes(recording)), default=0.0),
+        "slip_safety": hoist.slip_safety(incidents.largest_ratio(recording, hoist.tension_ratio_limit)),
+        "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.way,
     }
-    if (ended := stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
+    if (ended := incidents.stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
         found |= {"stop_time": max(one.time or 0.0 for one in ended), "stop_distance": max(one.way for one in ended)}
-    if recording.has(*GUARD_SIGNALS):
-        trip = guard_trip(recording)
+    if recording.has(*incidents.GUARD_SIGNALS):
+        trip = incidents.guard_trip(recording)
         found["guard_tripped"] = float(trip is not None)
         if trip is not None:
             found |= {"guard_cause": float(trip.code), "guard_time": trip.t}

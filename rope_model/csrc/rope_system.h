@@ -28,7 +28,7 @@ typedef struct {
 } Progress;
 
 typedef struct {
-    double rounds, per_round, slow, unsure, growing, first;
+    double rounds, per_round, slow, unsure, growing;
 } Rules;
 
 /* newton.c: after a correction of this norm; fresh: whether its factorization is new */
@@ -122,9 +122,10 @@ typedef struct {
 } System;
 
 typedef struct {
-    /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2] */
+    /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2].  The
+       first tangents have the tensions of the q `before`, if there is one */
     Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
-                      double tolerance, double balance[BALANCE]);
+                      double tolerance, const double *before, double balance[BALANCE]);
     /* J x = M a with the J that solve was left with, work as it left it */
     void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
                     const double *known, double *x);

@@ -227,7 +227,7 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
     const int64_t newton_before = rope->state->counts.newton;
     while (state->t < t) {
         const double t_before = state->t, before[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
-        char why[MESSAGE] = "";
+        char why[MESSAGE];
         const int64_t newton = state->counts.newton - newton_before;
         if ((double)newton >= most) return say_too_much_work(rope->message, t_before, (int)newton, begin, t);
         if (state->counts.steps + state->counts.rejections - steps_before >= MOST_STEPS)

@@ -36,7 +36,7 @@ struct Simulator {
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g are those of the state */
     LoopBottom bottom;
-    int bottom_known;
+    int bottom_known, nearest_blocks[2]; /* of leg_clearance */
     int64_t work_end;    /* number of Newton iterations beyond which the present advance gives up accuracy */
     int64_t corrections; /* of all searches of an equilibrium since the start began */
     int turned;          /* whether the latest search turned too far */

@@ -30,7 +30,7 @@ class ChainParts(NamedTuple):
     """Functions that a chain calls for each element; m degrees of freedom of a node, as the element knows them.
 
     residual ... transport: the element's own, see physics.element
-    eliminate:   (D, q, v, a, l, F, free, mass, P, cq, cv, ca) -> next D, factors of D, W, L: one step
+    eliminate:   (D, q, v, a, l, F, free, mass, P, cq, cv, ca, before) -> next D, factors of D, W, L: one step
     last_factor: D -> its factors
     down:        (y, factors, L, R) -> next y, z
     up:          (next x, W, z) -> x
@@ -59,9 +59,11 @@ class ChainFunctions(NamedTuple):
     A node has ``dof`` degrees of freedom of which the element may know but some; the others stay zero.  ``l`` and ``F``
     have a column for each element.
 
-    solve:     (q, v, a, R, l, F, load, grip, node_mass, free, P, c, scale, tolerance) -> q, v, a, R, balance, progress
+    solve:     (q, v, a, R, l, F, load, grip, node_mass, free, P, c, scale, tolerance, before, leaves)
+                -> q, v, a, R, balance, progress
         Newton's method for q; v and a follow by c[1] and c[2] times the corrections, whose size is the largest
-        entry times ``scale`` (dof,).  ``progress`` is that of numerics.newton.
+        entry times ``scale`` (dof,).  The first factorization has the tensions of the q ``before``.  ``leaves`` and
+        ``progress`` are those of numerics.newton.
     newton_step: (q, v, a, R, l, F, load, grip, node_mass, free, P, c) -> correction, R
         solves J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da
     evaluate:    (q, v, a, R, l, F, load, grip, node_mass, P) -> R, balance summed over the elements
@@ -97,6 +99,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
     q, v, a, R, load, grip, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
     l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
+    before, tolerance, leaves = ca.MX.sym("before", m, n + 1), ca.MX.sym("tolerance"), ca.MX.sym("leaves")
     F, Ps = ca.MX.sym("F", parts.residual.size1_in(4), n), ca.repmat(P, 1, n)
     factorize, substitute = _factorize(n, parts, m), _substitute(n, parts, m)
 
@@ -110,12 +113,12 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
         R_e, zero = residual_map(*(_both_ends(x) for x in (q, v, a)), l, F, Ps), ca.MX.zeros(m, 1)
         return ca.horzcat(R_e[:m, :], zero) + ca.horzcat(zero, R_e[m:, :]) + nodal(a, R)
 
-    # Newton's method: x holds q, v, a and R side by side
-    x = ca.MX.sym("x", m, 4 * (n + 1))
+    # Newton's method: x holds q, v, a, R and before side by side
+    x = ca.MX.sym("x", m, 5 * (n + 1))
     motions = ca.horzsplit(x, n + 1)
     fixed = [l, F, load, grip, node_mass, free, P, c, scale]
     factors = [ca.MX.sym(f"factor{i}", factorize.sparsity_out(i)) for i in range(factorize.n_out())]
-    made = factorize(*motions[:3], l, F, node_mass, free, P, c)
+    made = factorize(*motions[:3], l, F, node_mass, free, P, c, motions[4])
     step = substitute(*factors, free * motions[3])
     weighted = ca.vec(step * ca.repmat(scale, 1, n + 1))
     # the largest entry loses NaN, the sum of squares does not
@@ -125,17 +128,16 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     iteration = newton(
         ca.Function("factorize", [x, *fixed], list(made)),
         ca.Function("correct", [x, *factors, *fixed], [step, norm]),
-        ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, motions[3]))]),
+        ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, motions[3]), q_x)]),
     )
-    tolerance = ca.MX.sym("tolerance")
-    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R)), *fixed, tolerance)
+    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R), before), *fixed, tolerance, leaves)
     solved = ca.horzsplit(solution, n + 1)
 
     def sums(q: ca.MX, v: ca.MX) -> ca.MX:
         return ca.sum2(balance_map(_both_ends(q), _both_ends(v), l, F, Ps))
 
     R_a = residual(q, v, a, R)
-    correction = substitute(*factorize(q, v, a, l, F, node_mass, free, P, c), free * R_a)
+    correction = substitute(*factorize(q, v, a, l, F, node_mass, free, P, c, q), free * R_a)
     losses = ca.sum2(parts.losses.map(n)(_both_ends(q), _both_ends(v), l, F, Ps))
     strains = parts.strains.map(n)(_both_ends(q), l, F)
     momentum = ca.sum2(parts.momentum.map(n)(_both_ends(q), _both_ends(v), l, Ps))
@@ -144,8 +146,8 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     system = {"l": l, "F": F, "load": load, "friction_load": grip, "node_mass": node_mass}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
-    limits = {"scale": scale, "tolerance": tolerance}
-    after = dict(zip(("q", "v", "a", "R"), solved, strict=True))
+    limits = {"scale": scale, "tolerance": tolerance, "before": before, "leaves": leaves}
+    after = dict(zip(("q", "v", "a", "R"), solved[:4], strict=True))
 
     function = partial(_widen, dof, kept)
     return ChainFunctions(
@@ -166,7 +168,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
 
 
 #: arguments and results with a row for each degree of freedom of a node
-_NODAL = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free", "scale")
+_NODAL = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free", "scale", "before")
 
 
 def _widen(
@@ -219,8 +221,9 @@ def _elimination(tangent: ca.Function, m: int) -> tuple[ca.Function, ca.Function
 
 
 def _factorize(n: int, parts: ChainParts, m: int) -> ca.Function:
-    """(q, v, a, l, F, node_mass, free, P, c) -> factors: of the n eliminated blocks, W, L, and of the last block."""
-    q, v, a, node_mass, free = (ca.MX.sym(s, m, n + 1) for s in ("q", "v", "a", "node_mass", "free"))
+    """(q, v, a, l, F, node_mass, free, P, c, before) -> factors: of n eliminated blocks, W, L, and of the last."""
+    names = ("q", "v", "a", "node_mass", "free", "before")
+    q, v, a, node_mass, free, before = (ca.MX.sym(s, m, n + 1) for s in names)
     l, F = ca.MX.sym("l", 1, n), ca.MX.sym("F", parts.residual.size1_in(4), n)
     P, c = ca.MX.sym("P", parts.residual.size1_in(5)), ca.MX.sym("c", 3)
     diagonal = c[2] * node_mass
@@ -233,9 +236,10 @@ def _factorize(n: int, parts: ChainParts, m: int) -> ca.Function:
         diagonal[:, 1:],
         ca.repmat(P, 1, n),
         *(ca.repmat(c[i], 1, n) for i in range(3)),
+        _both_ends(before),
     )
     last = parts.last_factor(Ds[:, -m:])
-    return ca.Function("factorized", [q, v, a, l, F, node_mass, free, P, c], [factors, Ws, Ls, last])
+    return ca.Function("factorized", [q, v, a, l, F, node_mass, free, P, c, before], [factors, Ws, Ls, last])
 
 
 def _substitution(m: int) -> tuple[ca.Function, ca.Function, ca.Function]:

@@ -92,8 +92,13 @@ class System(Protocol[B]):
     def prescribed_motion(self, t: float) -> Array:
         """(3, ...): full arrays of q, v and a, of which the prescribed entries count."""
 
-    def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[B]:
-        """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x."""
+    def solve(
+        self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array
+    ) -> Solution[B]:
+        """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x.
+
+        Stresses at the guess q may be far off; those of the configuration ``before`` serve its derivatives better.
+        """
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         """(x, R): J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
@@ -209,7 +214,7 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     q, v, a = guess = (method.prediction(h, moved_by, ahead) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed_motion(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
-        solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance)
+        solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance, old.q)
     newton, evaluation = solution.newton, solution.evaluation
     if newton.converged and not math.isfinite(evaluation.reaction.sum()):
         newton = NewtonReport(NewtonStatus.NOT_FINITE, newton.iterations, np.inf)

@@ -77,15 +77,15 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
 def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
     """The ``plain`` element's functions in air; P has the numbers A behind its own, the balance AIR_BALANCE."""
     air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
-    q, v, a = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a"))
+    q, v, a, before = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "before"))
     l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
     own, blown = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
-    R, J = plain.tangent(q, v, a, *own, cq, cv, c_a)
+    R, J = plain.tangent(q, v, a, *own, cq, cv, c_a, before)
     pushed = air.residual(*blown)
     return plain.replaced(
         residual=([q, v, a, l, F, P], [plain.residual(q, v, a, *own) + pushed]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a], [R + pushed, J + air.tangent(*blown, cv)]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R + pushed, J + air.tangent(*blown, cv)]),
         balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*blown))]),
         losses=([q, v, l, F, P], [plain.losses(q, v, *own)]),
         momentum=([q, v, l, P], [plain.momentum(q, v, l, own[2])]),

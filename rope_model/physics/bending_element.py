@@ -18,18 +18,18 @@ Part = Callable[..., Any]
 def bending_element(plain: ElementFunctions, size: int, force: Part, tangent: Part, energy: Part) -> ElementFunctions:
     """The ``plain`` element with this part, which has ``size`` numbers; its energy is in that of bending."""
     frame = plain.residual.size1_in(4)
-    q, v, a = (ca.SX.sym(name, plain.residual.size1_in(0)) for name in ("q", "v", "a"))
+    q, v, a, before = (ca.SX.sym(name, plain.residual.size1_in(0)) for name in ("q", "v", "a", "before"))
     l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + size), ca.SX.sym("P", plain.residual.size1_in(5))
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
     own, numbers = F[:frame], F[frame:]
-    R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a)
+    R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a, before)
     bent = force(q, l, own, numbers)
     balance = plain.balance(q, v, l, own, P)
     balance[_BENDING] += energy(q, l, own, numbers)
 
     return plain.replaced(
         residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + bent]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a], [R + bent, J + tangent(q, l, own, numbers, cq)]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R + bent, J + tangent(q, l, own, numbers, cq)]),
         balance=([q, v, l, F, P], [balance]),
         losses=([q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
         strains=([q, l, F], [plain.strains(q, l, own)]),

@@ -14,21 +14,8 @@ from typing import Any
 
 import casadi as ca
 
-from rope_model.physics import hermite
+from rope_model.physics import contact_places, hermite
 from rope_model.physics.contact import SUMS, touch
-from rope_model.physics.contact_places import (
-    CELLS,
-    HALVINGS,
-    LEVELS,
-    PARTS,
-    STEPS,
-    WEIGHTS,
-    Probe,
-    point_in,
-    probe,
-    reaching,
-    turning,
-)
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import both, where
 from rope_model.physics.shaft import KINDS, Body
@@ -56,7 +43,7 @@ def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: t
     """
     m = len(ELEMENT_DOF[fidelity])
     frame, own, bodies = plain.residual.size1_in(4), plain.residual.size1_in(5), len(kinds)
-    q, v, a = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a"))
+    q, v, a, before = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a", "before"))
     l, F = ca.MX.sym("l"), ca.MX.sym("F", frame + bodies)
     P = ca.MX.sym("P", own + len(LAW) + bodies * BODY_SIZE)
     cq, cv, c_a = (ca.MX.sym(name) for name in ("cq", "cv", "ca"))
@@ -68,11 +55,11 @@ def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: t
         zero = ca.Function(f"no_{function.name()}", function.mx_in(), [ca.MX.zeros(*function.size_out(0))])
         return ca.Function.if_else(f"{function.name()}_if", function, zero)(near, *inputs)
 
-    R_plain, J_plain = plain.tangent(q, v, a, l, *at, cq, cv, c_a)
+    R_plain, J_plain = plain.tangent(q, v, a, l, *at, cq, cv, c_a, before)
     balance = added(sums)
     return plain.replaced(
         residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, *at) + added(R)]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a], [R_plain + added(R), J_plain + added(J, cq, cv)]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R_plain + added(R), J_plain + added(J, cq, cv)]),
         balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, l, *at), balance)]),
         losses=([q, v, l, F, P], [ca.vertcat(plain.losses(q, v, l, *at), balance[1:3])]),
         strains=([q, l, F], [plain.strains(q, l, at[0])]),
@@ -141,14 +128,19 @@ def _pressed(stiff: bool) -> ca.Function:
     look, halve, _ = _searches()
     start, stop = ca.MX.sym("start"), ca.MX.sym("stop")
     seen = [look(at, rows, l, P) for at in (start, stop)]
-    turned = halve.fold(HALVINGS)(ca.horzcat(*seen), rows, l, P)
+    turned = halve.fold(contact_places.HALVINGS)(ca.horzcat(*seen), rows, l, P)
     at = ca.if_else(seen[0][2] * seen[1][2] < 0, _turning()(turned), stop)
     probes = ca.horzcat(seen[0], look(at, rows, l, P), seen[1])
     inside = ca.mmax(probes[1, :]) > 0
     cell = _where_near(_integrated(stiff))(inside, probes, rows, speeds, l, P, *c)
     made = ca.Function("cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell])
-    places = ca.DM([[k / CELLS for k in range(CELLS)], [(k + 1) / CELLS for k in range(CELLS)]])
-    found = [made(places[0, k], places[1, k], rows, speeds, l, P, *c) for k in range(CELLS)]
+    places = ca.DM(
+        [
+            [k / contact_places.CELLS for k in range(contact_places.CELLS)],
+            [(k + 1) / contact_places.CELLS for k in range(contact_places.CELLS)],
+        ]
+    )
+    found = [made(places[0, k], places[1, k], rows, speeds, l, P, *c) for k in range(contact_places.CELLS)]
     totals = [sum(x) for x in (zip(*found, strict=True) if not stiff else [found])]
     return ca.Function("pressed_tangent" if stiff else "pressed", [rows, speeds, l, P, *c], totals)
 
@@ -165,11 +157,14 @@ def _integrated(stiff: bool) -> ca.Function:
         deeper = ca.if_else(swapped, probes[:, side], probes[:, side + 1])
         other = ca.if_else(swapped, probes[:, side + 1], probes[:, side])
         before = deeper[0]
-        for part in LEVELS:
+        for part in contact_places.LEVELS:
             level = part * P[LAW.index("diameter")]
-            found = reach.fold(STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
+            found = reach.fold(contact_places.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
             at = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], found))
-            pieces += [point_in(*point, before, at) for point in zip(PARTS, WEIGHTS, strict=True)]
+            pieces += [
+                contact_places.point_in(*point, before, at)
+                for point in zip(contact_places.PARTS, contact_places.WEIGHTS, strict=True)
+            ]
             before = at
     places, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
     number = len(pieces)
@@ -197,14 +192,14 @@ def _searches() -> tuple[ca.Function, ca.Function, ca.Function]:
     ends, at, place, level = ca.SX.sym("ends", 3, 2), ca.SX.sym("at", 4), ca.SX.sym("place"), ca.SX.sym("level")
 
     def look(place: Any) -> Any:
-        return ca.vertcat(*probe(place, l, a, b, diameter, body))
+        return ca.vertcat(*contact_places.probe(place, l, a, b, diameter, body))
 
     start, stop = ends[:, 0], ends[:, 1]
     middle, turns = look(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
     first = start[2] * middle[2] > 0
     start = where(both(turns, first), middle, start)
     stop = where(both(turns, ca.logic_not(first)), middle, stop)
-    found = look(reaching(_probe(at[:3]), at[3], level))
+    found = look(contact_places.reaching(_probe(at[:3]), at[3], level))
     nearer = where(found[1] < level, ca.vertcat(found, at[3]), ca.vertcat(at[:3], found[0]))
     return (
         ca.Function("probe", [place, rows, l, P], [look(place)]),
@@ -216,11 +211,11 @@ def _searches() -> tuple[ca.Function, ca.Function, ca.Function]:
 @cache
 def _turning() -> ca.Function:
     ends = ca.SX.sym("ends", 3, 2)
-    return ca.Function("turning", [ends], [turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
+    return ca.Function("turning", [ends], [contact_places.turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
 
 
-def _probe(x: Any) -> Probe:
-    return Probe(x[0], x[1], x[2])
+def _probe(x: Any) -> contact_places.Probe:
+    return contact_places.Probe(x[0], x[1], x[2])
 
 
 def _body(x: Any) -> tuple[Body, Any]:

@@ -20,23 +20,14 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 
+from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
-from rope_model.physics.element import (
-    FRAME,
-    NODE_DOF,
-    POINTS,
-    WEIGHTS,
-    ElementFunctions,
-    interpolation,
-    relative_coordinates,
-    symmetric,
-)
 from rope_model.physics.elementary import dot, sqrt
 from rope_model.physics.frame import carried, small_turn, smallest_rotation_rate, turned
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
 #: numbers of an element: k0 at its points, angles, and EI
-CURVED = 3 * len(POINTS) + 3
+CURVED = 3 * len(element.POINTS) + 3
 
 
 class CurvedFunctions(NamedTuple):
@@ -53,38 +44,38 @@ class CurvedFunctions(NamedTuple):
 @cache
 def curved_functions() -> CurvedFunctions:
     """Build the functions."""
-    relative = relative_coordinates()
-    q, l = ca.SX.sym("q", 2 * NODE_DOF), ca.SX.sym("l")
-    F, C, cq = ca.SX.sym("F", FRAME), ca.SX.sym("C", CURVED), ca.SX.sym("cq")
+    relative = element.relative_coordinates()
+    q, l = ca.SX.sym("q", 2 * element.NODE_DOF), ca.SX.sym("l")
+    F, C, cq = ca.SX.sym("F", element.FRAME), ca.SX.sym("C", CURVED), ca.SX.sym("cq")
     numbers, frames = ca.vertsplit(C), ca.vertsplit(F[:-3], 6)
     before, EI = numbers[-3:-1], numbers[-1]
-    B = [interpolation(xi, l) for xi in POINTS]
+    B = [element.interpolation(xi, l) for xi in element.POINTS]
     z = [B_p @ relative @ q for B_p in B]
     turn, bend = _turn_function(), _bend_function()
     f, f_z, f_zz = zip(*(turn(*pair) for pair in zip(z, frames, strict=True)), strict=True)
     # turn of each point besides the section's, and the angle from which the section's gain counts there
     parts = [
-        [l * (to - xi * w) for to, w in zip(row, WEIGHTS, strict=True)]
-        for row, xi in zip(TO_POINTS, POINTS, strict=True)
+        [l * (to - xi * w) for to, w in zip(row, element.WEIGHTS, strict=True)]
+        for row, xi in zip(TO_POINTS, element.POINTS, strict=True)
     ]
     angles: list[Any] = [
-        (1 - xi) * before[0] + xi * before[1] + dot(row, f) for row, xi in zip(parts, POINTS, strict=True)
+        (1 - xi) * before[0] + xi * before[1] + dot(row, f) for row, xi in zip(parts, element.POINTS, strict=True)
     ]
     W, W_z, W_zz = zip(
         *(bend(z[i], frames[i][:3], C[3 * i : 3 * i + 3], angles[i]) for i in range(len(B))), strict=True
     )
     R, J, U = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
-    for i, (w, B_p) in enumerate(zip(WEIGHTS, B, strict=True)):
+    for i, (w, B_p) in enumerate(zip(element.WEIGHTS, B, strict=True)):
         # the derivative of the angle, and of the gain that it takes from all points
         angle_x: Any = sum((parts[i][k] * B[k].T @ f_z[k] for k in range(len(B))), start=ca.SX.zeros(relative.shape[0]))
-        share: Any = sum(WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B)))
+        share: Any = sum(element.WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B)))
         R += B_p.T @ (w * W_z[i] - share * f_z[i])
-        J += B_p.T @ symmetric(w * W_zz[i] - share * f_zz[i]) @ B_p
+        J += B_p.T @ element.symmetric(w * W_zz[i] - share * f_zz[i]) @ B_p
         coupled = w * (B_p.T @ W_zz[i][:, 6] - 0.5 * W_zz[i][6, 6] * angle_x)
         J -= coupled @ angle_x.T + angle_x @ coupled.T
         U += w * (0.5 * ca.sumsqr(C[3 * i : 3 * i + 3]) - W[i])
     R, U, factor = relative.T @ R, l * EI * U, -l * EI
-    J = symmetric(cq * factor * (relative.T @ symmetric(J) @ relative))
+    J = element.symmetric(cq * factor * (relative.T @ element.symmetric(J) @ relative))
     inputs = [q, l, F, C]
     return CurvedFunctions(
         ca.Function("curved_residual", inputs, [ca.cse(factor * R)]),
@@ -99,8 +90,8 @@ def curvature_along(elements: int) -> ca.Function:
 
     Columns belong to elements.
     """
-    start, l, nodes = ca.SX.sym("start", 3), ca.SX.sym("l"), ca.SX.sym("nodes", 2 * NODE_DOF)
-    components = ca.SX.sym("components", 2 * len(POINTS))
+    start, l, nodes = ca.SX.sym("start", 3), ca.SX.sym("l"), ca.SX.sym("nodes", 2 * element.NODE_DOF)
+    components = ca.SX.sym("components", 2 * len(element.POINTS))
     *found, x, y, z = curvature_vectors(components, l, nodes, start)
     inputs = [start, components, l, nodes]
     return ca.Function("curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*found)]).mapaccum(elements)
@@ -128,7 +119,7 @@ def _bend_function() -> ca.Function:
 
 
 @cache
-def curved_element(plain: ElementFunctions) -> ElementFunctions:
+def curved_element(plain: element.ElementFunctions) -> element.ElementFunctions:
     """The ``plain`` torsional element's functions with permanent curvature."""
     curved = curved_functions()
     return bending_element(plain, CURVED, curved.residual, curved.tangent, curved.energy)

@@ -104,8 +104,9 @@ class ElementFunctions:
     tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
 
     residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, what external loads must balance
-    tangent:   (q, v, a, l, F, P, cq, cv, ca) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da at rest, symmetric;
-               for Newton's method also in motion, where it leaves out how q and v change damping and spin inertia
+    tangent:   (q, v, a, l, F, P, cq, cv, ca, before) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da at rest if
+               before is q, symmetric; for Newton's method also in motion, where it leaves out how q and v change
+               damping and spin inertia.  Axial strains of the configuration ``before`` stiffen the element sideways
     balance:   (q, v, l, F, P) -> (9,), see BALANCE
     losses:    (q, v, l, F, P) -> (2,), the two powers of the balance alone
     strains:   (q, l, F) -> (3,), see STRAINS
@@ -136,9 +137,9 @@ def element_functions(
     """Build the functions; a second call with the same arguments returns the same objects."""
     torsional = fidelity == "torsional"
     kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
-    symbols = [ca.SX.sym(name, len(kept)) for name in ("q", "v", "a")]
-    q, v, a = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
-    for x, symbol in zip((q, v, a), symbols, strict=True):
+    symbols = [ca.SX.sym(name, len(kept)) for name in ("q", "v", "a", "before")]
+    q, v, a, before = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
+    for x, symbol in zip((q, v, a, before), symbols, strict=True):
         x[kept] = symbol
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
     F = ca.SX.sym("F", FRAME if torsional else 0)
@@ -165,7 +166,8 @@ def element_functions(
     e_z, tau_z = ca.SX.zeros(11), ca.SX.zeros(11)
     tau_z[9:] = theta_x
     for w, B_p, z_p, v_p, a_p, F_p in points:
-        R_p, J_p, strains_z = point["tangent"](z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a)
+        less = ca.norm_2((B_p @ relative @ before)[:3]) - ca.norm_2(z_p[:3])
+        R_p, J_p, strains_z = point["tangent"](z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a, less)
         R_r += B_p.T @ (w * l * R_p)
         J_r += B_p.T @ (w * l * J_p) @ B_p
         e_z += w * B_p.T @ strains_z[0, :].T
@@ -194,10 +196,10 @@ def element_functions(
         right = slice(NODE_DOF + 3, NODE_DOF + 6)
         reference = ca.vertcat(*(_frame(z_p) for z_p in z), q[right] / ca.norm_2(q[right]))
         transport = ca.vertcat(l * means[1], *_spin(frame_rate, F[-3:], q[right], v[right], a[right]))
-    q, v, a = symbols
+    q, v, a, before = symbols
     return ElementFunctions(
         residual=function("element_residual", [q, v, a, l, F, P], [R]),
-        tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a], [R, J]),
+        tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a, before], [R, J]),
         balance=function("element_balance", [q, v, l, F, P], [balance]),
         losses=function("element_losses", [q, v, l, F, P], [balance[7:]]),
         strains=function("element_strains", [q, l, F], [strains]),
@@ -211,12 +213,13 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     """The continuum at one point: z = (r', r'', theta), its rates, and the work-conjugate forces (7,).
 
     means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: what the element takes the mean of
-    tangent: forces, their derivative but for what goes through tau, and the gradients of e and of the frame's turning
+    tangent: forces, their derivative but for what goes through tau, and the gradients of e and of the frame's turning;
+             less: what the strain e of the derivative's tension is above that of the forces
     """
     z, z_t, z_tt = ca.SX.sym("z", 7), ca.SX.sym("z_t", 7), ca.SX.sym("z_tt", 7)
     P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
-    tau, tau_t, torque, elastic = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic"))
+    tau, tau_t, torque, elastic, less = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "less"))
     _, _, Qa, Qs, _, Qd, EI, rhoJ, *_ = ca.vertsplit(P)
 
     # strains, and the spin of the section
@@ -246,7 +249,8 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia is left out
     damping = ca.substitute(ca.jacobian(stress, e_t), *put)
     damping[:, 1] = 0
-    held = P[4] * tau * strain[0] + elastic * turning  # power of torque and of the tension without energy as it bends
+    # power of torque and of the tension without energy as it bends
+    held = (P[4] * tau + Qa * less) * strain[0] + elastic * turning
     stiffness = ca.hessian(ca.substitute(U, *put) + held, z)[0]
     J = symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
@@ -269,7 +273,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     shared = [tau, tau_t, torque, elastic, P, cq, cv, c_a]
     return {
         "means": function("means", [z, z_t, F], [ca.vertcat(strain[:2], ca.dot(k, k), rate[:2])]),
-        "tangent": function("tangent", [z, z_t, z_tt, F, *shared], [force, J, ca.jacobian(strain[:2], z)]),
+        "tangent": function("tangent", [z, z_t, z_tt, F, *shared, less], [force, J, ca.jacobian(strain[:2], z)]),
         "balance": function("balance", [z, z_t, F, tau, tau_t, P], [balance]),
     }
 

@@ -20,26 +20,16 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 
+from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
-from rope_model.physics.element import (
-    ELEMENT_DOF,
-    NODE_DOF,
-    POINTS,
-    WEIGHTS,
-    ElementFidelity,
-    ElementFunctions,
-    interpolation,
-    relative_coordinates,
-    symmetric,
-)
 from rope_model.physics.frame import smallest_rotation_rate
 from rope_model.physics.wire_friction import MEMORY, NOTHING, section, slide, within
 
 #: numbers of an element: memory of its points, k0 and C
-HISTORY = MEMORY * len(POINTS) + 2
+HISTORY = MEMORY * len(element.POINTS) + 2
 #: place of the latest tangent: of a point k, z and the upper half of dz/dk taken there; of an element
 _OF_POINT = 12
-LATEST = _OF_POINT * len(POINTS)
+LATEST = _OF_POINT * len(element.POINTS)
 
 
 class WireFunctions(NamedTuple):
@@ -58,24 +48,26 @@ class WireFunctions(NamedTuple):
 
 
 @cache
-def wire_functions(fidelity: ElementFidelity) -> WireFunctions:
+def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
     """Build the functions."""
-    kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + k for k in ELEMENT_DOF[fidelity])]
-    symbol, q = ca.SX.sym("q", len(kept)), ca.SX.zeros(2 * NODE_DOF)
+    kept = [*element.ELEMENT_DOF[fidelity], *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity])]
+    symbol, q = ca.SX.sym("q", len(kept)), ca.SX.zeros(2 * element.NODE_DOF)
     q[kept] = symbol
     l, H, latest, cq = ca.SX.sym("l"), ca.SX.sym("H", HISTORY), ca.SX.sym("latest", LATEST), ca.SX.sym("cq")
     *points, k0, C = ca.vertsplit(H, [*range(0, HISTORY - 1, MEMORY), *range(HISTORY - 1, HISTORY + 1)])
-    relative, point = relative_coordinates(), _point_function()
+    relative, point = element.relative_coordinates(), _point_function()
     R, J, energy = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
     now = []
-    for xi, weight, before, last in zip(POINTS, WEIGHTS, points, ca.vertsplit(latest, _OF_POINT), strict=True):
-        B = interpolation(xi, l)
+    for xi, weight, before, last in zip(
+        element.POINTS, element.WEIGHTS, points, ca.vertsplit(latest, _OF_POINT), strict=True
+    ):
+        B = element.interpolation(xi, l)
         force, stiffness, square, at = point(B @ relative @ q, before, k0, last)
         R += B.T @ (weight * l * C * force)
         J += B.T @ (weight * l * C * stiffness) @ B
         energy += 0.5 * weight * l * C * square
         now.append(at)
-    R, J = (relative.T @ R)[kept], symmetric(cq * (relative.T @ symmetric(J) @ relative))[kept, kept]
+    R, J = (relative.T @ R)[kept], element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[kept, kept]
     inputs = [symbol, l, H]
     return WireFunctions(
         ca.Function("wire_residual", inputs, [ca.cse(R)]),
@@ -108,7 +100,7 @@ def _point_function() -> ca.Function:
     slope = share * 0.5 * (slope + slope.T) + (1 - share) * slid.secant * ca.SX.eye(3)
     latest_now = ca.vertcat(bent, z, _upper_half(slope))
     z, slope, latest_now = ca.substitute([z, slope, latest_now], [bent], [k])
-    outputs = B.T @ z, symmetric(B.T @ slope @ B), ca.dot(z, z), latest_now
+    outputs = B.T @ z, element.symmetric(B.T @ slope @ B), ca.dot(z, z), latest_now
     return ca.Function("wire_point", [at, before, k0, latest], [ca.cse(x) for x in outputs])
 
 
@@ -117,7 +109,7 @@ def _upper_half(A: ca.SX) -> ca.SX:
 
 
 @cache
-def wire_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
+def wire_element(fidelity: element.ElementFidelity, plain: element.ElementFunctions) -> element.ElementFunctions:
     """The ``plain`` element's functions with friction between the wires, whose energy is in that of bending."""
     wires = wire_functions(fidelity)
     return bending_element(

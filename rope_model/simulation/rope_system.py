@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rope_model.numerics.coupled_newton import Coupled, Iterate, newton
 from rope_model.numerics.generalized_alpha import Solution
-from rope_model.numerics.newton import KINKED, SMOOTH, report
+from rope_model.numerics.newton import GOOD, KINKED, SMOOTH, UNKNOWN, report
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.air import air_law
 from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
@@ -209,32 +209,31 @@ class RopeSystem:
         """Whether accelerations are likely to go on at their rate: not where wires begin to stick and to slide."""
         return not self.z.size
 
-    def solve(self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float) -> Solution[Evaluation]:
-        near = self._near(q, LOOK_AHEAD)
+    def solve(
+        self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array | None = None
+    ) -> Solution[Evaluation]:
+        near, x = self._near(q, LOOK_AHEAD), Iterate(q, v, a, reaction)
         while True:
-            found = self._newton(near, q, v, a, reaction, c, tolerance)
+            found = self._newton(near, x, c, tolerance, before)
             more = self._near(found.q, 0.0) if found.newton.converged else _NOTHING
             if not more.any() or (near.any() and not (more & ~near).any()):
                 return found
-            q, v, a, reaction, near = found.q, found.v, found.a, found.evaluation.reaction, near | more
+            x, near, before = Iterate(found.q, found.v, found.a, found.evaluation.reaction), near | more, None
 
-    def _newton(
-        self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
-    ) -> Solution[Evaluation]:
+    def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
         """Solve with contact of no other bodies than those ``near``."""
         if self.z.size:
-            return self._iterate(near, q, v, a, reaction, c, tolerance)
-        kernels, constants, P = self._with_bodies(near, q, v)
-        q, v, a, reaction, sums, progress = kernels.solve(
-            q, v, a, reaction, *constants, self._free, P, c, self._scale, tolerance
-        )
+            return self._iterate(near, x, c, tolerance)
+        kernels, constants, P = self._with_bodies(near, x.q, x.v)
+        # the friction of a swivel follows the reaction, which the tangent leaves out
+        good = before is not None and not near.any() and not self._constants[3].any()
+        method = self._free, P, c, self._scale, tolerance, x.q if before is None else before, GOOD if good else UNKNOWN
+        q, v, a, reaction, sums, progress = kernels.solve(*x, *constants, *method)
         return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), report(progress.tolist()))
 
-    def _iterate(
-        self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
-    ) -> Solution[Evaluation]:
+    def _iterate(self, near: Near, x: Iterate, c: Array, tolerance: float) -> Solution[Evaluation]:
         """Solve where a tangent depends on the previous one (wires), or where elements far apart are coupled."""
-        kernels, constants, P = self._with_bodies(near, q, v)
+        kernels, constants, P = self._with_bodies(near, x.q, x.v)
         latest = np.zeros((self.lengths.size, LATEST))
         solve: _Solver
 
@@ -255,7 +254,7 @@ class RopeSystem:
 
         x, newton_report = newton(
             Coupled(factorized, lambda at: self._coupling(at, c), lambda *at: evaluated(*at).reaction, self.norm),
-            Iterate(q, v, a, evaluated(q, v, a, reaction).reaction),
+            x._replace(R=evaluated(*x).reaction),
             c,
             tolerance,
             KINKED if self.z.size else SMOOTH,

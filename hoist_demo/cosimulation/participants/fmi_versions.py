@@ -3,12 +3,14 @@
 FMI 3.0 has other types, and other calls to instantiate, to set up and to step; fmu_description has the variables.
 """
 
+import atexit
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_void_p
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 from weakref import WeakKeyDictionary, finalize
@@ -55,6 +57,14 @@ class FmuState:
     handle: Any
 
 
+@lru_cache
+def _load(fmpy_class: Callable[..., Any], directory: Path, guid: str, identifier: str) -> Any:
+    """FMPy's object with the FMU's library, which stays loaded for the next instance and until this process ends."""
+    made = fmpy_class(guid=guid, modelIdentifier=identifier, unzipDirectory=str(directory), instanceName="balance_rope")
+    atexit.register(made.freeLibrary)
+    return made
+
+
 class Instance(ABC):
     """One instance for co-simulation. After `close` each call but that one raises RuntimeError."""
 
@@ -72,17 +82,11 @@ class Instance(ABC):
         self._loaded: Any = None  # FMPy's; None once it is freed
         self._t, self._h = c_double(), c_double()  # of the next step
         self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # those that somebody has, and their ends
+        identifier = description.coSimulation.modelIdentifier
         try:
-            self._loaded = self._fmpy_class(
-                guid=description.guid,
-                modelIdentifier=description.coSimulation.modelIdentifier,
-                unzipDirectory=str(directory),
-                instanceName="balance_rope",
-            )
+            self._loaded = copy(_load(self._fmpy_class, directory, description.guid, identifier))
             self._instantiate()
         except Exception as error:  # FMPy raises the bare class here
-            if self._loaded is not None:
-                self._loaded.freeLibrary()
             raise RuntimeError(str(error)) from error
 
     @property
@@ -211,7 +215,7 @@ class Instance(ABC):
         for give_back in [*self._states.values()]:
             give_back()
         fmu, self._loaded = self._loaded, None
-        fmu.freeInstance()
+        getattr(fmu, self.name_in_c("FreeInstance"))(fmu.component)  # FMPy's freeInstance unloads the library, too
 
 
 class _Instance2(Instance):

@@ -14,24 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import rope_model
 from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, access, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY, code_of
-from rope_model import (
-    SIGNALS,
-    BalanceRope,
-    EndMotion,
-    Level,
-    RopeState,
-    Scene,
-    Snapshot,
-    Status,
-    at_level,
-    balance_rope,
-)
 from rope_model.scene_names import named_parameters, with_values
 
 _log = logging.getLogger(__name__)
@@ -42,29 +31,29 @@ _TAG = b"rope in process\n"
 class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
-    def __init__(self, scene: Scene, read: Collection[str] | None = None, name: str = "") -> None:
+    def __init__(self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = "") -> None:
         """`read` are the outputs that a run records; None: all but the added masses, which are dear.
 
         `name` is that of one of several ropes, whose warnings begin with it.
         """
-        self._rope = balance_rope(scene)
-        self._recorded = SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
+        self._rope = rope_model.balance_rope(scene)
+        self._recorded = rope_model.SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
         self._warned: set[str] = set()  # subjects of what was logged
         self._whose = f"{name}: " if name else ""
 
     @property
-    def whole(self) -> BalanceRope:
+    def whole(self) -> rope_model.BalanceRope:
         """The rope itself."""
         return self._rope
 
-    def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
+    def initialize(self, t0: float, left: rope_model.EndMotion, right: rope_model.EndMotion) -> rope_model.Status:
         self._warned.clear()
         return self._log_warnings(self._rope.initialize(t0, left, right))
 
-    def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
+    def step(self, t: float, h: float, left: rope_model.EndMotion, right: rope_model.EndMotion) -> rope_model.Status:
         return self._log_warnings(self._rope.advance_to(t + h, left, right))
 
-    def _log_warnings(self, status: Status) -> Status:
+    def _log_warnings(self, status: rope_model.Status) -> rope_model.Status:
         """The status; warnings about a valid state are logged, each of them once, as the FMU does it."""
         for subject, text in self._rope.warnings().items() if status.valid else ():
             if subject not in self._warned:
@@ -81,7 +70,7 @@ class InProcessRope:
         return replace(scene_parameters(self._rope.scene), model=model, fidelity_reason=reason)
 
     def reader(self, names: Sequence[str]) -> Reader:
-        places = [k for k, name in enumerate(names) if name in SIGNALS]
+        places = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
         fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
         read = self._rope.reader([names[k] for k in places])
 
@@ -100,12 +89,12 @@ class InProcessRope:
         if native.form != "native":
             return None
         lib, rope, warnings, text = native.library
-        ends = np.zeros((1, 2 * len(EndMotion.__dataclass_fields__)))
+        ends = np.zeros((1, 2 * len(rope_model.EndMotion.__dataclass_fields__)))
 
         def table(names: Sequence[str], rows: int) -> Table:
-            places = [k for k, name in enumerate(names) if name in SIGNALS]
+            places = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
             fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
-            numbers = (c_int * len(places))(*([*SIGNALS].index(names[k]) for k in places))
+            numbers = (c_int * len(places))(*([*rope_model.SIGNALS].index(names[k]) for k in places))
             values, texts = np.zeros((rows, len(places))), np.zeros((rows, len(fidelities)), TEXT)
             accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] * bool(places)
             accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] * bool(fidelities)
@@ -129,41 +118,43 @@ class InProcessRope:
             heard=lambda: self._log_warnings(native.done(True)),
         )
 
-    def save(self) -> Snapshot:
+    def save(self) -> rope_model.Snapshot:
         """The state, which nothing changes."""
         return self._rope.snapshot()
 
-    def restore(self, snapshot: Snapshot | RopeState) -> None:
+    def restore(self, snapshot: rope_model.Snapshot | rope_model.RopeState) -> None:
         self._rope.restore(snapshot)
 
-    def to_bytes(self, snapshot: Snapshot) -> bytes:
+    def to_bytes(self, snapshot: rope_model.Snapshot) -> bytes:
         return _TAG + stamp(snapshot.state.to_bytes(), self.data().parameters)
 
-    def from_bytes(self, data: bytes) -> RopeState:
+    def from_bytes(self, data: bytes) -> rope_model.RopeState:
         if not data.startswith(_TAG):
             raise ValueError("the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE")
-        return RopeState.from_bytes(unstamp(data.removeprefix(_TAG), self.data().parameters))
+        return rope_model.RopeState.from_bytes(unstamp(data.removeprefix(_TAG), self.data().parameters))
 
     def units(self) -> dict[str, str]:
         """Unit of each output of the record, and of the fidelity's code."""
-        return {name: str(s.unit) for name, s in SIGNALS.items() if name in self._recorded} | {FIDELITY: "1"}
+        return {name: str(s.unit) for name, s in rope_model.SIGNALS.items() if name in self._recorded} | {FIDELITY: "1"}
 
     def close(self) -> None:
         """Nothing is held."""
 
 
-def scene_parameters(scene: Scene) -> RopeData:
+def scene_parameters(scene: rope_model.Scene) -> RopeData:
     """All parameters of a scene by FMI name."""
     named = [*named_parameters(scene)]
     return RopeData({}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named})
 
 
-def rope_data(parameters: Mapping[str, Value], level: Level = "standard", place: Place | None = None) -> Scene:
+def rope_data(
+    parameters: Mapping[str, Value], level: rope_model.Level = "standard", place: Place | None = None
+) -> rope_model.Scene:
     """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code.
 
     `place` is where it hangs between conveyances whose centres are `layout.spacing` apart.
     """
-    scene = with_values(at_level(Scene(), level), parameters)
+    scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
     if place is None:
         return scene
     return scene.with_(layout=replace(scene.layout, spacing=place.apart(scene.layout.spacing)))

@@ -22,7 +22,8 @@ static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, 
     double balance[BALANCE];
     memcpy(now->q, m.q, FIELDS * bytes);
     const Progress newton =
-        chain_of(rope, state)->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, balance);
+        chain_of(rope, state)
+            ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
     wires_slip(rope, state, now->q);
     with_angles_along(rope, state, now->q, m.v, m.a, m.b);

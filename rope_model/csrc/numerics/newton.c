@@ -5,7 +5,7 @@
 Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const Rules *rules) {
     const double contraction = before.norm > 0 ? norm / before.norm : 0;
     const int first = before.iterations < 1, sure = !first && contraction < rules->unsure;
-    const double guess = first ? rules->first * norm : norm;
+    const double guess = first ? before.contraction * norm : norm;
     Progress after = {
         TOO_MANY,    before.iterations + 1, 1, norm, sure ? contraction / (1 - contraction) * norm : guess,
         contraction, before.sum + norm};

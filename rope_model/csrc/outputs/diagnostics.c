@@ -136,31 +136,41 @@ static double nearest_squared(int points, double point[][3], int pieces, double 
     return least;
 }
 
-/* square of the smallest distance of either leg's points from the straight pieces between those of the other */
-static double smallest_squared(int lefts, double left[LEG][3], int rights, double right[LEG][3]) {
-    double of_left[BLOCKS][6], of_right[BLOCKS][6], least = HUGE_VAL;
+/* the same for the points of two blocks and the pieces of the other */
+static double between_squared(int m, int lefts, double left[LEG][3], int n, int rights, double right[LEG][3],
+                              double least) {
+    const int i = m * BLOCK, k = n * BLOCK, some = at_most(lefts - i, BLOCK), others = at_most(rights - k, BLOCK);
+    least = nearest_squared(some, left + i, at_most(rights - 1 - k, BLOCK), right + k, least);
+    return nearest_squared(others, right + k, at_most(lefts - 1 - i, BLOCK), left + i, least);
+}
+
+/* square of the smallest distance of either leg's points from the straight pieces between those of the other; `pair`:
+   the blocks found nearest, which are looked at first the next time and spare most others */
+static double smallest_squared(int lefts, double left[LEG][3], int rights, double right[LEG][3], int pair[2]) {
+    double of_left[BLOCKS][6], of_right[BLOCKS][6];
+    const int top = (lefts - 1) / BLOCK, other_top = (rights - 1) / BLOCK;
+    double least =
+        between_squared(at_most(pair[0], top), lefts, left, at_most(pair[1], other_top), rights, right, HUGE_VAL);
     blocks_of(lefts, left, of_left), blocks_of(rights, right, of_right);
-    /* from the top, where legs are mostly nearest: what is found first spares the rest */
-    for (int m = (lefts - 1) / BLOCK; m >= 0; m--)
-        for (int n = (rights - 1) / BLOCK; n >= 0; n--) {
+    for (int m = top; m >= 0; m--)
+        for (int n = other_top; n >= 0; n--) {
             if (!(least_squared_distance(of_left[m], of_right[n]) < least)) continue;
-            const int i = m * BLOCK, k = n * BLOCK, some = at_most(lefts - i, BLOCK),
-                      others = at_most(rights - k, BLOCK);
-            least = nearest_squared(some, left + i, at_most(rights - 1 - k, BLOCK), right + k, least);
-            least = nearest_squared(others, right + k, at_most(lefts - 1 - i, BLOCK), left + i, least);
+            const double found = between_squared(m, lefts, left, n, rights, right, least);
+            if (found < least) pair[0] = m, pair[1] = n;
+            least = found;
         }
     return least;
 }
 
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
-                     double diameter, double above) {
+                     double diameter, double above, int pair[2]) {
     double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
     shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
     diagnostics_shape(nodes, q, s, OUTLINE, at, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
-    return sqrt(smallest_squared(lefts, left, rights, right)) - diameter;
+    return sqrt(smallest_squared(lefts, left, rights, right, pair)) - diameter;
 }
 
 /* A leg on the way up, in PIECES of each element: the last of its points that is higher than all before it, and the

@@ -35,8 +35,8 @@ static void loop_signals(Simulator *rope, double *values) {
     const LoopBottom *bottom = loop(rope);
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = nearest_turn(bottom->yaw, state->loop_yaw);
-    values[SIGNAL_LOOP_CLEARANCE] =
-        leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter, scene->layout.spacing);
+    values[SIGNAL_LOOP_CLEARANCE] = leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter,
+                                                  scene->layout.spacing, rope->nearest_blocks);
     values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], diagnostics_direction(&m), state->crossing.net);
     values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &m, bottom);
     values[SIGNAL_LOOP_SIDEWAYS] = sideways(bottom->position, m.q, end_row(m.q, m.nodes, RIGHT));

@@ -120,14 +120,12 @@ class SelfTouchingRope(RopeSystem):
         """Touches of the rope with itself, with the tangent along (cq, cv) of q and v."""
         return touches_of(self.scene, q, v, self.lengths, cq, cv)
 
-    def _newton(
-        self, near: Near, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float
-    ) -> Solution[Evaluation]:
-        if not self.touches(q, v).any:
-            found = super()._newton(near, q, v, a, reaction, c, tolerance)
+    def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
+        if not self.touches(x.q, x.v).any:
+            found = super()._newton(near, x, c, tolerance, before)
             if not self.touches(found.q, found.v).any:
                 return found
-        return self._iterate(near, q, v, a, reaction, c, tolerance)
+        return self._iterate(near, x, c, tolerance)
 
     def _coupling(self, at: Iterate, c: Array) -> Callable[[Array], Array] | None:
         return self.touches(at.q, at.v, float(c[0]), float(c[1])).times

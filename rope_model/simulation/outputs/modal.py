@@ -73,7 +73,7 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
     q_e = np.hstack((along[:-1], along[1:])).T
     rest, row, l = np.zeros_like(q_e), np.ones((1, n)), system.lengths[None, :]
     F, P = element.reference.map(n)(q_e, l), np.tile(system.P[:, None], n)
-    J = element.tangent.map(n)(q_e, rest, rest, l, F, P, *(x * row for x in c))[1]
+    J = element.tangent.map(n)(q_e, rest, rest, l, F, P, *(x * row for x in c), q_e)[1]
     return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel())
 
 

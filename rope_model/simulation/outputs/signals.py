@@ -19,16 +19,8 @@ from rope_model.simulation.ends.misfit import with_drift, with_misfit
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.simulation.outputs import diagnostics
 from rope_model.simulation.outputs.audit import signal_values as audit_values
-from rope_model.simulation.outputs.diagnostics import (
-    LoopBottom,
-    direction,
-    interpolate_midpoints,
-    leg_clearance,
-    shape,
-    shape_places,
-    tension,
-)
 from rope_model.simulation.outputs.guards import rise
 from rope_model.simulation.outputs.sensitivity import Linearised, added_mass_signals
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
@@ -41,7 +33,7 @@ class Evaluated(Linearised, Protocol):
     """Source of the signals: simulation.simulator.RopeSimulator has it."""
 
     @property
-    def loop(self) -> LoopBottom: ...
+    def loop(self) -> diagnostics.LoopBottom: ...
     @property
     def system(self) -> RopeSystem: ...
 
@@ -89,11 +81,13 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     bottom = rope.loop
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
     q, lengths, yaw = state.motion.q, state.partition.lengths, nearest_turn(bottom.yaw, state.loop_yaw)
-    clearance = leg_clearance(q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing)
+    clearance = diagnostics.leg_clearance(
+        q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing
+    )
     return out | {
         "loop.yaw": yaw,
         "loop.clearance": clearance,
-        "loop.turns": turns(yaw, direction(q), state.crossing.net),
+        "loop.turns": turns(yaw, diagnostics.direction(q), state.crossing.net),
         "loop.rise": rise(scene, state, bottom),
         "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
     }
@@ -148,15 +142,15 @@ def audit_signals(rope: Evaluated) -> dict[str, float]:
 def shape_signals(rope: Evaluated) -> dict[str, float]:
     """Points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
-    points = shape(q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
+    points = diagnostics.shape(q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
     return _rows("shape", dict(zip("xyz", points.T, strict=True)))
 
 
 def along_signals(rope: Evaluated) -> dict[str, float]:
     """Places, tension and stresses at the points of the shape."""
     lengths = rope.state.partition.lengths
-    s = shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
-    bending, torsion = (interpolate_midpoints(stress, lengths, s) for stress in _material(rope)[:2])
+    s = diagnostics.shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
+    bending, torsion = (diagnostics.interpolate_midpoints(stress, lengths, s) for stress in _material(rope)[:2])
     return _rows("shape", {"s": s, "tension": pull_at(rope, s), "bending": bending, "torsion": torsion})
 
 
@@ -164,7 +158,7 @@ def station_signals(rope: Evaluated) -> dict[str, float]:
     """Tension, curvature, torque and place of points that stay in the rope."""
     where, lengths = rope.scene.station, rope.state.partition.lengths
     s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
-    curvature, torque = (interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4])
+    curvature, torque = (diagnostics.interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4])
     points = dict(zip("xyz", interpolate(rope.state.motion.q, arc_lengths(lengths), s)[:, POSITION].T, strict=True))
     return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque} | points)
 
@@ -175,7 +169,7 @@ def pull_at(rope: Evaluated, s: Array) -> Array:
     rho, gravity = rope.scene.rope.mass_per_length, rope.scene.layout.gravity
     if rope.state.fidelity == "rigid":
         return rigid_tension(m, s, interpolate(m.q, arc_lengths(lengths), s)[:, 1], rho, gravity)
-    return tension(m, lengths, s, rho, gravity)
+    return diagnostics.tension(m, lengths, s, rho, gravity)
 
 
 def _rows(of: str, rows: dict[str, Array]) -> dict[str, float]:
