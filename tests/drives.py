@@ -3,7 +3,7 @@
 import math
 from collections import namedtuple
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,20 +15,8 @@ from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 
 
-@dataclass(frozen=True)
-class PlantInput:
-    """Held over one communication step, in the order of INPUT_NAMES; forces are those of one balance rope."""
-
-    torque_command: float
-    force_left: float
-    force_right: float
-    brake: float = 0.0
-    fx_left: float = 0.0
-    fz_left: float = 0.0
-    my_left: float = 0.0
-    fx_right: float = 0.0
-    fz_right: float = 0.0
-    my_right: float = 0.0
+class PlantInput(namedtuple("Given", INPUT_NAMES, defaults=(0.0,) * (len(INPUT_NAMES) - 3))):
+    """Held over one communication step; forces are those of one balance rope."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +33,6 @@ class PlantOutput(namedtuple("Shown", OUTPUTS)):
     @property
     def tension_ratio(self) -> float:
         return float(tension_ratio(self.tension_left, self.tension_right))
-
-    @property
-    def static_tension_ratio(self) -> float:
-        return float(tension_ratio(self.static_tension_left, self.static_tension_right))
 
     @property
     def power(self) -> float:
@@ -77,7 +61,7 @@ class Plant(HoistPlant):
     def rates(self, state: PlantState, u: PlantInput) -> np.ndarray:
         """dx/dt of head ropes that hold."""
         hoist = replace(self.hoist, lining=None)
-        found = equations(hoist.parts).rates(state.x, astuple(u), state.free_lengths, hoist.numbers)
+        found = equations(hoist.parts).rates(state.x, np.array(u), state.free_lengths, hoist.numbers)
         return np.asarray(found).ravel()
 
 
@@ -90,8 +74,8 @@ def energy_residual(start: PlantOutput, now: PlantOutput, work: Sequence[float])
 
 def _packed(u: PlantInput | PlantInputPath) -> tuple[np.ndarray, np.ndarray]:
     if isinstance(u, PlantInput):
-        return np.array([*astuple(u), *(0.0,) * (2 * len(INPUT_NAMES))]), np.zeros(2)
-    return np.array([*astuple(u.start), *astuple(u.rise), *astuple(u.bend)]), np.array(u.added_mass)
+        return np.array([*u, *(0.0,) * (2 * len(INPUT_NAMES))]), np.zeros(2)
+    return np.array([*u.start, *u.rise, *u.bend]), np.array(u.added_mass)
 
 
 def dead_weights(hoist: Hoist, y_left: float, y_right: float, acceleration: float) -> tuple[float, float]:

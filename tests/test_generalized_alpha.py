@@ -41,9 +41,7 @@ class Corrected:
 
     smooth = True
 
-    def solve(
-        self: Any, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, _: Array
-    ) -> Solution[Told]:
+    def solve(self: Any, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, _: Array) -> Any:
         def corrections() -> Iterator[float]:
             nonlocal q, v, a, reaction
             while True:

@@ -81,7 +81,7 @@ def test_a_pushed_conveyance_leans_on_its_guides() -> None:
     tension = plant.hoist.mass_left * GRAVITY + plant.hoist.rope_mass * GRAVITY * state.free_lengths[0] / 2
     pendulum, k, c = tension / (plant.hoist.sheave_height - 45.0), 2.0e6, 5.0e-3
     place = (1.0e4 + k * c) / (k + pendulum)
-    rates = plant.rates(state_with(plant, state, x_left=place), replace(u, fx_left=1.0e4))
+    rates = plant.rates(state_with(plant, state, x_left=place), u._replace(fx_left=1.0e4))
     # 1e4 N on 15 t, the shortening of the pendulum (x / H)^2 = 3e-8 left out
     np.testing.assert_allclose(rates[plant.state_names.index("x_left_rate")], 0.0, atol=1e-6)
 
@@ -142,14 +142,14 @@ def test_with_every_part_the_energy_balance_closes() -> None:
     start = plant.outputs(state, u)
     for k in range(150):
         wave = math.sin(0.1 * k)
-        u = replace(
-            u, torque_command=7e4 + 3e4 * wave, brake=0.6 * (k > 60), fx_left=8e3 * wave, fz_left=-2e3,
+        u = u._replace(
+            torque_command=7e4 + 3e4 * wave, brake=0.6 * (k > 60), fx_left=8e3 * wave, fz_left=-2e3,
             my_left=5e3 * wave, fx_right=-9e3 * wave, fz_right=1e4, my_right=-3e3,
         )  # fmt: skip
         step = plant.step(state, 0.01, u)
         assert step.valid
         state = step.state
-    # the integrator's 1e-9 on the 1e7 J of the hoist's energy, over 150 steps that partly cancel
+    # the integrator's 1e-8 on the 1e7 J of the hoist's energy, over 150 steps that partly cancel
     np.testing.assert_allclose(energy_residual(start, plant.outputs(state, u), state.works[:5]), 0.0, atol=0.05)
     np.testing.assert_allclose(state.works[5:].sum(), state.works[:5][1], rtol=1e-12)
     # every loss has taken something, or this test says nothing of it; head ropes that slip are in test_head_ropes
@@ -166,7 +166,7 @@ def test_a_hoist_with_its_sides_exchanged_does_the_same_mirrored() -> None:
     for hoist, sign in ((left, 1.0), (right, -1.0)):
         plant = Plant(hoist)
         state, u = rest_at(plant, (20.0, 70.0) if sign > 0 else (70.0, 20.0))
-        pushed = replace(u, torque_command=u.torque_command + sign * 2e4)
+        pushed = u._replace(torque_command=u.torque_command + sign * 2e4)
         shown.append(plant.outputs(plant.run(state, 0.01, pushed, 20)[-1], u))
     one, other = shown
     np.testing.assert_allclose(other.tension_right, one.tension_left, rtol=1e-7)
@@ -181,9 +181,9 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
     left, right = 15e3 + 8 * 105 + 8 * 15, 10e3 + 8 * 15 + 8 * 105
     # head ropes are a strain of 1.5e-3 shorter than they hang, on 840 of 15960 kg
     np.testing.assert_allclose(shown.static_tension_left, GRAVITY * left, rtol=1e-4)
-    np.testing.assert_allclose(shown.static_tension_ratio, left / right, rtol=1e-4)
+    np.testing.assert_allclose(shown.static_tension_right, GRAVITY * right, rtol=1e-4)
     # all of a side's weight hangs on the sheave, up to the strain of its ropes, T / EA = 1.5e-3
-    np.testing.assert_allclose(shown.tension_ratio, shown.static_tension_ratio, rtol=1.5e-3)
+    np.testing.assert_allclose(shown.tension_ratio, left / right, rtol=1.5e-3)
     # e^(0.25 pi) = 2.19328: 1.19328 / 0.456204
     np.testing.assert_allclose(hoist.slip_safety(left / right), 2.61567, rtol=1e-5)
     assert hoist.slip_safety(1.0) == math.inf
@@ -192,7 +192,7 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
 def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
     plant = Plant(replace(FULL, power_limit=3.0e5))
     state, u = rest_at(plant, (0.0, 90.0))
-    greedy = replace(u, torque_command=1e7)
+    greedy = u._replace(torque_command=1e7)
     shown = [plant.outputs(s, greedy) for s in plant.run(state, 0.01, greedy, 150)]
     assert 0.99 * 2.2e5 < max(s.torque for s in shown) <= 2.2e5 * (1 + 1e-12)
     assert max(s.power for s in shown) <= 3.0e5 * (1 + 1e-12)
@@ -200,7 +200,7 @@ def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
 
 
 def ends(plant: Plant, state: PlantState, u: PlantInput) -> tuple[EndMotion, EndMotion]:
-    drive = HoistPartner(plant, state, np.array([*vars(u).values()]), Stopwatch())
+    drive = HoistPartner(plant, state, np.array(u), Stopwatch())
     return drive.ends(drive.motion(Load.constant(np.array([u.force_left, u.force_right])), 0.0))
 
 

@@ -44,7 +44,7 @@ def measure_snatch() -> Finding:
     return Finding(
         counterexample=(
             above(
-                "rho_inf = 1, fixed step: energy that the balance does not explain, part of the largest kinetic energy",
+                "rho_inf = 1, fixed step: unexplained energy over the largest kinetic energy",
                 np.abs(counterexample.unexplained).max() / counterexample.kinetic.max(),
                 0.02,
             ),
