@@ -116,7 +116,8 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
         rows.append({
             "time": (k + 1) * step, "position": shown.y_left - heights[0], "speed": hoist.sheave_radius * shown.rate,
             "torque": shown.torque, "power": shown.power, "slip_safety": hoist.slip_safety(shown.tension_ratio),
-            "static_slip_safety": hoist.slip_safety(tension_ratio(shown.static_tension_left, shown.static_tension_right)),
+            "static_slip_safety": hoist.slip_safety(
+                tension_ratio(shown.static_tension_left, shown.static_tension_right)),
             "energy_residual": energy_residual(at_rest, shown, state.works[:5]),
         })  # fmt: skip
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
