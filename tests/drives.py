@@ -3,7 +3,7 @@
 import math
 from collections import namedtuple
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,14 +19,8 @@ class PlantInput(namedtuple("Given", INPUT_NAMES, defaults=(0.0,) * (len(INPUT_N
     """Held over one communication step; forces are those of one balance rope."""
 
 
-@dataclass(frozen=True)
-class PlantInputPath:
+class PlantInputPath(namedtuple("Path", ("start", "rise", "bend", "added_mass"), defaults=((0.0, 0.0),))):
     """Input over one communication step, s = 0 .. 1: start + rise s + bend s^2, and forces less m_a times a."""
-
-    start: PlantInput
-    rise: PlantInput
-    bend: PlantInput
-    added_mass: tuple[float, float] = (0.0, 0.0)
 
 
 class PlantOutput(namedtuple("Shown", OUTPUTS)):

@@ -70,7 +70,7 @@ PATH = PlantInputPath(
 @pytest.mark.parametrize("name", HOISTS)
 def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added_mass):
     plant, state = _swinging(name)
-    path = replace(PATH, added_mass=added_mass)
+    path = PATH._replace(added_mass=added_mass)
     for h in (1e-3, 0.01, 0.04):
 
         def rates(t: float, x: np.ndarray, h: float = h) -> np.ndarray:

@@ -265,13 +265,12 @@ MORE = {
 WORD = re.compile(r"#.*|\"[^\"\n]*\"|'[^'\n]*'|[\w.+-]+")
 
 
-def example_files() -> list[tuple[str, str]]:
-    paths = [(kind, path) for kind in FILES for path in sorted((ROOT / "docs" / kind).glob("*.toml"))]
-    texts = [(kind, path.read_text(encoding="utf-8")) for kind, path in paths]
-    return [*texts, *MORE.items()]
+EXAMPLES = [(kind, path) for kind in FILES for path in sorted((ROOT / "docs" / kind).glob("*.toml"))]
 
 
-@pytest.mark.parametrize(("kind", "example"), example_files())
+@pytest.mark.parametrize(
+    ("kind", "example"), [*((kind, path.read_text("utf-8")) for kind, path in EXAMPLES), *MORE.items()]
+)
 def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(kind, example, tmp_path):
     path = tmp_path / "file.toml"
     words = {found[0]: found for found in WORD.finditer(example) if not found[0].startswith("#")}

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,6 +27,8 @@ from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
+from rope_model.simulation import rope_system
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.solver_parameters import Mesh, Model, Solver
 
 States = Iterator[tuple[RopeState, ...]]
@@ -182,6 +185,23 @@ def test_half_steps_after_a_restored_state_are_bit_identical() -> None:
             ends.append(rope.native_state())
         assert ends[0] == ends[1]
     assert {"transformation", "left swivel slips -", "left swivel sticks"} <= happened
+
+
+def test_one_correction_of_a_step_leaves_less_than_is_reckoned(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts, solve = [], RopeSystem._newton
+
+    def watched(system: RopeSystem, near: Any, x: Any, c: Any, tolerance: float, before: Any) -> Any:
+        once, exact = (solve(system, near, x, c, least, before) for least in (1e3, 1e-11))
+        if before is not None and once.newton.error > 1e-9:
+            assert (once.newton.iterations, exact.newton.iterations > 1) == (1, True)
+            parts.append(system.norm(once.q - exact.q) / once.newton.error)
+        return exact
+
+    monkeypatch.setattr(rope_system, "SMALL", 1e3)
+    monkeypatch.setattr(RopeSystem, "_newton", watched)
+    list(followed(RopeSimulator(rope_120("draft").scene), winding(90.0, 8.0), 400, 0.04))
+    assert len(parts) > 200
+    assert max(parts) < 1.0
 
 
 def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter_one() -> None:

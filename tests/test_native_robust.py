@@ -8,7 +8,7 @@ import shutil
 import struct
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -88,13 +88,6 @@ def _python() -> str | None:
     return ctypes.util.find_library(f"python{sys.version_info.major}.{sys.version_info.minor}")
 
 
-def build_threads(folder: Path, flags: Sequence[str] = ()) -> Path:
-    program, here = folder / "threads", ROOT / "tests" / "native"
-    command = ["cc", "-std=gnu99", "-O1", *flags, f"-I{header_folder()}", here / "threads.c", "-o", program]
-    subprocess.run([*command, "-ldl", "-lm", "-lpthread"], check=True)
-    return program
-
-
 def run_threads(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS) -> subprocess.CompletedProcess[str]:
     """One run, in a process of its own; a Python FMU finds the packages that this one has."""
     description = fmpy.read_model_description(str(fmu))
@@ -116,7 +109,9 @@ def run_threads(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS
 @pytest.mark.skipif(why_no_threads() != "", reason=why_no_threads())
 @pytest.mark.parametrize(("flavour", "count", "runs"), [("python", 4, 1), ("native-2", 16, 5)])
 def test_many_threads_have_the_bits_of_one(flavour: str, count: int, runs: int, fmu_of: Any, tmp_path: Path) -> None:
-    program, fmu = build_threads(tmp_path), fmu_of(flavour)
+    program, fmu, text = tmp_path / "threads", fmu_of(flavour), ROOT / "tests" / "native" / "threads.c"
+    command = ["cc", "-std=gnu99", "-O1", f"-I{header_folder()}", text, "-o", program, "-ldl", "-lm", "-lpthread"]
+    subprocess.run(command, check=True)
     unzipped = Path(fmpy.extract(str(fmu), str(tmp_path / "unzipped")))
     for _ in range(runs):
         done = run_threads(program, fmu, unzipped, count)

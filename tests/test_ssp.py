@@ -104,13 +104,6 @@ def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
 INSTALLED = {"kiruna-355": -40.0, "monopol-1000": 4.0, "four ropes": 4.0}
 
 
-def ropes_with_play(number: int) -> str:
-    """Ropes of alternating lay beside the centres; the last is short."""
-    ropes = [f"[[rope]]\nz = {0.3 * k}\nx_left = 0.1\nnumber = 1\nQb = {5e4 * (-1) ** k}" for k in range(number)]
-    head = 'name = "ropes"\nlike = "kiruna-355"\nlevel = "draft"\nmodel.fidelity = "torsional"'
-    return "\n".join([head, *ropes, "length = 391.0\n"])
-
-
 @pytest.mark.slow
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 @pytest.mark.parametrize("name", INSTALLED)
@@ -118,8 +111,10 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
     case, members = find_case(name if name in HOISTS else "kiruna-355"), ()
     rope = partial(rope_in_process, name)
     if name not in HOISTS:
-        path = tmp_path / "ropes.toml"
-        path.write_text(ropes_with_play(4), encoding="utf-8")
+        path, head = tmp_path / "ropes.toml", 'name = "ropes"\nlike = "kiruna-355"\nlevel = "draft"'
+        # of alternating lay beside the centres; the last is short
+        ropes = [f"[[rope]]\nz = {0.3 * k}\nx_left = 0.1\nnumber = 1\nQb = {5e4 * (-1) ** k}" for k in range(4)]
+        path.write_text("\n".join([head, 'model.fidelity = "torsional"', *ropes, "length = 391.0\n"]), encoding="utf-8")
         read = ropes_in(path)
         case, members, rope = replace(case, hoist=read.hoist), read.ropes, partial(getattr, read, "plant")
     case = replace(case, winding=replace(case.winding, travel=INSTALLED[name], settle=5.0))

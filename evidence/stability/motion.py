@@ -50,18 +50,16 @@ def measure_snatch() -> Finding:
             ),
         ),
         ours=(
+            below(
+                "unexplained energy over the largest kinetic energy", np.abs(ours.unexplained).max() / largest, 0.002
+            ),
             below("time not reached", END - float(ours.t[-1]), 1e-9, "s"),
             below(
                 f"snatch of {1e-3 * fine.pull.max():.3g} kN against ten times the tolerance",
                 abs(float(ours.pull.max() / fine.pull.max()) - 1),
                 0.05,
             ),
-            below(
-                "energy that the balance does not explain, part of the largest kinetic energy",
-                np.abs(ours.unexplained).max() / largest,
-                0.05,
-            ),
-            below("the same with a tenth of the tolerance", np.abs(fine.unexplained).max() / largest, 0.02),
+            below("unexplained energy with a tenth of the tolerance", np.abs(fine.unexplained).max() / largest, 0.002),
             # of second order in the step, and control takes several times as many steps
             below(
                 "the energy that the balance does not explain over that of steps of 5 ms",

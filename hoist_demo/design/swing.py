@@ -4,12 +4,14 @@ All of these, and a drift, are fitted to a record by least squares.
 """
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+_NO_MODE = "no single damped mode fits what swings"
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class SwingMode:
 
 def fit_swing(time: Array, x: Array) -> SwingMode | str:
     """Return the strongest mode of an evenly sampled record; else why there is none, in words."""
-    from scipy.optimize import curve_fit  # as slow to load as all the rest of a demo
+    from scipy.optimize import OptimizeWarning, curve_fit  # as slow to load as all the rest of a demo
 
     t = time - time[0]
     drift = np.polynomial.Polynomial.fit(t, x, 1)
@@ -47,13 +49,13 @@ def fit_swing(time: Array, x: Array) -> SwingMode | str:
 
     start = w0, 0.03 * w0
     linear = np.linalg.lstsq(columns(t, *start), x, rcond=None)[0]
-    try:
-        # a mode takes ten evaluations
-        w_d, decay, *c = curve_fit(swing, t, x, [*start, *linear], jac=derivatives, maxfev=25)[0].tolist()
-    except RuntimeError:  # it does not converge
-        w_d, decay, c = 0.0, 0.0, linear.tolist()
+    with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore", category=OptimizeWarning):
+        try:  # a mode takes ten evaluations
+            w_d, decay, *c = curve_fit(swing, t, x, [*start, *linear], jac=derivatives, maxfev=25)[0].tolist()
+        except RuntimeError:
+            return _NO_MODE
     # a fit that ends far from where it began has found a drift or a bump, not a mode
     far = not (0.51 * w0 < w_d < 1.49 * w0 and -0.1 * w0 < decay < 0.99 * w0)
     if far or np.var(swing(t, w_d, decay, *c) - x) > 0.5 * np.var(rest):
-        return "no single damped mode fits what swings"
+        return _NO_MODE
     return SwingMode(w_d / (2.0 * math.pi), decay / math.hypot(w_d, decay), math.hypot(c[2], c[3]))

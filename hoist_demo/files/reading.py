@@ -14,17 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    PrivateAttr,
-    ValidationError,
-    ValidationInfo,
-    create_model,
-)
+import pydantic
 
 from hoist_demo.files.values import Facts, given
 from hoist_demo.parameters.quantity import Parameter
@@ -39,16 +29,16 @@ class FileError(ValueError):
         super().__init__("\n".join(f"{printable(str(path))}: {problem}" for problem in self.problems))
 
 
-class Table(BaseModel):
+class Table(pydantic.BaseModel):
     """A table of a file, all keys of which are known."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
+    model_config = pydantic.ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
 
 
 class File(Table):
     """A whole file."""
 
-    _path: Path = PrivateAttr(Path())
+    _path: Path = pydantic.PrivateAttr(Path())
 
     def model_post_init(self, context: tuple[Path, ...] | None) -> None:
         """Keep the path."""
@@ -60,9 +50,9 @@ class File(Table):
         return self._path
 
 
-T = TypeVar("T", bound=BaseModel)
+T = TypeVar("T", bound=pydantic.BaseModel)
 #: a table that may be left out: it is then read as an empty one
-EMPTY: Any = Field(default={}, validate_default=True)
+EMPTY: Any = pydantic.Field(default={}, validate_default=True)
 
 
 @dataclass(frozen=True)
@@ -72,9 +62,9 @@ class Flat:
     model: type[Table]
     make: Callable[[Any], Any]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
+    def __get_pydantic_core_schema__(self, source: Any, handler: pydantic.GetCoreSchemaHandler) -> Any:
         """Return pydantic's schema."""
-        return handler.generate_schema(Annotated[self.model, AfterValidator(self.make)])
+        return handler.generate_schema(Annotated[self.model, pydantic.AfterValidator(self.make)])
 
 
 def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = given) -> type[Table]:
@@ -87,12 +77,12 @@ def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Paramet
         plain = found[0].name == f"{name}.{key}"
         kind = leaf(found[0]) if plain else table_of(f"{name}.{key}", found, leaf)
         # brackets in a key are no identifier
-        fields[f"key{number}"] = (kind, Field(default=None, alias=key))
-    made: type[Table] = create_model("".join(map(str.title, name.split("."))), __base__=Table, **fields)
+        fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
+    made: type[Table] = pydantic.create_model("".join(map(str.title, name.split("."))), __base__=Table, **fields)
     return made
 
 
-def contents(table: BaseModel, prefix: str = "") -> Iterator[tuple[str, Any]]:
+def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield all that a table and those in it set, by dotted names."""
     for name in type(table).model_fields:
         if name in table.model_fields_set:
@@ -103,7 +93,7 @@ def contents(table: BaseModel, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None = None) -> Flat:
     """Return the annotation of a table with these fields, which holds all that it sets, by dotted names."""
-    model: type[Table] = create_model(name, __base__=Table, **fields)
+    model: type[Table] = pydantic.create_model(name, __base__=Table, **fields)
     return Flat(model, make or (lambda table: dict(contents(table))))
 
 
@@ -125,7 +115,7 @@ def read(
             below |= table
     try:
         return model.model_validate(tables, context=(*opened, path))
-    except ValidationError as error:
+    except pydantic.ValidationError as error:
         raise FileError(path, [line for one in error.errors() for line in _problems(_keys(model), one)]) from error
 
 
@@ -140,12 +130,12 @@ def of_file(path: Path) -> Iterator[None]:
         raise FileError(path, str(error).splitlines()) from error
 
 
-def opened_by(info: ValidationInfo) -> tuple[Path, ...]:
+def opened_by(info: pydantic.ValidationInfo) -> tuple[Path, ...]:
     """Return the file that is read, the last, and those that led to it."""
     return info.context or (Path("file"),)
 
 
-def beside(info: ValidationInfo, name: str) -> Path:
+def beside(info: pydantic.ValidationInfo, name: str) -> Path:
     """Return the path of a file that the one which is read names."""
     return opened_by(info)[-1].parent / name
 
@@ -264,7 +254,7 @@ def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
     """Yield the names of all keys of the tables within types, and of those in them."""
     for hint in hints:
         table = hint.model if isinstance(hint, Flat) else hint
-        if not (isinstance(table, type) and issubclass(table, BaseModel)):
+        if not (isinstance(table, type) and issubclass(table, pydantic.BaseModel)):
             yield from _names(get_args(table), prefix)
         elif table is not Facts:
             for name, field in table.model_fields.items():
@@ -273,6 +263,6 @@ def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
 
 
 @cache
-def _keys(model: type[BaseModel]) -> list[str]:
+def _keys(model: type[pydantic.BaseModel]) -> list[str]:
     """Return the names of all keys of a table and of those in it, each once."""
     return list(dict.fromkeys(_names([model])))

@@ -74,5 +74,5 @@ def _when(fidelity: str, recording: Recording) -> str:
 
 
 @lru_cache(maxsize=16)  # a study's recordings are alike
-def _names(effects: tuple[Effect, ...], signals: tuple[str, ...]) -> list[str]:
-    return [name for name in signals if any(effect.has(name) for effect in effects)]
+def _names(effects: tuple[Effect, ...], signals: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(name for name in signals if any(effect.has(name) for effect in effects))

@@ -232,7 +232,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_places, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
     ("GRADIENT_", coupled_newton, "STEPS LEFT"),
-    ("NEWTON_", newton, "SMOOTH KINKED HUGE UNKNOWN GOOD"),
+    ("NEWTON_", newton, "SMOOTH KINKED HUGE UNKNOWN GOOD SMALL"),
     ("WIRE_", wire_element, "HISTORY LATEST"),
 )
 CONSTANTS: dict[str, float | tuple[Any, ...]] = {

@@ -71,8 +71,8 @@ typedef struct {
 /* yaw of the line from the left to the right end */
 double diagnostics_direction(const Arrays *m);
 LoopBottom loop_bottom(int nodes, const double *q, const double *s);
-/* smallest free distance of the legs `above` or more over the lowest point; `pair`: which parts of them were nearest
-   the last time, for speed; some 10 kB of stack */
+/* smallest free distance of the legs `above` or more over the lowest point; `pair`, not
+   negative: the parts that were nearest the last time, for speed, and are now; some 10 kB of stack */
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]);
 /* turns of one side of the rope about the other, over the height, and the height around which they change most */

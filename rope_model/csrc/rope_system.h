@@ -23,8 +23,10 @@ enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY };
 enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
 
 typedef struct {
-    int status, iterations, applies;      /* applies: whether the latest correction does */
-    double norm, error, contraction, sum; /* sum: of the norms of all that did */
+    int status, iterations, applies; /* applies: whether the latest correction does */
+    /* contraction: before the first correction the share of it that is reckoned as left; sum: of the norms of all that
+       did apply */
+    double norm, error, contraction, sum;
 } Progress;
 
 typedef struct {
@@ -123,7 +125,7 @@ typedef struct {
 
 typedef struct {
     /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2].  The
-       first tangents have the tensions of the q `before`, if there is one */
+       first tangents have the axial strains of the q `before`, if there is one */
     Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
                       double tolerance, const double *before, double balance[BALANCE]);
     /* J x = M a with the J that solve was left with, work as it left it */

@@ -59,11 +59,11 @@ class ChainFunctions(NamedTuple):
     A node has ``dof`` degrees of freedom of which the element may know but some; the others stay zero.  ``l`` and ``F``
     have a column for each element.
 
-    solve:     (q, v, a, R, l, F, load, grip, node_mass, free, P, c, scale, tolerance, before, leaves)
+    solve:     (q, v, a, R, l, F, load, grip, node_mass, free, P, c, scale, tolerance, before, share_left)
                 -> q, v, a, R, balance, progress
         Newton's method for q; v and a follow by c[1] and c[2] times the corrections, whose size is the largest
-        entry times ``scale`` (dof,).  The first factorization has the tensions of the q ``before``.  ``leaves`` and
-        ``progress`` are those of numerics.newton.
+        entry times ``scale`` (dof,).  The first factorization has the axial strains of the q ``before``.
+        ``share_left`` and ``progress`` are those of numerics.newton.
     newton_step: (q, v, a, R, l, F, load, grip, node_mass, free, P, c) -> correction, R
         solves J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da
     evaluate:    (q, v, a, R, l, F, load, grip, node_mass, P) -> R, balance summed over the elements
@@ -99,7 +99,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
     q, v, a, R, load, grip, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
     l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
-    before, tolerance, leaves = ca.MX.sym("before", m, n + 1), ca.MX.sym("tolerance"), ca.MX.sym("leaves")
+    before, tolerance, share_left = ca.MX.sym("before", m, n + 1), ca.MX.sym("tolerance"), ca.MX.sym("share_left")
     F, Ps = ca.MX.sym("F", parts.residual.size1_in(4), n), ca.repmat(P, 1, n)
     factorize, substitute = _factorize(n, parts, m), _substitute(n, parts, m)
 
@@ -130,7 +130,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
         ca.Function("correct", [x, *factors, *fixed], [step, norm]),
         ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, motions[3]), q_x)]),
     )
-    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R), before), *fixed, tolerance, leaves)
+    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R), before), *fixed, tolerance, share_left)
     solved = ca.horzsplit(solution, n + 1)
 
     def sums(q: ca.MX, v: ca.MX) -> ca.MX:
@@ -146,7 +146,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, kept: tuple[int, ...]) 
     system = {"l": l, "F": F, "load": load, "friction_load": grip, "node_mass": node_mass}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
-    limits = {"scale": scale, "tolerance": tolerance, "before": before, "leaves": leaves}
+    limits = {"scale": scale, "tolerance": tolerance, "before": before, "share_left": share_left}
     after = dict(zip(("q", "v", "a", "R"), solved[:4], strict=True))
 
     function = partial(_widen, dof, kept)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.numerics.newton import HUGE, KINKED, UNKNOWN, NewtonReport, Rules, initial_progress, judge, report
+from rope_model.numerics.newton import NewtonReport, Rules, initial_progress, judge, report
 
 Array = NDArray[np.float64]
 
@@ -66,9 +66,11 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
     return x
 
 
-def newton(system: Coupled, x: Iterate, c: Array, tolerance: float, rules: Rules) -> tuple[Iterate, NewtonReport]:
+def newton(
+    system: Coupled, x: Iterate, c: Array, tolerance: float, rules: Rules, share_left: float
+) -> tuple[Iterate, NewtonReport]:
     """``x`` moved until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
-    progress = initial_progress(HUGE if rules is KINKED else UNKNOWN)
+    progress = initial_progress(share_left)
     for _ in range(int(rules.rounds)):
         solve = system.factorized(x)
         for k in range(int(rules.per_round)):

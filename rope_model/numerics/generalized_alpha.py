@@ -97,7 +97,7 @@ class System(Protocol[B]):
     ) -> Solution[B]:
         """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x.
 
-        Stresses at the guess q may be far off; those of the configuration ``before`` serve its derivatives better.
+        Stresses at the guess q may be far off; strains of the configuration ``before`` serve its derivatives better.
         """
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:

@@ -34,9 +34,9 @@ class Rules(NamedTuple):
 SMOOTH = Rules(8.0, 5.0, 0.1, 0.5, 8.0)
 #: rules for equations with kinks: a factorization and its prediction serve the side of the kink where it was made
 KINKED = Rules(16.0, 1.0, 0.1, 0.2, HUGE)
-#: error that the first correction leaves, over its size: where nothing is known of it, and where it is known to be
-#: good, as of a smooth system in a time step, which leaves .04 of it at most and .005 mostly
-UNKNOWN, GOOD = 1.0, 0.1
+#: share of the first correction that is reckoned as left: where nothing is known of it; where it is good, as of a
+#: smooth system in a time step (windings and stops left .04 at most), if the tolerance is SMALL or less
+UNKNOWN, GOOD, SMALL = 1.0, 0.1, 1e-4
 
 
 class NewtonStatus(Enum):
@@ -68,13 +68,14 @@ class NewtonReport:
         return self.status is NewtonStatus.CONVERGED
 
 
-#: names of the progress vector that goes through the iterations; status 0 goes on, applies: the latest correction
+#: names of the progress vector that goes through the iterations; status 0 goes on, applies: the latest correction;
+#: contraction: before the first one the share of it that is reckoned as left
 PROGRESS = ("status", "iterations", "applies", "norm", "error", "contraction")
 
 
-def initial_progress(leaves: Any = UNKNOWN) -> Any:
-    """The progress before the first correction, which ``leaves`` such an error over its size."""
-    return ca.vertcat(0.0, 0.0, 1.0, ca.inf, ca.inf, leaves)
+def initial_progress(share_left: Any = UNKNOWN) -> Any:
+    """The progress before the first correction."""
+    return ca.vertcat(0.0, 0.0, 1.0, ca.inf, ca.inf, share_left)
 
 
 def report(progress: list[float]) -> NewtonReport:
@@ -87,11 +88,11 @@ def judge(rules: Rules = SMOOTH) -> ca.Function:
     """(progress, norm of the correction, tolerance, whether its factorization is new) -> progress after it."""
     before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
     fresh = ca.SX.sym("fresh")
-    _, iterations, _, previous, _, leaves = ca.vertsplit(before)
+    _, iterations, _, previous, _, share_left = ca.vertsplit(before)
     contraction = ca.if_else(previous > 0, norm / previous, 0.0)
     first = iterations < 1
     sure = ca.logic_and(ca.logic_not(first), contraction < rules.unsure)
-    guess = ca.if_else(first, leaves * norm, norm)
+    guess = ca.if_else(first, share_left * norm, norm)
     error = ca.if_else(sure, contraction / (1 - contraction) * norm, guess)
     useless = ca.logic_not(ca.logic_or(sure, fresh))
     diverged = ca.logic_and(ca.logic_not(first), contraction >= rules.growing)
@@ -113,7 +114,7 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
     factorize: (x, *fixed) -> factors ...                     the derivative at x, ready to be solved with
     correct:   (x, *factors, *fixed) -> correction, norm      with these factors
     apply:     (x, correction, *fixed) -> x                   with its residual
-    returns    (x, *fixed, tolerance, leaves) -> x, progress; ``leaves``: see initial_progress
+    returns    (x, *fixed, tolerance, share_left) -> x, progress; ``share_left``: see initial_progress
     """
     number = factorize.n_out()
     x, *fixed = factorize.mx_in()
@@ -137,11 +138,11 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
     made = factorize.call([x, *fixed])
     one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *made, *fixed, tolerance]))
     another = _where(one_round, 2)
-    leaves = ca.MX.sym("leaves")
-    result = one_round(x, initial_progress(leaves), *fixed, tolerance)
+    share_left = ca.MX.sym("share_left")
+    result = one_round(x, initial_progress(share_left), *fixed, tolerance)
     for _ in range(int(SMOOTH.rounds) - 1):
         result = another(result[1][0] == 0, *result, *fixed, tolerance)
-    return ca.Function("newton", [x, *fixed, tolerance, leaves], list(result))
+    return ca.Function("newton", [x, *fixed, tolerance, share_left], list(result))
 
 
 def _where(function: ca.Function, states: int) -> ca.Function:

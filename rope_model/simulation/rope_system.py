@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rope_model.numerics.coupled_newton import Coupled, Iterate, newton
 from rope_model.numerics.generalized_alpha import Solution
-from rope_model.numerics.newton import GOOD, KINKED, SMOOTH, UNKNOWN, report
+from rope_model.numerics.newton import GOOD, HUGE, KINKED, SMALL, SMOOTH, UNKNOWN, report
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.air import air_law
 from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
@@ -226,7 +226,7 @@ class RopeSystem:
             return self._iterate(near, x, c, tolerance)
         kernels, constants, P = self._with_bodies(near, x.q, x.v)
         # the friction of a swivel follows the reaction, which the tangent leaves out
-        good = before is not None and not near.any() and not self._constants[3].any()
+        good = before is not None and tolerance <= SMALL and not near.any() and not self._constants[3].any()
         method = self._free, P, c, self._scale, tolerance, x.q if before is None else before, GOOD if good else UNKNOWN
         q, v, a, reaction, sums, progress = kernels.solve(*x, *constants, *method)
         return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), report(progress.tolist()))
@@ -257,7 +257,7 @@ class RopeSystem:
             x._replace(R=evaluated(*x).reaction),
             c,
             tolerance,
-            KINKED if self.z.size else SMOOTH,
+            *((KINKED, HUGE) if self.z.size else (SMOOTH, UNKNOWN)),
         )
         found = Solution(x.q, x.v, x.a, evaluated(*x), newton_report)
         return replace(found, resolve=resolve) if self.z.size else found

@@ -200,7 +200,8 @@ class Instance(ABC):
 
     def _held(self, handle: Any) -> FmuState:
         state = FmuState(handle)
-        self._states[state] = finalize(state, self._give_back, handle)
+        self._states[state] = end = finalize(state, self._give_back, handle)
+        end.atexit = False  # the library may be unloaded before
         return state
 
     def _give_back(self, handle: Any) -> None:
