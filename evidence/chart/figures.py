@@ -20,7 +20,7 @@ SHORT = {FORCE: "end forces", LOOP: "loop's lowest point"}
 SIZES = {5e-3: 3.0, 10e-3: 4.5, 20e-3: 6.5, 40e-3: 9.0}  # points, by the largest step
 REAL_TIME = {1.0: "real time", 0.1: "10 x faster", 1 / 30: "30 x faster"}
 #: of the levels' names, points
-OFFSETS = {"draft": (-40, 22), "standard": (-60, -44), "reference": (-16, 24)}
+OFFSETS = {"draft": (-40, 22), "standard": (-66, -30), "standard, 10 ms": (-34, -46), "reference": (-16, 24)}
 
 
 class Look(NamedTuple):
