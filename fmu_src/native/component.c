@@ -80,6 +80,11 @@ static const char *shortest(double x, char text[NUMBER]) {
     return text;
 }
 
+static const char *value_text(const Variable *variable, double value, char text[NUMBER]) {
+    if (variable->kind == KIND_BOOLEAN) return value != 0.0 ? "true" : "false";
+    return shortest(value, text);
+}
+
 const char *log_category(Severity severity) {
     static const char *const names[] = {"logAll", "logStatusWarning", "logStatusError"};
     return names[severity];
@@ -348,12 +353,9 @@ static int enter(Component *c, size_t scalar, double value) {
         return refuse(c, "%s is the independent variable; it advances with the steps and cannot be set",
                       variable->name);
     if (c->started && variable->variability == VARIABILITY_FIXED) {
-        const double kept = c->values[scalar];
-        if (value == kept) return 1;
+        if (value == c->values[scalar]) return 1;
         return refuse(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
-                      variable->kind != KIND_BOOLEAN ? shortest(kept, text)
-                      : kept != 0.0                  ? "true"
-                                                     : "false");
+                      value_text(variable, c->values[scalar], text));
     }
     check_entry(variable, value, why);
     if (*why) return refuse(c, "%s", why);

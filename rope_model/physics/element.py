@@ -166,8 +166,8 @@ def element_functions(
     e_z, tau_z = ca.SX.zeros(11), ca.SX.zeros(11)
     tau_z[9:] = theta_x
     for w, B_p, z_p, v_p, a_p, F_p in points:
-        less = ca.norm_2((B_p @ relative @ before)[:3]) - ca.norm_2(z_p[:3])
-        R_p, J_p, strains_z = point["tangent"](z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a, less)
+        shift = ca.norm_2((B_p @ relative @ before)[:3]) - ca.norm_2(z_p[:3])
+        R_p, J_p, strains_z = point["tangent"](z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a, shift)
         R_r += B_p.T @ (w * l * R_p)
         J_r += B_p.T @ (w * l * J_p) @ B_p
         e_z += w * B_p.T @ strains_z[0, :].T
@@ -214,12 +214,12 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
 
     means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: what the element takes the mean of
     tangent: forces, their derivative but for what goes through tau, and the gradients of e and of the frame's turning;
-             less: what the strain e of the derivative's tension is above that of the forces
+             shift: by how much the strain e of the derivative's tension is above that of the forces
     """
     z, z_t, z_tt = ca.SX.sym("z", 7), ca.SX.sym("z_t", 7), ca.SX.sym("z_tt", 7)
     P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
-    tau, tau_t, torque, elastic, less = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "less"))
+    tau, tau_t, torque, elastic, shift = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift"))
     _, _, Qa, Qs, _, Qd, EI, rhoJ, *_ = ca.vertsplit(P)
 
     # strains, and the spin of the section
@@ -250,7 +250,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     damping = ca.substitute(ca.jacobian(stress, e_t), *put)
     damping[:, 1] = 0
     # power of torque and of the tension without energy as it bends
-    held = (P[4] * tau + Qa * less) * strain[0] + elastic * turning
+    held = (P[4] * tau + Qa * shift) * strain[0] + elastic * turning
     stiffness = ca.hessian(ca.substitute(U, *put) + held, z)[0]
     J = symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
@@ -273,7 +273,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     shared = [tau, tau_t, torque, elastic, P, cq, cv, c_a]
     return {
         "means": function("means", [z, z_t, F], [ca.vertcat(strain[:2], ca.dot(k, k), rate[:2])]),
-        "tangent": function("tangent", [z, z_t, z_tt, F, *shared, less], [force, J, ca.jacobian(strain[:2], z)]),
+        "tangent": function("tangent", [z, z_t, z_tt, F, *shared, shift], [force, J, ca.jacobian(strain[:2], z)]),
         "balance": function("balance", [z, z_t, F, tau, tau_t, P], [balance]),
     }
 
