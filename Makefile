@@ -82,7 +82,7 @@ bench: $(READY)  ## measure the speed of every form of the rope, and windings pe
 	$(BIN)/python -m benchmarks.speed
 	$(BIN)/balance-rope export --native --platform host --level draft --out build/draft.fmu
 	$(BIN)/balance-rope export --native --platform host --out build/standard.fmu
-	$(BIN)/python -m benchmarks.throughput
+	$(BIN)/python -m benchmarks.throughput --python
 
 csources: $(READY)  ## put all C, written and generated, with compile_commands.json in build/csrc
 	$(BIN)/python -m release.editor build/csrc

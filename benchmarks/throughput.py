@@ -1,14 +1,15 @@
 """Windings per minute of a study on this machine: ``make bench``, or ``python -m benchmarks.throughput``.
 
 One worker and two, in turns, with the rope of either level, over `docs/studies/throughput.toml`, windings of the 120 m
-rope.  Takes ten minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--python`` no trip is wound in C: run
-both in turns for the ratio of the two.
+rope.  Takes ten minutes on a quiet machine, with --python half an hour; ``--runs 8`` is a trial.  With ``--python`` the host in Python, as other
+schemes take it, winds the same runs in turns with the trip in C.
 """
 
 import argparse
 import re
 import tempfile
 import time
+from itertools import product
 from pathlib import Path
 
 from hoist_demo.cosimulation.host import Host
@@ -25,19 +26,22 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser("python -m benchmarks.throughput", description=__doc__)
     parser.add_argument("--runs", type=int, default=200, metavar="N", help="runs of the study (%(default)s)")
-    parser.add_argument("--python", action="store_true", help="take the host in Python, as other schemes do")
+    parser.add_argument("--python", action="store_true", help="in turns with the host in Python, too")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "throughput.toml"
         text = re.sub(r"(?m)^runs = .*$", f"runs = {options.runs}", STUDY.read_text(encoding="utf-8"))
         file.write_text(text, encoding="utf-8")
         for fmu in FMUS:
-            study, found = read_study(file, fmu), dict[int, list[float]]({1: [], 2: []})
-            for number, workers in enumerate(ROUNDS):
-                found[workers].append(wind(study, Path(folder) / fmu.stem / str(number), workers, options.python))
-            one, two = (sum(rates) / len(rates) for rates in found.values())
-            efficiency = f"{two:.0f} with two, efficiency {two / one / 2:.2f}"
-            print(f"{fmu.stem}: {one:.0f} windings a minute with one worker, {efficiency}", flush=True)
+            study, hosts = read_study(file, fmu), ("C", "Python")[: 1 + options.python]
+            found: dict[str, dict[int, list[float]]] = {host: {1: [], 2: []} for host in hosts}
+            for (number, workers), host in product(enumerate(ROUNDS), hosts):
+                to = Path(folder) / fmu.stem / f"{number}{host}"
+                found[host][workers].append(wind(study, to, workers, host == "Python"))
+            for host, rates in found.items():
+                one, two = (sum(each) / len(each) for each in rates.values())
+                efficiency = f"{two:.0f} with two, efficiency {two / one / 2:.2f}"
+                print(f"{fmu.stem} in {host}: {one:.0f} windings a minute with one worker, {efficiency}", flush=True)
 
 
 def wind(study: Study, folder: Path, workers: int, in_python: bool) -> float:
