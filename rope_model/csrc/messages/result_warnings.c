@@ -5,6 +5,9 @@
 #include "rules.h"
 #include "simulator.h"
 
+/* does not compile unless rope.h has room for the warnings of Python */
+enum { EACH_WARNING_HAS_A_NUMBER = 1 / (ROPE_EXTRAPOLATION == EXTRAPOLATION) };
+
 /* of the loop against its ends */
 static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
