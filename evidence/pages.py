@@ -11,8 +11,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from evidence.chart.figures import FIGURES as CHART
-from evidence.chart.levels import block as levels
 from evidence.chart.page import page as accuracy_page
+from evidence.chart.page import readme
 from evidence.contact.page import page as contact_page
 from evidence.drawing import draw_to
 from evidence.knowledge.catalogue import catalogue
@@ -50,11 +50,6 @@ class Page:
     further: tuple[str, ...] = ()
     orphan: bool = False
 
-    def tables(self, docs: Path = DOCS) -> Tables:
-        """Read the data in ``docs``."""
-        others = {f"{x}/{name}": t for x in self.further for name, t in read(docs / "data" / x).items()}
-        return {**read(docs / "data" / self.data), **others}
-
 
 PAGES: dict[str, Page] = {
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
@@ -75,6 +70,7 @@ class Block:
     mark: str
     data: str  # folder in docs/data
     text: Callable[[Tables], str]
+    further: tuple[str, ...] = ()  # folders, as of a page
 
 
 def _both(rows: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
@@ -111,7 +107,7 @@ def host(tables: Tables) -> str:
 
 
 BLOCKS = {
-    "levels": Block("README.md", "levels", "chart", levels),
+    "levels": Block("README.md", "levels", "chart", readme, ("peer", "promise")),
     "metrics": Block("docs/reference/files.md", "metrics", "knowledge", metrics),
     "rules": Block("docs/reference/files.md", "rules", "knowledge", rules),
     "host": Block("docs/reference/files.md", "host", "knowledge", host),
@@ -120,24 +116,30 @@ BLOCKS = {
 }
 
 
+def tables(written: Page | Block, docs: Path = DOCS) -> Tables:
+    """Read the data of a page or a block in ``docs``."""
+    others = {f"{x}/{name}": t for x in written.further for name, t in read(docs / "data" / x).items()}
+    return {**read(docs / "data" / written.data), **others}
+
+
 def page_text(page: Page, docs: Path = DOCS) -> str:
     """Return the text, from the data in ``docs``."""
-    return f"{ORPHAN if page.orphan else ''}{page.text(page.tables(docs))}"
+    return f"{ORPHAN if page.orphan else ''}{page.text(tables(page, docs))}"
 
 
 def fill(block: Block, docs: Path = DOCS) -> Path:
     """Write the block into its page, from the data in ``docs``; return the page."""
     path = docs.resolve().parent / block.file
-    text = fill_block(path.read_text(encoding="utf-8"), block.mark, block.text(read(docs / "data" / block.data)))
+    text = fill_block(path.read_text(encoding="utf-8"), block.mark, block.text(tables(block, docs)))
     path.write_text(text, encoding="utf-8")
     return path
 
 
 def publish(page: Page, docs: Path = DOCS) -> list[Path]:
     """Write text and figures from the data in ``docs``; return the files written."""
-    tables, written = page.tables(docs), [docs / page.file]
+    data, written = tables(page, docs), [docs / page.file]
     written[0].write_text(page_text(page, docs), encoding="utf-8")
     for name, draw in page.figures.items():
         written.append(docs / "images" / page.data / f"{name}.png")
-        draw_to(written[-1], draw, tables)
+        draw_to(written[-1], draw, data)
     return written

@@ -1,9 +1,9 @@
-"""The table of levels, on the page and in README, where it stands between two marks."""
+"""The table of levels, on the page and in README."""
 
 import math
 
 from evidence.chart.reading import FORCE, LOOP, TWIST
-from evidence.rendering import markdown, number, quantity, render
+from evidence.rendering import markdown, number, quantity
 from evidence.tables import Tables, rows
 
 HEAD = ("level", "for", "elements", "largest step", "RMS end-force error", "loop's lowest point", "twist angle")
@@ -35,9 +35,3 @@ def levels(tables: Tables) -> str:
             )
         )
     return markdown(lines, *HEAD, "times real time, coupled", "uncoupled")
-
-
-def block(tables: Tables) -> str:
-    """What README says between its marks ``levels``."""
-    form = "interpreted" if "portable" in tables["points"]["kernels"] else "compiled"
-    return render("chart/levels.md.j2", {"levels": levels(tables), "form": form})

@@ -44,11 +44,19 @@ def page(tables: Tables) -> str:
     return render("chart/accuracy.md.j2", data)
 
 
+def readme(tables: Tables) -> str:
+    """Return what README says of accuracy."""
+    form = "interpreted" if "portable" in tables["points"]["kernels"] else "compiled"
+    found = {"promise": _promise(tables["promise/scenes"]), "equal": equal_errors(tables["peer/winding"])}
+    return render("chart/readme.md.j2", {"levels": levels(tables), "form": form, **found})
+
+
 def _promise(scenes: Table) -> dict[str, Any]:
     """Return how far the accuracy that is asked for is kept."""
-    t = completed(scenes)
+    t, tight = completed(scenes), over_asked(completed(scenes, "tight"), "tight")
     over = over_asked(t)
     of = {"number": len(over), "seed": JUDGE, "within": float(np.mean(over <= 1)), "worst": over.max()}
+    of |= {"kept": int(np.sum(over <= 1)), "tight": len(tight), "tight_kept": int(np.sum(tight <= 1))}
     return {**of, "near": [near(t, estimate) for estimate in ESTIMATES]}
 
 

@@ -10,11 +10,11 @@ from evidence.chart import depth
 from evidence.chart.front import cheapest, pareto
 from evidence.chart.page import equal_errors
 from evidence.chart.reading import FORCE, finest_error, limit
-from evidence.pages import PAGES
+from evidence.pages import PAGES, tables
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import rows
 
-TABLES = PAGES["accuracy"].tables()
+TABLES = tables(PAGES["accuracy"])
 POINTS = TABLES["points"]
 NAN = float("nan")
 #: made up
