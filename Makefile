@@ -25,7 +25,7 @@ demo: $(READY)  ## wind a hoist with the exported FMU; FLAVOUR=native winds the 
 	$(if $(FMU_$(FLAVOUR)),,$(error FLAVOUR=$(FLAVOUR) must be python or native))
 	$(BIN)/balance-rope export $(EXPORT_$(FLAVOUR)) --outputs all --platform host
 	@echo "$(SAID_$(FLAVOUR))"
-	$(BIN)/balance-rope demo --fmu $(FMU_$(FLAVOUR))
+	$(BIN)/balance-rope wind --fmu $(FMU_$(FLAVOUR)) --out out/demo
 
 test: $(READY)  ## run the tests, on all cores
 	$(PYTEST)
@@ -105,5 +105,5 @@ $(DEV): $(READY)
 	$(BIN)/python -m pip install --quiet -e '.[dev]'
 	touch $@
 
-clean:  ## remove the environment and everything that is built
-	rm -rf $(VENV) build dist out *.egg-info
+clean:  ## remove the environment and what is built, not the results in out
+	rm -rf $(VENV) build dist *.egg-info

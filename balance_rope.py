@@ -17,7 +17,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
-    from hoist_demo.cases.case import NAMED, Case
+    from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
     from hoist_demo.cases.rules import with_values
     from hoist_demo.cases.table import NATIVE, find_case, fmu_name
     from hoist_demo.command_line.duty import add_duty
@@ -47,7 +47,7 @@ except KeyboardInterrupt:
 BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
 NAMES = {("Python", 2): "", ("native", 2): NATIVE, ("native", 3): "_native_fmi3"}
-DEFAULT_FMU = BUILD / fmu_name("rope-120")
+DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST)
 
 DESCRIPTION = """\
 The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
@@ -59,7 +59,7 @@ EPILOG = """\
 first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
   balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
-  balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/demo
+  balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/wind
   balance-rope new NAME --depth 870 --payload 22t --speed 16    the file of your own hoist, NAME.toml
   balance-rope show NAME.toml          its values, and what follows from them
   balance-rope wind NAME.toml          one trip of it, with one balance rope or several that differ
@@ -136,7 +136,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export.add_argument(
         "hoist",
         nargs="?",
-        default="rope-120",
+        default=DEFAULT_HOIST,
         metavar="HOIST",
         help=f"start values: the rope of a hoist's file, or of {', '.join(NAMED)} (%(default)s)",
     )

@@ -44,7 +44,7 @@ def index_html(described: Collection[Variable], native: bool) -> str:
     arrays, _, along = sections["Along the rope"].partition("\n\n")
     if not any(v.name.startswith("shape.") for v in described):
         arrays = along = ""
-    parts = [sections["The FMU's variables"].replace(", start values of the 120 m rope", "")]
+    parts = [sections["The FMU's variables"].replace(", with the start values of the 120 m rope", "")]
     parts += [sections["Errors and derivatives"], arrays if native else "", along, sections["Added mass"]]
     parts += [sections["Warnings"], sections["Fidelities"].removesuffix("{fidelities}\n")]
     paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text.strip())

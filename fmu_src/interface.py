@@ -1,6 +1,6 @@
 """The FMI interface: one table, from which XML, documentation and component all read.
 
-Parameters are those of rope_model.scene_names, outputs the signals of rope_model.simulation.outputs.signals.
+Parameters are those of rope_model.scene_names, outputs those of rope_model.simulation.outputs.signal_table.
 """
 
 import dataclasses

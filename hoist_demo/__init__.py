@@ -1,11 +1,12 @@
 """Host of the balance rope: a friction hoist in CasADi, co-simulated with the rope.
 
-Rooms, each on those above it; tests/test_layers.py holds the directions:
+Packages; MAY_IMPORT of tests/test_layers.py lists what each may import:
 
     parameters       data of hoist, trip and coupling, checked
     drive | control  the hoist as a model | the reference and the controller that follows it
     design           trips shaped and optimised on a reduced model
-    cases            hoist, trip, gains and rope by name
+    files            hoist files and others in TOML: read, checked, written
+    cases            hoist, trip, gains and ropes, by name or from a file
     drive_fmu        drive and control of a case as C, for an FMU
     recording        signals of a run over time
     cosimulation     participants (hoist, ropes), the schemes that couple them, the host's loop, checkpoints

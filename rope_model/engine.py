@@ -18,7 +18,7 @@ from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
-from rope_model.simulation.contact.point_forces import PointForces
+from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.fidelity import Fidelity
@@ -106,12 +106,12 @@ class NativeRope(BalanceRope):
             raise ValueError(self._text.value.decode())
         self._scene = scene
         self._state: RopeState | None = None  # the present one, when it was asked for
-        self._forces: tuple[Structure, Any] | None = None  # kept for the library, which does not copy them
+        self._applied, self._forces = NO_FORCES, _forces(NO_FORCES)  # kept for the library, which does not copy them
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy, or the rope that a pickle makes, is a rope of its own in the same state."""
         initialized = self._lib.rope_is_initialized(self._rope)
-        return _made, (type(self), self._scene, self.native_state() if initialized else b"")
+        return _made, (type(self), self._scene, self.native_state() if initialized else b"", self._applied)
 
     def __del__(self) -> None:
         if rope := self.__dict__.pop("_rope", None):
@@ -188,7 +188,7 @@ class NativeRope(BalanceRope):
 
     def apply(self, forces: PointForces) -> None:
         forces.require_on(self._scene.rope.length)
-        self._forces = _forces(forces)
+        self._applied, self._forces = forces, _forces(forces)
         self._lib.rope_apply(self._rope, byref(self._forces[0]))
 
     def rows(self) -> NDArray[np.float64]:
@@ -224,7 +224,7 @@ class NativeRope(BalanceRope):
         if not (status := self.restore_native(packed)).valid:
             raise ValueError(status.message)
 
-    def retune(self, scene: Scene) -> None:
+    def _retune(self, scene: Scene) -> None:
         if not (status := self.done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
             raise ValueError(status.message)
         self._scene = scene
@@ -257,8 +257,9 @@ def _forces(forces: PointForces) -> tuple[Structure, Any]:
     return _PointForces(forces.s.size, forces.start, forces.stop, places.ctypes.data), places
 
 
-def _made(kind: type[NativeRope], scene: Scene, state: bytes) -> NativeRope:
+def _made(kind: type[NativeRope], scene: Scene, state: bytes, applied: PointForces) -> NativeRope:
     rope = kind(scene)
+    rope.apply(applied)
     if state and not (status := rope.restore_native(state)).valid:
         raise ValueError(status.message)
     return rope

@@ -13,7 +13,7 @@ from rope_groups import rope_in_process
 
 from balance_rope import main
 from hoist_demo.cases.case import HOISTS, NAMED
-from hoist_demo.cases.table import find_case
+from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.command_line import wind
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
@@ -209,6 +209,14 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch
 
 
 @pytest.mark.usefixtures("no_figures")
+def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / fmu_name("rope-120")).write_bytes(b"no FMU")
+    assert [main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240")] == [2, 0]
+    assert fmu_name("monopol-1000", NATIVE) != fmu_name("rope-120", NATIVE)
+
+
 def test_a_level_that_the_fmu_has_not_is_told(tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture) -> None:
     file = tmp_path / "own.toml"
     file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")

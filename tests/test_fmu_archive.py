@@ -204,6 +204,7 @@ def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
     assert page.startswith("<!DOCTYPE html>")
     inputs = [v["name"].partition("[")[0] for v in fmu.variables if v["causality"] == "input"]
     assert [name for name in inputs if name not in page] == []
+    assert "120 m rope" not in page, "the start values are this export's"
     assert re.search(r"(src|href)=\"https?://", page) is None, "the page loads from the network"
     assert any(name.startswith("documentation/licenses/") for name in fmu.files)
     assert fmu.root.get("license")

@@ -69,6 +69,7 @@ VERDICTS = [
     # three ropes of 1 to 2 kN, known within 2 N each
     ({"left.fy": [-1e3, -2e3], "status.end_force_error": [0, 1e-3]}, {}, "pull of all 3", "3.00 to 6.00 kN", True),
     ({"right.fy": [-1e3, 50.0]}, {}, "pull of all 3", "-0.15 to 3 kN", False),
+    ({"right.fy": [-1e3, -50.0]}, {}, "pull of all 3", "0.15 to 3 kN", True),
     ({"loop.turns": [0.1, -0.55]}, {}, "turns", "0.55", False),
     ({"loop.turns": [0.1, -0.2]}, {"guard.turns": 0.15}, "turns", "0.2", False),
     ({"loop.sideways": [0.0, 1.234567], "status.loop_error": [0, 5e-3]}, {}, "sideways", "1.23 m", None),

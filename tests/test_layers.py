@@ -33,7 +33,8 @@ rope_model.scene_names: .parameter_table .parameters .solver_parameters .shaft_p
 rope_model.catalogue: .parameter_table .parameters
 rope_model.physics:
 rope_model.numerics:
-rope_model.simulation: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
+rope_model.simulation: .parameter_table .parameters .scene_names .solver_parameters .shaft_parameters .physics
+    .numerics
 rope_model.codegen: .parameter_table .parameters .solver_parameters .shaft_parameters .physics .numerics
     rope_model.simulation rope_model.texts
 rope_model.engine: .parameters .solver_parameters .numerics .simulation .texts .codegen

@@ -32,9 +32,12 @@ def smooth(case: Case) -> Case:
     return replace(case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None))
 
 
-@pytest.mark.parametrize("mode", [0, 1])  # locked, free
-def test_rope_alone_has_its_natural_modes(mode: int) -> None:
-    scene = rope_data({**find_case("rope-120").rope, "left.swivel.mode": mode, "right.swivel.mode": mode})
+BENT = {"air.density": 1.2, "rope.initial_curvature": 0.5}
+
+
+@pytest.mark.parametrize(("mode", "more"), [(0, {}), (1, {}), (0, BENT)])  # locked, free
+def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> None:
+    scene = rope_data({**find_case("rope-120").rope, "left.swivel.mode": mode, "right.swivel.mode": mode, **more})
     scene = scene.with_(model=replace(scene.model, fidelity="torsional"))
     ends = EndMotion(y=20.0), EndMotion(y=70.0)
     rope = RopeSimulator(scene)

@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from conftest import Capture, Patch
 from numpy.testing import assert_allclose
@@ -35,7 +36,7 @@ from release.bill import bill_of_materials
 from release.libraries import libraries
 from release.trial import try_wheel
 from release.wheels import PACKAGES, add_bill, build
-from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope, public, rope_120
+from rope_model import EndMotion, Mesh, PointForces, Rope, Scene, Solver, balance_rope, public, rope_120
 from rope_model.codegen.build import library
 from rope_model.numerics.kernels import cache_folder, find_compiler, last_words
 
@@ -121,6 +122,10 @@ def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> No
     assert [rope.form for rope in ropes] == ["portable", "native"][: len(ropes)]
     with pytest.raises(ValueError, match="form = 'compiled' must be"):
         balance_rope(SMALL, "compiled")  # type: ignore[arg-type]
+    for rope in ropes:
+        with pytest.raises(ValueError, match=r"rope\.EI = 9 must stay .* during a run: make a new rope"):
+            rope.retune(replace(SMALL, rope=replace(SMALL.rope, EI=9.0)))
+        assert rope.scene.rope == SMALL.rope
 
 
 @needs_compiler
@@ -129,6 +134,7 @@ def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any
     low, high = EndMotion(), EndMotion(y=20.0)
     rope = balance_rope(replace(SMALL, solver=Solver()), "native")
     copied(rope)  # not initialised yet
+    rope.apply(PointForces(np.array([9.0]), np.zeros((1, 3)), np.array([[40.0, 0.0, 0.0]]), 0.0, 0.1))
     assert rope.initialize(0.0, low, high).valid
     other = copied(rope)
     assert other.advance_to(0.1, EndMotion(y=0.01, vy=0.2, ay=2.0), high).valid

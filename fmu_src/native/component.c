@@ -13,7 +13,7 @@
 #define SHORTEST_STEP 1e-9
 /* what has been entered since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
-enum { NUMBER = 32, STATE_VERSION = 4 };
+enum { NUMBER = 32, STATE_VERSION = 5 };
 
 struct Component {
     Allocator allocator;
@@ -25,6 +25,7 @@ struct Component {
     int mode, changed, retune;
     int started;     /* initialised, and not reset since */
     int valid;       /* of the last initialisation or step */
+    int at_event;    /* the last step ended at an event */
     unsigned warned; /* bit k: warning k has been in the log since initialisation began */
     char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
     double values[]; /* the entries, those that the model goes by, and what was entered; MODEL_SCALARS each */
@@ -35,7 +36,7 @@ typedef struct {
     char magic[8];
     uint64_t bytes, checksum; /* checksum: of all that follows it */
     uint32_t version;
-    int32_t mode, valid, started;
+    int32_t mode, valid, started, at_event;
     double start, stop, time;
     char token[MODEL_TOKEN], status[MODEL_MESSAGE];
 } StateHeader;
@@ -245,12 +246,15 @@ static int step(Component *c, double t, double h, int *event) {
     return 1;
 }
 
-int component_step(Component *c, double t, double h, int *event) {
-    if (!step(c, t, h, event)) {
+int component_step(Component *c, double t, double h, int to_event) {
+    int event = c->at_event;
+    c->at_event = 0;
+    if (!step(c, t, h, to_event ? &event : NULL)) {
         component_fail(c);
         return 0;
     }
-    c->time = event && *event ? model_time(c->model) : t + h;
+    c->at_event = to_event && event;
+    c->time = c->at_event ? model_time(c->model) : t + h;
     c->valid = 1;
     c->status[0] = '\0';
     warn(c);
@@ -259,6 +263,10 @@ int component_step(Component *c, double t, double h, int *event) {
 
 double component_time(const Component *c) {
     return c->time;
+}
+
+int component_at_event(const Component *c) {
+    return c->at_event;
 }
 
 int component_terminate(Component *c, const char *function) {
@@ -273,7 +281,7 @@ void component_reset(Component *c) {
     model_destroy(c->model);
     c->model = NULL;
     c->mode = INSTANTIATED;
-    c->changed = c->retune = c->started = 0;
+    c->changed = c->retune = c->started = c->at_event = 0;
     c->start = c->time = 0.0;
     c->stop = INFINITY;
     c->valid = 1;
@@ -445,6 +453,7 @@ void component_save(const Component *c, void *to) {
     header.mode = c->mode;
     header.valid = c->valid;
     header.started = model_bytes(c) != 0;
+    header.at_event = c->at_event;
     header.start = c->start;
     header.stop = c->stop;
     header.time = c->time;
@@ -532,6 +541,7 @@ int component_restore(Component *c, const void *from, size_t bytes) {
     c->mode = header->mode;
     c->valid = header->valid;
     c->started = header->started;
+    c->at_event = header->at_event;
     c->retune = header->started;
     c->changed = header->started ? NOTHING : INPUTS | PARAMETERS;
     return 1;

@@ -44,8 +44,10 @@ int component_allows(Component *c, const char *function, int modes);
 int component_setup(Component *c, double start, int stop_defined, double stop);
 void component_enter_initialization(Component *c);
 int component_exit_initialization(Component *c);
-int component_step(Component *c, double t, double h, int *event); /* event: as of model_step */
+/* to t + h, or `to_event` to an event before it */
+int component_step(Component *c, double t, double h, int to_event);
 double component_time(const Component *c);
+int component_at_event(const Component *c); /* whether the last step ended at one */
 /* of no effect and without a word after something has failed, or been refused before the first step */
 int component_terminate(Component *c, const char *function);
 void component_reset(Component *c);

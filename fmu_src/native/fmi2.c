@@ -109,7 +109,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     Instance *i = c;
     (void)noSetFMUStatePriorToCurrentPoint; /* states are the host's, nothing is to be thrown away */
     return status(may(i, "fmi2DoStep", STEPPING) &&
-                  component_step(i->component, currentCommunicationPoint, communicationStepSize, NULL));
+                  component_step(i->component, currentCommunicationPoint, communicationStepSize, 0));
 }
 
 /* values */

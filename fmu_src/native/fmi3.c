@@ -11,8 +11,8 @@ typedef struct {
     Allocator allocator;
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
-    int logging;                         /* of notes */
-    int event_mode, early_return, event; /* the last: at the end of the latest step */
+    int logging; /* of notes */
+    int event_mode, early_return;
 } Instance;
 
 static void log_message(void *context, Severity severity, const char *message) {
@@ -59,7 +59,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         wrong = why;
     if (!wrong) {
         Instance *i = made((Instance){
-            NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn, eventModeUsed, earlyReturnAllowed, 0});
+            NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn, eventModeUsed, earlyReturnAllowed});
         if (i) return i;
         wrong = NO_MEMORY;
     }
@@ -88,12 +88,12 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     if (!may(i, "fmi3DoStep", STEPPING) || !not_null(i, eventHandlingNeeded) || !not_null(i, terminateSimulation) ||
         !not_null(i, earlyReturn) || !not_null(i, lastSuccessfulTime))
         return fmi3Error;
-    int *event = i->event_mode && i->early_return ? &i->event : NULL;
-    int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize, event);
+    int to_event = i->event_mode && i->early_return;
+    int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize, to_event);
     *lastSuccessfulTime = component_time(i->component);
     *terminateSimulation = fmi3False;
-    *eventHandlingNeeded = i->event;
-    *earlyReturn = i->event && *lastSuccessfulTime < currentCommunicationPoint + communicationStepSize;
+    *eventHandlingNeeded = component_at_event(i->component);
+    *earlyReturn = *eventHandlingNeeded && *lastSuccessfulTime < currentCommunicationPoint + communicationStepSize;
     return status(ok);
 }
 

@@ -249,7 +249,7 @@ int model_open(const char *resources, char *message) {
         if (!done)
             report(message);
         else if (!(loaded = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
-            copy(python.PyUnicode_AsUTF8AndSize(python.PyDict_GetItemString(scope, "wrong"), NULL), message);
+            take_text(python.Py_BuildValue("O", python.PyDict_GetItemString(scope, "wrong")), message);
         if (loaded) make = loaded;
         python.Py_DecRef(done);
         python.Py_DecRef(builtins);

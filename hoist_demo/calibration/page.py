@@ -149,7 +149,7 @@ def write_rope_file(found: Identified, path: Path) -> Path:
     known = found.known
     rope = found.measured.bench.rope(found.fit.shares)
     lines = [
-        f"# Found by balance-rope identify from {printable(found.measured.path.name)}. demo and export take it as",
+        f"# Found by balance-rope identify from {printable(found.measured.path.name)}. wind and export take it as",
         '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
         *(f"# {printable(line)}" for line in textwrap.wrap(misfit(found), 110)),
         "[rope]",

@@ -1,1 +1,1 @@
-"""Windings by name: hoist, trip, controller gains and balance rope; case -> installed -> table."""
+"""Hoists by name or file: hoist, trip, controller gains and ropes; case -> rules -> table."""

@@ -20,6 +20,7 @@ FOLDER = Path(str(files("hoist_demo"))) / "hoists"
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
 SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
 NAMED = (*HOISTS, *SCENARIOS)
+DEFAULT_HOIST = "rope-120"
 
 
 @dataclass(frozen=True)

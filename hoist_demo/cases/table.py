@@ -3,7 +3,7 @@
 from functools import cache
 from pathlib import Path
 
-from hoist_demo.cases.case import FOLDER, NAMED, Case
+from hoist_demo.cases.case import DEFAULT_HOIST, FOLDER, NAMED, Case
 from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import read
 
@@ -11,8 +11,8 @@ NATIVE = "_native"  #: End of the name of a native FMU of FMI 2.0.
 
 
 def fmu_name(hoist: str, end: str = "") -> str:
-    """Return the name of the rope's FMU: that of the hoist's file, of the hoists that come with the project one."""
-    return f"{'balance_rope' if hoist in NAMED else Path(hoist).stem}{end}.fmu"
+    """Return the name of the rope's FMU: the hoist's; balance_rope for the default hoist."""
+    return f"{'balance_rope' if hoist == DEFAULT_HOIST else Path(hoist).stem}{end}.fmu"
 
 
 def find_case(name: str) -> Case:

@@ -1,1 +1,1 @@
-"""The commands `balance-rope demo`, `study`, `duty` and `ropes`: all of this package that prints."""
+"""Subcommands of balance-rope: all of hoist_demo that prints."""

@@ -5,7 +5,7 @@ import csv
 import math
 from pathlib import Path
 
-from hoist_demo.cases.case import NAMED, Case
+from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.results import Commands, Run, add_command, named, results_folder
 
@@ -46,7 +46,7 @@ def _add(commands: Commands, name: str, run: Run, about: str, description: str) 
     """Add a subcommand with the options that both have."""
     command = add_command(commands, name, run, about, description, _EPILOG.format(name=name))
     about = f"a file, or one of {', '.join(NAMED)} (%(default)s)"
-    command.add_argument("hoist", nargs="?", default="rope-120", metavar="HOIST", help=about)
+    command.add_argument("hoist", nargs="?", default=DEFAULT_HOIST, metavar="HOIST", help=about)
     about = "left height over travel (five from 0 to 1)"
     command.add_argument("--at", type=float, nargs="+", default=_HEIGHTS, metavar="PART", help=about)
     swivels = ("as given", "locked", "free", "sticking")

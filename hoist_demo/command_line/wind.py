@@ -8,11 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.case import NAMED, SCENARIOS, Case
+from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.demo_results import REPORT, WoundRun, missing_outputs, write
 from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
+from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -39,8 +39,6 @@ LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good sta
 
 STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
 
-_HOIST = "rope-120"
-
 #: Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is.
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
@@ -63,7 +61,7 @@ examples:
   balance-rope wind --set rope.EI=450 --set hoist.payload_left=4000    other data
   balance-rope wind --rope out/identify/example/rope.toml              a rope that was identified
   balance-rope wind --signals left.fy right.fy "loop.*"    these columns of signals.csv only
-  balance-rope wind --resume out/demo/last_good.npz  go on with a run that was interrupted or stopped
+  balance-rope wind --resume out/wind/rope-120/last_good.npz  go on with a run that was interrupted or stopped
 
 exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
 is written all the same), 2 wrong arguments, 130 interrupted while the results were written.
@@ -75,14 +73,16 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     run = partial(_wind, default=fmu)
     about = "wind once and write figures, CSV and a report"
     wind = add_command(commands, "wind", run, about, _DESCRIPTION, _EPILOG, "demo")
-    about = f"hoist, trip, controller and ropes: a file, or one of {', '.join(NAMED)} ({_HOIST}, or that of --resume)"
+    about = (
+        f"hoist, trip, controller, ropes: a file, or one of {', '.join(NAMED)} ({DEFAULT_HOIST}, or that of --resume)"
+    )
     wind.add_argument("hoist", nargs="?", metavar="HOIST", help=about)
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
-    about = f"the rope, FMI 2.0 or 3.0 ({fmu} for a hoist by name, if it is there)"
+    about = f"the rope, FMI 2.0 or 3.0 ({fmu} for {DEFAULT_HOIST}, if it is there)"
     rope.add_argument("--fmu", type=Path, metavar="PATH", help=about)
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
-    wind.add_argument("--out", type=named, metavar="DIR", help="results (out/demo; of a file out/wind and its name)")
+    wind.add_argument("--out", type=named, metavar="DIR", help="results (out/wind and the hoist's name)")
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
     wind.add_argument("--step", type=float, metavar="H", help="communication step [s] (that of the hoist)")
     about = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
@@ -103,18 +103,17 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
         options.hoist = options.case
-    is_file = options.hoist is not None and options.hoist not in NAMED
-    if options.out is None:
-        options.out = Path("out") / "wind" / Path(options.hoist).stem if is_file else Path("out") / "demo"
     if options.hoist is not None and find_case(options.hoist).ropes:
         _refuse_for_several(options)
-    _choose_rope(options, None if is_file else default)
     resume = Checkpoint.read(options.resume) if options.resume else None
+    options.hoist = options.hoist or (resume.hoist if resume else "") or DEFAULT_HOIST
+    if options.out is None:
+        options.out = Path("out") / "wind" / Path(options.hoist).stem
+    case = find_case(options.hoist)
+    _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
     chosen = {key: one.value for key, one in identified.items()} | own
-    options.hoist = options.hoist or (resume.hoist if resume else "") or _HOIST
-    case = find_case(options.hoist)
     asked = _winding(options, case) | chosen
     run = build_trip(options.hoist, asked)
     for remark in case.remarks:

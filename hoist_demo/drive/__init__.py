@@ -1,1 +1,1 @@
-"""The hoist as a model: motor, sheave, head ropes and conveyances; equations -> plant (loads)."""
+"""The hoist as a model: motor, sheave, head ropes and conveyances; legs -> equations -> integrator -> plant."""

@@ -92,7 +92,7 @@ def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
         if jam is not None:
             on_the_way = least - jam.distance < jam.height < most + jam.distance
             bound = f"within {jam.distance:g} m of {least:g} to {most:g} m, where its conveyance comes in a trip of "
-            cure = f"move the jam (hoist.{name}.height), or wind further (demo --quick winds 10 m)"
+            cure = f"move the jam (hoist.{name}.height), or wind further (wind --quick winds 10 m)"
             require(jam.height, on_the_way, f"{name}.height", f"{bound}{winding.travel:g} m", cure)
 
 

@@ -75,12 +75,18 @@ _ROWS: tuple[tuple[str, str, tuple[str, ...], float, str, Callable[[Array], floa
 
 
 def summarize(
-    result: Result, hoist: Hoist, winding: Winding, coupling: Coupling, names: Sequence[str] = ("",)
+    result: Result,
+    hoist: Hoist,
+    winding: Winding,
+    coupling: Coupling,
+    names: Sequence[str] = ("",),
+    arrival: Arrival | None = None,
 ) -> tuple[SummaryRow, ...]:
     """All rows of a run, in reading order; `names` are those of its ropes."""
     rows: list[SummaryRow] = []
     if (recording := result.recording).signals:
-        rows = _trip(recording, hoist, winding) + _swing(recording, result.trajectory.duration)
+        rows = _trip(recording, hoist, winding)
+        rows += _swing(recording, result.trajectory.duration, (arrival or Arrival()).window)
         rows += _signals(recording, (_DRIVE, _WORK))
         rows += _together(recording) if names[0] else ()
         for name in names:
@@ -180,10 +186,10 @@ def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> lis
     ]
 
 
-def _swing(recording: Recording, arrival: float) -> list[SummaryRow]:
-    """Swing of both conveyances after the arrival of the reference [s]."""
+def _swing(recording: Recording, arrival: float, window: float) -> list[SummaryRow]:
+    """Return the swing of both conveyances in a window [s] after the arrival of the reference [s]."""
     elapsed = recording.time - recording.time[0]
-    tail = (elapsed >= arrival) & (elapsed <= arrival + Arrival().window)
+    tail = (elapsed >= arrival) & (elapsed <= arrival + window)
     if not bool(tail.any()):
         return []
     within = f"within {float(np.ptp(elapsed[tail])):.2g} s, peak to peak"

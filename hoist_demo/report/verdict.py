@@ -106,9 +106,9 @@ def judge(
     arrival: Arrival | None = None,
 ) -> Verdict:
     """Judge a run with its ropes and pairs of them; `said` are warnings that ropes and host gave."""
-    recording = result.recording
+    recording, arrival = result.recording, arrival or Arrival()
     ropes = [_Rope(of_rope(recording, one.name), one) for one in data] if recording.signals else []
-    rows = tuple(_rows(result, hoist, ropes, pairs, arrival or Arrival())) if ropes else ()
+    rows = tuple(_rows(result, hoist, ropes, pairs, arrival)) if ropes else ()
     broken = [row for row in rows if row.holds is False]
     # the outcome tells of strikes, and clearances do
     told = [row.quantity for row in broken if row.quantity != _STRIKES] or [row.quantity for row in broken]
@@ -122,7 +122,7 @@ def judge(
     elif rows:
         until = "" if result.completed else " until then"
         words += f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
-    remarks = (*warnings(result, hoist, ropes), *said)
+    remarks = (*_warnings(result, hoist, ropes, arrival.window), *said)
     return Verdict(words, rows, remarks, _what_matters(ropes, pairs), result.completed and not broken and not remarks)
 
 
@@ -144,7 +144,7 @@ def _broken(recording: Recording, name: str) -> str:
     )
 
 
-def warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope]) -> list[str]:
+def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: float) -> list[str]:
     """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
     texts = [result.warning, *slip_warnings(result.recording, hoist, result.winding)]
     for rope in ropes:
@@ -156,15 +156,15 @@ def warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope]) -> list[str]:
                 f"{rope.recording.time[-1]:.4g} s; break it earlier"
             )
     if result.completed and len(ropes) > 1:
-        texts.append(_still_swinging([rope.recording for rope in ropes if rope.known("loop.sideways")]))
+        texts.append(_still_swinging([rope.recording for rope in ropes if rope.known("loop.sideways")], window))
     return [text for text in texts if text]
 
 
-def _still_swinging(recordings: Sequence[Recording]) -> str:
+def _still_swinging(recordings: Sequence[Recording], window: float) -> str:
     """Return a remark where neighbours end with more than half of their swing: they may yet strike; "" for none."""
     for recording in recordings:
         sideways, time = np.abs(recording["loop.sideways"]), recording.time
-        if (last := np.nanmax(sideways[time >= time[-1] - Arrival().window])) > 0.5 * np.nanmax(sideways):
+        if (last := np.nanmax(sideways[time >= time[-1] - window])) > 0.5 * np.nanmax(sideways):
             words = f"the loops still swing by {last:.2g} m where the record ends, and may strike each other later"
             return f"{words}: wind on with a longer winding.settle"
     return ""
@@ -227,6 +227,7 @@ def _of_each(ropes: Sequence[_Rope], told: Callable[[_Rope], Iterator[Judged]]) 
     return [*dict.fromkeys(named)]
 
 
+_MISSED = 1e-3  #: Relative error of the forces between two ropes, against the law, that is told.
 _ALONE = (
     ": each went on as if alone; contact.rope_stiffness = 1e6 and model.fidelity = torsional let them press each other"
 )
@@ -242,6 +243,7 @@ def _between(pair: Pair, error: float) -> Iterator[Judged]:
         yield Judged(quantity, f"{rounded(near.clearance, error)} m", bound, near.clearance > error, where)
     if (account := pair.account) is not None and account.peak > 0.0:
         where = _where(account.peak_t, account.peak_place)
+        where += f"; errs by up to {number(100 * account.missed, 2)} %" if account.missed > _MISSED else ""
         yield Judged(f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where)
 
 
@@ -262,7 +264,8 @@ def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterat
             low, high = int(np.nanargmin(pull)), int(np.nanargmax(pull))
             text = f"{rounded(pull[low], error)} to {rounded(pull[high], error)} kN"
             where = f"t = {recording.time[low]:.2f} s and {recording.time[high]:.2f} s"
-            yield Judged(f"pull of {whose} on the {end} conveyance", text, _HANGS, bool(pull[low] > -error), where)
+            holds = bool(pull[low] > -np.nan_to_num(error))
+            yield Judged(f"pull of {whose} on the {end} conveyance", text, _HANGS, holds, where)
 
 
 def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[Judged]:

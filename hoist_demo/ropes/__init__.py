@@ -1,1 +1,1 @@
-"""Several balance ropes that differ, in one hoist: definition -> wind -> table."""
+"""The balance ropes of a hoist, one or several that differ, ready to wind."""

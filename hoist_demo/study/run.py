@@ -24,7 +24,15 @@ from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Task
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, Given, plain
-from hoist_demo.parameters import Arrival, Coupling, Hoist, require_jams_on_the_way, require_trip_fits, start_heights
+from hoist_demo.parameters import (
+    GRAVITY,
+    Arrival,
+    Coupling,
+    Hoist,
+    require_jams_on_the_way,
+    require_trip_fits,
+    start_heights,
+)
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
@@ -193,6 +201,8 @@ def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
                 f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict each other: "
                 f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
             )
+    if (g := float(rope.get("layout.gravity", GRAVITY))) != GRAVITY:
+        told.append(f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave it out")
     return "; ".join(told)
 
 

@@ -1,6 +1,6 @@
 /* The balance rope for C hosts: an FMI shell, or Python by ctypes.  SI units, angles in radians.
 
-   The simulator does what rope_model.simulation.RopeSimulator does, step for step; tests hold the two equal.
+   The simulator does what rope_model.simulation.simulator.RopeSimulator does, step for step; tests hold the two equal.
    All memory is taken by rope_create; nothing is allocated afterwards.  There are no globals: simulators are
    independent of each other, and one may be used by one thread at a time. */
 #ifndef ROPE_H
@@ -39,7 +39,7 @@ int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double g
    at t.  Is *event set before, the last step ended at one: the motions of before are then no new sample. */
 int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event);
 
-/* go on with other solver tolerances or swivel friction; nothing else of the scene may differ */
+/* Takes the solver, swivels and air of `scene`.  The caller changes tunable parameters only. */
 int rope_retune(Simulator *rope, const Scene *scene);
 /* Forces at places of the rope: the arc length from its left end, m, in ascending order, and the force at `start` and
    at `stop`, N, linear between them and held beyond. */
@@ -69,7 +69,7 @@ const char *rope_fidelity_reason(const Simulator *rope);
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *rope, int number, char *message);
 
-/* The values of outputs, by their numbers in rope_model.simulation.outputs.signals.SIGNALS; booleans and integers are
+/* The values of outputs, by their numbers in rope_model.simulation.outputs.signal_table.SIGNALS; booleans and integers are
    exact.  Computed when first asked for after a change of state. */
 void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
 

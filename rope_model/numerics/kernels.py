@@ -11,6 +11,7 @@ import logging
 import os
 import platform
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -120,9 +121,9 @@ def last_words(error: Exception) -> str:
 
 def find_compiler() -> tuple[str, ...] | None:
     """The command of a C compiler: the CC variable's, the system's, or the ziglang package's; None without one."""
-    for name in (os.environ.get("CC"), "cc", "gcc", "clang"):
-        if name and (path := shutil.which(name)):
-            return (path,)
+    for command in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
+        if command and (path := shutil.which(command[0])):
+            return (path, *command[1:])
     if importlib.util.find_spec("ziglang") is not None:
         return (sys.executable, "-m", "ziglang", "cc")
     return None

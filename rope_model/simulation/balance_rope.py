@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.parameters import Scene
+from rope_model.scene_names import named_parameters
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.fidelity import Fidelity
@@ -201,15 +202,22 @@ class BalanceRope(ABC):
             If it does not fit this scene; nothing changes then.
         """
 
-    @abstractmethod
     def retune(self, scene: Scene) -> None:
         """Go on with other tunable parameters: solver, swivel friction, wind.
 
         Raises
         ------
         ValueError
-            If anything else of the scene differs.
+            If anything else of the scene differs; nothing changes then.
         """
+        for old, new in zip(named_parameters(self.scene), named_parameters(scene), strict=True):
+            if new.value != old.value and not old.facts.tunable:
+                raise ValueError(f"{old.name} = {new.value:g} must stay {old.value:g} during a run: make a new rope")
+        self._retune(scene)
+
+    @abstractmethod
+    def _retune(self, scene: Scene) -> None:
+        """Take the tunable parameters of ``scene``."""
 
 
 def state_in(data: bytes | RopeState | Snapshot) -> RopeState:

@@ -167,7 +167,7 @@ class RopeSimulator(BalanceRope):
     def _own_pattern(self) -> tuple[tuple[int, ...], int, int, float, float]:
         return _pattern(partition(self._mesh, self.scene.rope.length, 0.5 * self.scene.rope.length))
 
-    def retune(self, scene: Scene) -> None:
+    def _retune(self, scene: Scene) -> None:
         self.model, self._system, self._signals = replace(self.model, scene=scene), None, {}
         self._manner = manner_of(scene)
 

@@ -6,7 +6,7 @@
 #include "simulator.h"
 
 /* does not compile unless rope.h has room for the warnings of Python */
-enum { EACH_WARNING_HAS_A_NUMBER = 1 / (ROPE_EXTRAPOLATION == EXTRAPOLATION) };
+enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOLATION) };
 
 /* of the loop against its ends */
 static double yaw_of(State *state) {

@@ -88,7 +88,7 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
     enum { OF_END = sizeof(EndMotion) / sizeof(double) };
-    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(rope->message);
+    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(rope->message, 2 * OF_END - 1);
     if (!rope->initialized) return say_no_state(rope->message);
     const int side = input / OF_END, place = input % OF_END;
     const int kind = place < 9 ? place / 3 : place < 11 ? place - 9 : 0;

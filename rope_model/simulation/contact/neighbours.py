@@ -142,11 +142,14 @@ class Neighbours:
         before = self.contacts
         for partner in partners:
             partner.begin(t, h)
-        well = self._whole_step(t, h, partners)
-        if 0.5 * h < SHORTEST or (well and not self._too_long(before)):
+        missed = self._whole_step(t, h, partners)
+        shortest = 0.5 * h < SHORTEST
+        if missed is not None and (shortest or (missed <= TOLERANCE and not self._too_long(before))):
             for partner in partners:
                 partner.accept()
-            return well
+            return True
+        if shortest:
+            return False
         for partner in partners:
             partner.back()
         self.contacts, half = before, 0.5 * h
@@ -159,14 +162,15 @@ class Neighbours:
             for two, now in self.contacts.accounts.items()
         )
 
-    def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> bool:
+    def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> float | None:
+        """Advance all; return the relative error of the forces against the law, None where a rope fails."""
         before, end, going = self._rows(partners), self.contacts.forces, set(range(len(partners)))
         for iteration in range(ITERATIONS):
             for k in sorted(going) if iteration > 0 else ():
                 partners[k].back()
             self._apply(t, h, partners, end)
             if not all(partners[k].go() for k in sorted(going)):
-                return False
+                return None
             rows = self._rows(partners)
             found = self._found(t + h, rows, self._method.newton(h))
             joint = _Joint(end, found)
@@ -174,7 +178,7 @@ class Neighbours:
                 break
             end, going = joint.corrected(partners), joint.ropes
         self._book(t + h, before, rows, joint.forces, found, joint.missed)
-        return True
+        return joint.missed
 
     def _rows(self, partners: Sequence[Partner]) -> list[Rows | None]:
         there = zip(partners, self._origins, strict=True)

@@ -119,4 +119,4 @@ wrong_number_of_bytes = Text(
     "the saved state has {found:d} bytes, one of this rope {own:d}; restore it into a rope with the same parameters"
 )
 bytes_are_no_state = Text("these bytes are not a state of this rope; save one anew, or restore it into its own rope")
-no_such_input = Text("an input's number is 0 to 21")
+no_such_input = Text("an input's number is 0 to {last:d}")

@@ -10,7 +10,8 @@ import scipy.sparse as sp
 from scipy.linalg import eigvals_banded
 from scipy.sparse.linalg import eigsh
 
-from rope_model.physics.element import NODE_DOF, element_functions
+from rope_model.physics.element import NODE_DOF
+from rope_model.simulation.rope_kernels import rope_element
 from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem
 
 #: N/m: rounding by Qa / l of a zero stiffness, of a swivel that turns freely
@@ -67,13 +68,16 @@ def softest(system: RopeSystem, q: Array) -> float:
 
 
 def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
-    """Sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da at rest in ``q``, all degrees of freedom."""
-    n, element = system.lengths.size, element_functions()
-    along = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
-    q_e = np.hstack((along[:-1], along[1:])).T
-    rest, row, l = np.zeros_like(q_e), np.ones((1, n)), system.lengths[None, :]
-    F, P = element.reference.map(n)(q_e, l), np.tile(system.P[:, None], n)
-    J = element.tangent.map(n)(q_e, rest, rest, l, F, P, *(x * row for x in c), q_e)[1]
+    """Sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da at rest in ``q``, all degrees of freedom; no body is near."""
+    n, rest = system.lengths.size, np.zeros_like(q)
+    frames, P = system.with_reference(q, system.z).element_data(q, rest)
+    angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
+    q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, rest))
+    element = rope_element("torsional", system.kernels.kinds)
+    row = np.ones((1, n))
+    J = element.tangent.map(n)(
+        q_e, v_e, v_e, system.lengths[None, :], frames.T, np.tile(P[:, None], n), *(x * row for x in c), q_e
+    )[1]
     return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel())
 
 

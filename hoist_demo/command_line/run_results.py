@@ -1,4 +1,4 @@
-"""Summary and files of a run of `balance-rope demo`."""
+"""Summary and files of a run of `balance-rope wind`."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -66,7 +66,8 @@ class WoundRun:
         run, status, said = self.run, statuses(self.known), without_told(self.said)
         for rope in self.ropes:
             said = without_remarked(said, self.own(rope))
-        rows = summarize(self.result, run.hoist, run.winding, run.coupling, [rope.name for rope in self.ropes])
+        names = [rope.name for rope in self.ropes]
+        rows = summarize(self.result, run.hoist, run.winding, run.coupling, names, run.arrival)
         rows += (*(row for exposed in self.exposed.items() for row in exposure_rows(*exposed)), *told(self.known))
         parts = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
         given = tables(parts, status)
