@@ -69,8 +69,8 @@ const char *rope_fidelity_reason(const Simulator *rope);
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *rope, int number, char *message);
 
-/* The values of outputs, by their numbers in rope_model.simulation.outputs.signal_table.SIGNALS; booleans and integers are
-   exact.  Computed when first asked for after a change of state. */
+/* The values of outputs, by their numbers in rope_model.simulation.outputs.signal_table.SIGNALS; booleans and integers
+   are exact.  Computed when first asked for after a change of state. */
 void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
 
 /* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 26 inputs
