@@ -9,7 +9,7 @@ from scenes import hung
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Neighbours, Rope, Scene, Solver, balance_rope
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
-from rope_model.simulation.contact.self_contact import touches_of
+from rope_model.simulation.contact.self_contact import find_self_contacts
 
 #: m, N/m^2, and m by which the planes of two ropes are apart
 DIAMETER, STIFFNESS, GAP = Rope().diameter, 1e6, 0.3
@@ -51,7 +51,7 @@ def force_error(degrees: float) -> float:
     for along in (0.0, 0.002, 0.004, 0.006, 0.008):
         q, lengths = crossing(gap, angle, along)
         R = np.zeros_like(q)
-        touches_of(scene, q, np.zeros_like(q), lengths, 0.0, 0.0).take_force(R)
+        find_self_contacts(scene, q, np.zeros_like(q), lengths, 0.0, 0.0).take_force(R)
         worst = max(worst, abs(float(R[:3, 2].sum()) / exact - 1.0))
     return worst
 

@@ -6,8 +6,8 @@ from functools import cache
 from rope_model import Rope, Scene
 from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
-from rope_model.simulation.ends.followed import Followed, follow, follow_program
-from rope_model.simulation.ends.following import Following, Limits, Manner, manner_of
+from rope_model.simulation.ends.filter_program import FilterStep, filter_program, filter_step
+from rope_model.simulation.ends.input_filter import FilterSettings, InputFilter, Limits, settings_of
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.solver_parameters import Inputs, Trusted
 
@@ -26,12 +26,12 @@ def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
 
 @cache
 def program() -> Program:
-    return follow_program(Rope())
+    return filter_program(Rope())
 
 
-def usual_manner(trusted: Trusted = "all", bandwidth: float = 1.0, estimate: float = 17.0) -> Manner:
+def usual_manner(trusted: Trusted = "all", bandwidth: float = 1.0, estimate: float = 17.0) -> FilterSettings:
     """By default with the bandwidths (rad/s) of the 120 m rope at the standard level."""
-    return manner_of(Scene(inputs=Inputs(trusted, bandwidth, estimate)))
+    return settings_of(Scene(inputs=Inputs(trusted, bandwidth, estimate)))
 
 
 @dataclass
@@ -39,14 +39,14 @@ class Follower:
     """An end that follows what it is given, from rest at ``at``."""
 
     at: EndMotion = field(default_factory=EndMotion)
-    manner: Manner = field(default_factory=usual_manner)
+    settings: FilterSettings = field(default_factory=usual_manner)
 
     def __post_init__(self) -> None:
-        self.path, self.following = EndPath.at_rest(0.0, self.at), Following.at_rest(0.0, self.at)
+        self.path, self.filter = EndPath.at_rest(0.0, self.at), InputFilter.at_rest(0.0, self.at)
 
-    def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> Followed:
+    def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> FilterStep:
         """On to ``stop`` by the motion ``given`` of the instant ``given_at``, or else of ``stop``."""
         at = stop if given_at is None else given_at
-        found = follow(program(), self.following, self.path, self.manner, at, stop, given, 60.0)
-        self.path, self.following = found.path, found.following
+        found = filter_step(program(), self.filter, self.path, self.settings, at, stop, given, 60.0)
+        self.path, self.filter = found.path, found.filter
         return found

@@ -47,7 +47,7 @@ def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     sums, rng = accuracy.ErrorSums(), np.random.default_rng(1)
     for pace in 1e-9 / (CONSTANT * h * h) * rng.standard_normal(4000):
         sums = accuracy.add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
-    assert accuracy.end_force_error(ROPE, sums) < accuracy.AND_RATE * 1e-9 * math.sqrt(4000)
+    assert accuracy.end_force_error(ROPE, sums) < accuracy.RATE_ERROR_FACTOR * 1e-9 * math.sqrt(4000)
 
 
 def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np.float64]:

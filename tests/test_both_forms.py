@@ -16,7 +16,7 @@ import test_rope_on_rope
 import test_wire_friction
 from numpy.testing import assert_allclose
 from scenes import Ends, going_aside, past_each_other, wound
-from test_following import unfit
+from test_input_filter import unfit
 
 from rope_model import BalanceRope, EndMotion, Guard, Mesh, Model, Rope, RopeState, Scene, balance_rope
 from rope_model.simulation.outputs.audit import Audit
@@ -73,7 +73,7 @@ def misfit(fidelity: FidelityChoice) -> Case:
     def motion(t: float) -> Ends:
         return unfit(t, fidelity) if t > 0 else EndMotion(), EndMotion()
 
-    return Case(scene, motion, 12, 18, lambda x: x.following[0].repeats * x.following[0].position > 1e-4)
+    return Case(scene, motion, 12, 18, lambda x: x.filters[0].repeats * x.filters[0].position > 1e-4)
 
 
 FIDELITIES: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")

@@ -16,7 +16,7 @@ from scenes import smooth_step, wound
 
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope
 from rope_model.physics import hermite
-from rope_model.physics.contact import ONSET, SUMS, Touch, largest_motion, moved_by, touch
+from rope_model.physics.contact import ONSET, SUMS, Touch, correction_motion, largest_motion, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
 from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay, length_for
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
@@ -76,14 +76,14 @@ def test_no_place_of_an_element_moves_by_more_than_half_of_what_its_nodes_say(tu
         rows[:, 1], rows[:, 4] = moved[[0, 2]], moved[[1, 3]] * [1.0, -1.0]
         most = max(largest_motion(l, row, np.zeros(6)) for row in rows)
         for xi in np.linspace(0.0, 1.0, 21):
-            assert abs(np.dot(hermite.shares(xi, l), rows[:, [1, 4]].ravel())) <= 0.5 * most
+            assert abs(np.dot(hermite.shape_functions(xi, l), rows[:, [1, 4]].ravel())) <= 0.5 * most
 
 
 def test_no_correction_moves_a_node_by_more_than_newtons_norm_says() -> None:
     chance, longest, shortest = np.random.default_rng(1), 3.0, 0.2
     for row in chance.uniform(-1.0, 1.0, size=(100, 6)) / ([1.0] * 3 + [shortest] * 3):
         norm = np.abs(row * ([1.0] * 3 + [shortest] * 3)).max()
-        assert largest_motion(longest, row, np.zeros(6)) <= moved_by(norm, longest, shortest)
+        assert largest_motion(longest, row, np.zeros(6)) <= correction_motion(norm, longest, shortest)
 
 
 @pytest.mark.parametrize("seed", range(6))

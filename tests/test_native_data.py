@@ -23,7 +23,7 @@ from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import frozen, refusal
-from rope_model.simulation.ends.following import Following, Limits
+from rope_model.simulation.ends.input_filter import InputFilter, Limits
 from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
 from rope_model.simulation.rigid import rigid_rope
@@ -110,11 +110,11 @@ def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> Non
 
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
-    inputs, following = scene_structure(Scene()).inputs, Following(given_at=1.0, held=7.0)
-    structure = PARTS[Following](*following)
+    inputs, end_filter = scene_structure(Scene()).inputs, InputFilter(given_at=1.0, held=7.0)
+    structure = PARTS[InputFilter](*end_filter)
     for t in (1.5, 2.0, 2.5):
         message = text_of(native.ends_frozen, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
-        assert message == frozen(Inputs(), t, following, "right")
+        assert message == frozen(Inputs(), t, end_filter, "right")
     assert "inputs.hold_max" in message
 
 

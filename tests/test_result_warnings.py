@@ -20,7 +20,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.parameters import Winding
 from rope_model import Air, Layout, Mesh, Model, Rope, Shaft, balance_rope, rope_120
 from rope_model.engine import NativeRope
-from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.input_filter import InputFilter
 from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.messages import warning_messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
@@ -170,11 +170,11 @@ PLAIN = replace(rope_120().scene.rope, Qb=0.0, Qc=0.0)
 ROPES = {"coupled": rope_120().scene.rope, "twisted": replace(PLAIN, installed_twist=0.5), "plain": PLAIN}
 
 
-def following_of_misfits(chance: random.Random) -> Following:
+def following_of_misfits(chance: random.Random) -> InputFilter:
     sizes = {"position": (0.0, 3e-4, 0.2), "acceleration": (0.0, 0.3), "repeats": (0.0, 0.0, 12.0)}
     sizes |= {"samples": (3.0, 300.0), "grid": (1.0, 0.0, 1e-3), "breaks": (0.0, 2.0, 9.0)}
     chosen = {name: chance.choice(of) for name, of in sizes.items()}
-    return Following(**chosen, speed=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1)
+    return InputFilter(**chosen, speed=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1)
 
 
 def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeState]:
@@ -200,7 +200,7 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             snapped_at=chance.choice((0.0, 2.5)),
             counts=state.counts._replace(given_up=chance.choice((0, 7))),
             given_up_since=chance.uniform(0.0, 9.0),
-            following=(following_of_misfits(chance), following_of_misfits(chance)),
+            filters=(following_of_misfits(chance), following_of_misfits(chance)),
         )
 
 

@@ -14,7 +14,7 @@ from scenes import hung, wound
 from rope_model import Contact, EndMotion, Layout, Mesh, Rope, Scene, Shaft, Solver, Swivel, balance_rope
 from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.physics.contact import ONSET
-from rope_model.simulation.contact.self_contact import RopeTouches, touches_of
+from rope_model.simulation.contact.self_contact import SelfContacts, find_self_contacts
 
 D, K = Rope().diameter, 1e6
 
@@ -23,8 +23,8 @@ def holding(**changed: float) -> Scene:
     return Scene(shaft=Shaft(contact=Contact(rope_stiffness=K, **changed)))
 
 
-def touches(q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float) -> RopeTouches:
-    return touches_of(holding(**changed), q, 0 * q if v is None else v, lengths, *c)
+def touches(q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float) -> SelfContacts:
+    return find_self_contacts(holding(**changed), q, 0 * q if v is None else v, lengths, *c)
 
 
 @pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])
@@ -54,7 +54,7 @@ THIN = 0.02
 def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_passes_them(order: tuple[int, ...]) -> None:
     scene = holding().with_(rope=Rope(diameter=THIN))
     q, lengths = bundle(order), np.where(np.arange(11) % 4 == 3, 20.0, 1.0)
-    found, R = touches_of(scene, q, 0 * q, lengths, 0.0, 0.0), np.zeros_like(q)
+    found, R = find_self_contacts(scene, q, 0 * q, lengths, 0.0, 0.0), np.zeros_like(q)
     found.take_force(R)
     pressed, onset = 0.2 * THIN, ONSET * THIN
     each = 3.0 * K * (0.5 * onset + pressed - onset)

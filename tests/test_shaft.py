@@ -247,7 +247,7 @@ def test_turns_are_the_yaw_but_for_what_passed_through() -> None:
 
 
 #: m: landings of the ends below
-APART = EndMotion(y=0.0), EndMotion(y=90.0)
+LEAST_ARC = EndMotion(y=0.0), EndMotion(y=90.0)
 
 
 @pytest.mark.parametrize(
@@ -265,9 +265,9 @@ APART = EndMotion(y=0.0), EndMotion(y=90.0)
 )
 def test_a_body_that_leaves_the_ends_no_room_is_named(shaft: Shaft, told: str) -> None:
     scene = rope_120().scene.with_(shaft=shaft)
-    assert first_text(NO_ROOM, scene, "torsional", *APART).removeprefix("no equilibrium: ").startswith(told)
-    assert bool(first_text(NO_ROOM, scene, "torsional", *APART)) == bool(told)
-    assert first_text(NO_ROOM, scene, "rigid", *APART) == ""
+    assert first_text(NO_ROOM, scene, "torsional", *LEAST_ARC).removeprefix("no equilibrium: ").startswith(told)
+    assert bool(first_text(NO_ROOM, scene, "torsional", *LEAST_ARC)) == bool(told)
+    assert first_text(NO_ROOM, scene, "rigid", *LEAST_ARC) == ""
 
 
 def scene_of(length: float, EI: float, coupling: float, spacing: float, shaft: Shaft) -> Scene:

@@ -34,7 +34,7 @@ from evidence.contact.turned import helix
 from evidence.ropes import at_rest, follow, smooth_step
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Rope, Scene
-from rope_model.physics.rope_on_rope import rope_touch
+from rope_model.physics.rope_on_rope import self_contact_law
 from rope_model.shaft_parameters import Air, Contact, Shaft
 from rope_model.solver_parameters import Mesh, Solver
 
@@ -86,7 +86,7 @@ def _pressed(tension: float, R: float) -> float:
 def _law(R: float) -> tuple[float, float]:
     """U (J/m) and U' (N/m) of strands a diameter 2 R apart."""
     rest = (0.0, 0.0, 0.0)
-    sums = rope_touch(_CONTACT, DIAMETER, (2.0 * R, 0.0, 0.0), rest, 0.0, 0.0).sums
+    sums = self_contact_law(_CONTACT, DIAMETER, (2.0 * R, 0.0, 0.0), rest, 0.0, 0.0).sums
     return float(sums[0]), float(sums[-1])
 
 

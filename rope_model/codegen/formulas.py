@@ -38,8 +38,8 @@ from rope_model.physics import (
 from rope_model.shaft_parameters import FAR, PARTS
 from rope_model.simulation import rigid, simulator
 from rope_model.simulation.contact import shaft as shaft_search
-from rope_model.simulation.ends import ends, following, misfit, paths, switching
-from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends import ends, input_filter, misfit, paths, switching
+from rope_model.simulation.ends.input_filter import InputFilter, filter_sample
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.mesh import adaptation, mesh_fit, mesh_pattern
 from rope_model.simulation.mesh import partition as mesh
@@ -57,14 +57,14 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void conveyance_load(q[7], f[7], torque, load[6])": frame.conveyance_load,
     "right_offset(left[3], right[3])": ends.right_offset,
     "Path path_resting(t, EndMotion at)": EndPath.at_rest,
-    "Following following_resting(t, EndMotion at)": Following.at_rest,
-    "Manner follow_manner(scene, trusted)": following.follow_manner,
-    "Following follow_sample(Following now, manner, given_at, h, EndMotion end)": following.follow_sample,
-    "Path follow_path(path, Following now, stop, bandwidth)": following.follow_path,
-    "void follow_limits(path, Following now, limits[14])": following.follow_limits,
-    "Following follow_account(Following now, path, manner, rope, leg)": misfit.follow_account,
-    "void lean_moves(h, ahead, lean, moved[3])": following.lean_moves,
-    "void sample_moves(manner, h, ahead, sample[3], moved[3])": following.sample_moves,
+    "InputFilter filter_resting(t, EndMotion at)": InputFilter.at_rest,
+    "FilterSettings filter_settings(scene, trusted)": input_filter.filter_settings,
+    "InputFilter filter_sample(InputFilter now, FilterSettings settings, given_at, h, EndMotion end)": filter_sample,
+    "Path filter_path(path, InputFilter now, stop, bandwidth)": input_filter.filter_path,
+    "void filter_limits(path, InputFilter now, limits[14])": input_filter.filter_limits,
+    "InputFilter add_misfit(InputFilter now, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
+    "void lean_moves(h, ahead, lean, moved[3])": input_filter.lean_moves,
+    "void sample_moves(FilterSettings settings, h, ahead, sample[3], moved[3])": input_filter.sample_moves,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(path, t)": EndPath.at,
     "path_height(path, t)": EndPath.height,
@@ -76,8 +76,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void suspension_points(layout, EndMotion left, EndMotion right, points[2][3])": outline.suspension_points,
     "void node_values(xi, l, nodes[14], values[7])": hermite.node_values,
     "void missing_load(start, stop, s, l, old_s, old_l, old[14], now[14], load[14])": hermite.missing_load,
-    "void hermite_shares(xi, l, shares[4])": hermite.shares,
-    "void hermite_products(l, products[10])": hermite.share_products,
+    "void hermite_shape_functions(xi, l, N[4])": hermite.shape_functions,
+    "void hermite_products(l, products[10])": hermite.shape_products,
     "hermite_integral(l, r1, s1, r2, s2)": hermite.integral,
     "hermite_integral_to(xi, l, r1, s1, r2, s2)": hermite.integral_to,
     "place_on_rope(bottom, reach, part, loop)": outline.place,
@@ -107,11 +107,11 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "places_skipped(distance, diameter, weight, number)": rope_on_rope.places_skipped,
     "most_places(length, elements, diameter)": rope_on_rope.most_places,
     "nearer_place(xi, l, point[3], a[6], b[6])": rope_on_rope.nearer_place,
-    "Touch rope_touch(contact, diameter, apart[3], speed[3], cq, cv)": rope_on_rope.rope_touch,
+    "Touch self_contact_law(contact, diameter, apart[3], speed[3], cq, cv)": rope_on_rope.self_contact_law,
     "part_of_time(start, stop, t)": point_forces.part_of_time,
     "void point_load(place[3], force[3], load[6])": point_forces.point_load,
     "largest_motion(longest, q[6], before[6])": contact.largest_motion,
-    "moved_by(corrections, longest, shortest)": contact.moved_by,
+    "correction_motion(corrections, longest, shortest)": contact.correction_motion,
     "AirLaw air_law(air, diameter, spacing)": air.air_law,
     "wire_stiffness(rope)": wire_friction.wire_stiffness,
     "slip_curvature(rope, stiffness, e, tau)": wire_friction.slip_curvature,
@@ -165,15 +165,15 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "step_error(StepLimits limits, h, place, strain)": accuracy.step_error,
     "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
     "most_work(interval, step_max)": stepping.most_work,
-    "parts_of(way, step_next, left)": accuracy.parts_of,
+    "substeps(way, step_next, left)": accuracy.substeps,
     "newton_may_leave(newton_tolerance, work_max, hasty)": accuracy.newton_may_leave,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
     "with_contact_at_ends(error, ContactSums sums, time, force)": contact_error.with_contact_at_ends,
     "with_contact_of_place(scene, error, ContactSums sums)": contact_error.with_contact_of_place,
     "end_force_error(rope, ErrorSums sums)": accuracy.end_force_error,
-    "with_misfit(error, ErrorSums sums, Following left, Following right)": misfit.with_misfit,
-    "with_drift(error, Following left, Following right)": misfit.with_drift,
+    "with_misfit(error, ErrorSums sums, InputFilter left, InputFilter right)": misfit.with_misfit,
+    "with_drift(error, InputFilter left, InputFilter right)": misfit.with_drift,
     "loop_error(scene, ErrorSums sums, fine, grading_length)": accuracy.loop_error,
     "friction_moment(mu, mean_diameter, seal_moment, tension)": swivel.friction_moment,
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
@@ -199,20 +199,20 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     contact.Touch,
     contact_places.Probe,
     wire_friction.Slid,
-    following.Manner,
+    input_filter.FilterSettings,
 )
 #: structures that a formula may take or return
 STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
-        *(EnergyBalance, accuracy.ErrorSums, contact_error.ContactSums, Audit, guard.GuardState, Following),
+        *(EnergyBalance, accuracy.ErrorSums, contact_error.ContactSums, Audit, guard.GuardState, InputFilter),
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
 #: numbers of the formulas and of the control flow: what their names in C have before those in Python, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
-    ("", accuracy, "ACCEPT_BELOW STEP_WORK HASTY_STEP HASTY_MESH"),
+    ("", accuracy, "ACCEPT_BELOW STEP_WORK BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
     ("", adaptation, "RELAXATION_TIME"),
     ("", contact, "LOOK_AHEAD OWN_LENGTH"),
     ("", diagnostics, "PIECES FINE OUTLINE"),
@@ -224,7 +224,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
     ("", paths, "RESTS_BELOW"),
     ("", rigid, "SETTLING_TIME DIFFERENCE"),
-    ("", rope_on_rope, "MOST_PLACES APART MOST_STRANDS CORRECTIONS"),
+    ("", rope_on_rope, "MOST_PLACES LEAST_ARC MOST_STRANDS CORRECTIONS"),
     ("", shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
     ("", simulator, "FARTHEST_START MOST_STEPS"),
     ("", statics, "SETTLED BALANCED REST_TOLERANCE"),
@@ -251,7 +251,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "WIRE_POINTS": len(element.POINTS),
     "WIRE_PLACES": element.POINTS,
     "WIRE_WEIGHTS": element.WEIGHTS,
-    "WIRE_MEMORY": wire_friction.MEMORY,
+    "WIRE_POINT_STATE": wire_friction.MEMORY,
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
     "CONTACT_POINTS": len(contact_places.PARTS),
 }

@@ -104,9 +104,9 @@ static inline double end_value(const EndMotion *motion, int place) {
     return ((const double *)motion)[place];
 }
 
-/* ends.c; limits: of formulas.h's follow_limits */
+/* ends.c; limits: of formulas.h's filter_limits */
 void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message);
-void ends_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message);
+void ends_frozen(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
 /* about the tangent, on the rope's end with this row of the reaction */
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);
 /* angle and rate of the rope's end with theta against the conveyance */

@@ -45,11 +45,11 @@ static size_t lay_out(Simulator *rope, Room *room) {
     if (rubs) rope->latest = numbers(room, WIRE_LATEST * (n + MOST_LANES - 1));
     rope->around = piece(room, sizeof *rope->around);
     rope->own = piece(room, sizeof *rope->own);
-    const Seen seen = {.q = numbers(room, size), .lengths = numbers(room, n)};
+    const ClearanceCache seen = {.q = numbers(room, size), .lengths = numbers(room, n)};
     const Surroundings around = {.scene = scene, .seen = seen, .near = piece(room, sizeof *around.near * n)};
-    OwnContact own = {.scene = scene, .presses = presses};
-    own.seen = (Seen){.q = numbers(room, size), .lengths = numbers(room, n)};
-    own.scratch = numbers(room, OWN_SCRATCH * size);
+    SelfContactState own = {.scene = scene, .presses = presses};
+    own.seen = (ClearanceCache){.q = numbers(room, size), .lengths = numbers(room, n)};
+    own.scratch = numbers(room, CG_ARRAYS * size);
     own.boxes = piece(room, sizeof *own.boxes * n);
     own.ways = numbers(room, n);
     own.distances = numbers(room, n);

@@ -40,7 +40,7 @@ void begin_audit(const Simulator *rope, State *state) {
 }
 
 /* before: the ends' vertical reactions at the step's start */
-static void audit_step(const Simulator *rope, State *state, const System *s, double h, double moved_by,
+static void audit_step(const Simulator *rope, State *state, const System *s, double h, double correction_motion,
                        const double before[2]) {
     const Arrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
@@ -51,7 +51,7 @@ static void audit_step(const Simulator *rope, State *state, const System *s, dou
         force = fmax(force, fabs(now));
         change = fmax(change, fabs(now - before[side]));
     }
-    state->audit = audit_after_step(&state->audit, &method, h, moved_by, load, force, change,
+    state->audit = audit_after_step(&state->audit, &method, h, correction_motion, load, force, change,
                                     axial_share(&rope->scene.rope, model_bottom(rope, state, state->t), h));
 }
 
@@ -167,7 +167,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
     const double forces[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
     const Coefficients method = {rope->scene.solver.rho_inf};
-    const double moved_by = recentring(&method, trial->h, state->h);
+    const double correction_motion = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom = model_bottom(rope, state, state->t), speed = apart(&m);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
@@ -201,5 +201,5 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
     const double now_powers[] = {state->power_ends, state->power_swivel};
     *energy = account_of_step(energy, h, before, now_powers, taken, slid, air[0]);
-    audit_step(rope, state, &s, h, moved_by, forces);
+    audit_step(rope, state, &s, h, correction_motion, forces);
 }

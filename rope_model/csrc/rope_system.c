@@ -104,7 +104,7 @@ void rope_system_outside(const System *s, const double *q, const double *v, doub
     self_contact_sums(s, q, v, sums);
     point_forces_push(s, q, v, sums);
     if (s->around == NULL) return;
-    look_for_bodies(s, q, v, 0);
+    find_near_bodies(s, q, v, 0);
     for (int e = 0; s->around->any && e < s->elements; e++)
         if (s->around->near[e]) contact_sums(s, e, q, v, sums);
 }

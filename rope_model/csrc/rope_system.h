@@ -51,7 +51,7 @@ void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Neares
 /* the same where that is nearer than `nearest` says */
 void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
 
-static inline void not_near(Nearest nearest[KINDS]) {
+static inline void far_bodies(Nearest nearest[KINDS]) {
     for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = FAR};
 }
 
@@ -69,7 +69,7 @@ enum {
 /* the rope where it was last looked at: q and lengths as they were, free: how far at least all was then, in m */
 typedef struct {
     double free, *q, *lengths;
-} Seen;
+} ClearanceCache;
 
 /* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
    bits; any: whether there are such.  longest: element then, margin: how far at least what is not near was from all
@@ -79,31 +79,35 @@ typedef struct {
     int bodies, any;
     Placed placed[MOST_BODIES];
     double speeds[MOST_BODIES][3], margin, longest;
-    Seen seen;
+    ClearanceCache seen;
     unsigned *near;
 } Surroundings;
 
-/* Two places of the rope that press each other: the shares of r, r' of both elements' nodes, the second's negative; the
-   place in the second element; the length that the law is per length of. */
+/* Two places of the rope that press each other. */
 typedef struct {
     int elements[2];
-    double place, weight, shares[8];
+    double place;  /* element coordinate in the second element */
+    double weight; /* length of rope that the law acts on, m */
+    double N[8];   /* shape functions at both places, those of the second negative */
     Touch law;
-} RopeTouch;
+} SelfContact;
 
-/* The rope's contact with itself: what find_rope_touches found last; boxes: of the elements,
-   others: those near one, with the arc length from its end to each, and of a place of it how far they are and where in
-   them; scratch: OWN_SCRATCH arrays of q's size, for conjugate gradients.  nearest: how far two places are that touch,
-   the least, and at which height.  presses: whether touches act; they have no room where they do not. */
+/* Contact of the rope with itself: result and buffers of find_self_contacts. */
 typedef struct {
     const Scene *scene;
-    int number, *others;
-    double (*boxes)[6], *scratch, *ways, *distances, *where, nearest[2];
-    int presses;
-    Seen seen;
-    RopeTouch *touches;
-} OwnContact;
-enum { OWN_SCRATCH = 4 };
+    int presses; /* whether contacts act; otherwise there is no memory for them */
+    int number;
+    SelfContact *touches;
+    double nearest[2];  /* least distance of centre lines that touch, and its height, m */
+    double (*boxes)[6]; /* around each element */
+    int *others;        /* elements near the present one */
+    double *ways;       /* arc length from the end of the present element to each of them, m */
+    double *distances;  /* from the present place to each of them, m */
+    double *where;      /* element coordinate of the nearest place in each of them */
+    double *scratch;    /* CG_ARRAYS arrays of the size of q, for conjugate gradients */
+    ClearanceCache seen;
+} SelfContactState;
+enum { CG_ARRAYS = 4 };
 
 /* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
    newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
@@ -117,7 +121,7 @@ typedef struct {
     const double *lengths;
     double *frames;
     Surroundings *around;
-    OwnContact *own;
+    SelfContactState *own;
     const PointForces *forces;
     const double *wires, *curved;
     double time, *latest, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
@@ -149,15 +153,16 @@ typedef struct {
     void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
 } Chain;
 
-/* surroundings.c: which elements may touch a body, or would if they moved by margin (m); q, v: of all nodes */
-void look_for_bodies(const System *s, const double *q, const double *v, double margin);
-/* looks for more than were seen before Newton's corrections, the sum of whose norms is given; whether there are any */
-int see_more_bodies(const System *s, const double *q, double corrections);
-/* the rope is looked at now, and whether all is surely farther than `least` by how far it and its ends moved since */
-void see(const System *s, Seen *seen, const double *q);
-int still_free(const System *s, const Seen *seen, const double *q, double least);
+/* contact/surroundings.c */
+/* Find the elements that may touch a body, now or after a move by `margin` (m). */
+void find_near_bodies(const System *s, const double *q, const double *v, double margin);
+/* Add elements that came near during Newton's corrections, the sum of whose norms is given; return whether any did. */
+int add_near_bodies(const System *s, const double *q, double corrections);
+/* Remember the configuration, and tell later whether no clearance can have fallen below `least` (m) since. */
+void remember_configuration(const System *s, ClearanceCache *seen, const double *q);
+int clearance_exceeds(const System *s, const ClearanceCache *seen, const double *q, double least);
 
-/* contact_element.c: what bodies do to an element whose nodes' r and r' are twelve numbers */
+/* physics/contact_element.c: contact forces on an element, whose nodes' r and r' are twelve numbers */
 enum { CONTACT_DOF = 12 };
 void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]);
 void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
@@ -165,30 +170,31 @@ void contact_tangent(const System *s, int element, const double *q, const double
 /* added to the sums */
 void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
-/* point_forces.c: a place with a force, its element, which begins at `start`, the shares of that element's nodes, the
-   force now */
+/* contact/point_forces.c */
+/* A place with a force. */
 typedef struct {
     int element;
-    double start, shares[4], force[3];
+    double start; /* arc length where the element begins, m */
+    double N[4];  /* shape functions at the place */
+    double force[3];
 } Pushed;
-/* goes on to a place, which is not before the one it was at */
+/* Go on to a place, which is not before the previous one. */
 void elements_at(const System *s, int number, Pushed *at);
 /* to R; and what they do as a load, and their power */
 void nodal_forces(const System *s, double *R);
 void point_forces_push(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 /* r (or its speed) at a place of an element */
-static inline void at_places(const double *x, int element, const double shares[4], double y[3]) {
+static inline void at_places(const double *x, int element, const double N[4], double y[3]) {
     const double *a = x + (size_t)element * DOF, *b = a + DOF;
-    for (int i = 0; i < 3; i++)
-        y[i] = shares[0] * a[i] + shares[1] * a[SLOPE + i] + shares[2] * b[i] + shares[3] * b[SLOPE + i];
+    for (int i = 0; i < 3; i++) y[i] = N[0] * a[i] + N[1] * a[SLOPE + i] + N[2] * b[i] + N[3] * b[SLOPE + i];
 }
 
 /* self_contact.c: where the rope touches itself, and how often it presses there, with tangents along (cq, cv) of q and
  * v */
-int touches_of(const System *s, const double *q, const double *v, double cq, double cv);
+int find_self_contacts(const System *s, const double *q, const double *v, double cq, double cv);
 /* to R, and the product of the tangent with x to y */
-void self_contact_take_force(const OwnContact *own, double *R);
-void self_contact_times(const OwnContact *own, const double *x, double *y);
+void self_contact_take_force(const SelfContactState *own, double *R);
+void self_contact_times(const SelfContactState *own, const double *x, double *y);
 void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
 /* rope_system.c: of bodies and of the rope with itself, all elements, where they are */

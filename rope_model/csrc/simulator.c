@@ -75,9 +75,9 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
         const Path path = path_resting(state->t, end);
-        state->following[side] = following_resting(state->t, end);
+        state->filters[side] = filter_resting(state->t, end);
         double limits[14];
-        follow_limits(&path, &state->following[side], limits);
+        filter_limits(&path, &state->filters[side], limits);
         ends_refusal(&rope->scene, end, limits, side, rope->message);
         if (rope->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
@@ -120,12 +120,12 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
         tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
         return 0;
     }
-    if (fresh_memory(rope, state)) rope_system_refer(rope, state, m.q);
+    if (start_hysteresis(rope, state)) rope_system_refer(rope, state, m.q);
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = -end_row(m.reaction, m.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);
     state->event_count = 0;
     begin_audit(rope, state);
-    not_near(state->nearest);
+    far_bodies(state->nearest);
     guards_at_rest(scene, state);
     with_passages(rope, state);
     with_guards(scene, state);
@@ -143,32 +143,33 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
 }
 
 /* an end with the host's sample, for a step to t */
-static Following follow_end(const State *before, const Manner *manner, int side, double t, const EndMotion *end,
-                            double given_at) {
-    return follow_sample(&before->following[side], manner, given_at, t - before->paths[side].stop, end);
+static InputFilter follow_end(const State *before, const FilterSettings *settings, int side, double t,
+                              const EndMotion *end, double given_at) {
+    return filter_sample(&before->filters[side], settings, given_at, t - before->paths[side].stop, end);
 }
 
 /* the account of an end up to the stop of its path */
-static void account_end(const Simulator *rope, State *state, const Manner *manner, int side, const Following *now) {
+static void account_end(const Simulator *rope, State *state, const FilterSettings *settings, int side,
+                        const InputFilter *now) {
     const double bottom = model_bottom(rope, rope->state, rope->state->t);
     const double leg = side == LEFT ? bottom : rope->scene.rope.length - bottom;
-    state->following[side] = follow_account(now, &state->paths[side], manner, &rope->scene.rope, leg);
+    state->filters[side] = add_misfit(now, &state->paths[side], settings, &rope->scene.rope, leg);
 }
 
 /* the ends' next paths, and the fidelity that can follow them; 0 when none can */
 static int move_ends(Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &rope->scene;
-    const Manner manner = follow_manner(scene, scene->inputs.given);
+    const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const Following now = follow_end(rope->state, &manner, side, t, &ends[side], given_at);
-        const Path path = follow_path(&rope->state->paths[side], &now, t, manner.observer);
+        const InputFilter now = follow_end(rope->state, &settings, side, t, &ends[side], given_at);
+        const Path path = filter_path(&rope->state->paths[side], &now, t, settings.observer);
         double limits[14];
-        follow_limits(&path, &now, limits);
+        filter_limits(&path, &now, limits);
         ends_refusal(scene, &ends[side], limits, side, rope->message);
         if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);
         if (rope->message[0]) return 0;
         state->paths[side] = path;
-        account_end(rope, state, &manner, side, &now);
+        account_end(rope, state, &settings, side, &now);
     }
     char why[MESSAGE];
     EndMotion seen[2] = {ends[LEFT], ends[RIGHT]};
@@ -196,11 +197,11 @@ static int has_event(const Simulator *rope, const State *state) {
 
 /* the ends' paths are to be left at `t`, and so are their accounts */
 static void cut_paths(const Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
-    const Manner manner = follow_manner(&rope->scene, rope->scene.inputs.given);
+    const FilterSettings settings = filter_settings(&rope->scene, rope->scene.inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const Following now = follow_end(rope->state, &manner, side, t, &ends[side], given_at);
+        const InputFilter now = follow_end(rope->state, &settings, side, t, &ends[side], given_at);
         state->paths[side].stop = t;
-        account_end(rope, state, &manner, side, &now);
+        account_end(rope, state, &settings, side, &now);
     }
 }
 
@@ -256,9 +257,9 @@ int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double g
 int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
     int same = *event;
     for (int side = LEFT; side <= RIGHT; side++)
-        same &= !memcmp(&ends[side], rope->state->following[side].given, sizeof ends[side]);
+        same &= !memcmp(&ends[side], rope->state->filters[side].given, sizeof ends[side]);
     *event = 0;
-    return conclude(rope, advance_to(rope, t, ends, same ? rope->state->following[LEFT].given_at : given_at, event));
+    return conclude(rope, advance_to(rope, t, ends, same ? rope->state->filters[LEFT].given_at : given_at, event));
 }
 
 size_t rope_state_bytes(const Simulator *rope) {
@@ -307,8 +308,8 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
     for (int number = 0; number < forces->number; number++) {
         double without[3];
         elements_at(&s, number, &at);
-        at_places(answers[0], at.element, at.shares, without);
-        at_places(answers[1], at.element, at.shares, moved[number]);
+        at_places(answers[0], at.element, at.N, without);
+        at_places(answers[1], at.element, at.N, moved[number]);
         for (int i = 0; i < 3; i++) moved[number][i] -= without[i];
     }
 }

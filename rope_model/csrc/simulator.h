@@ -31,7 +31,7 @@ struct Simulator {
     double *latest;             /* of the system, where there are such */
     void *work;                 /* of the chain */
     Surroundings *around;
-    OwnContact *own;
+    SelfContactState *own;
     PointForces forces;
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g are those of the state */
@@ -97,7 +97,7 @@ Rope partly_curved(const Rope *whole, double part);
 void curved_reference(Simulator *rope, State *state, const double *q);
 
 /* wires.c: from now on wires rub, if the rope has friction and is not rigid, with z = 0: whether they begin to */
-int fresh_memory(const Simulator *rope, State *state);
+int start_hysteresis(const Simulator *rope, State *state);
 /* they begin to move from q and the state's z */
 void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]);
 /* z becomes that of q; returns what was dissipated, J; of no effect where no wires rub */

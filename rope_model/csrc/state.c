@@ -87,8 +87,7 @@ int state_plausible(const Simulator *rope, State *state) {
         !all_finite(&state->energy_balance.kinetic,
                     (offsetof(State, counts) - offsetof(State, energy_balance)) / sizeof(double)))
         return 0;
-    if (!all_finite((const double *)(const void *)state->following, sizeof state->following / (sizeof(double))))
-        return 0;
+    if (!all_finite((const double *)(const void *)state->filters, sizeof state->filters / (sizeof(double)))) return 0;
     if (!(state->h >= 0 && state->step_next > 0 && state->last_interval > 0)) return 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const SwivelState *swivel = &state->swivels[side];

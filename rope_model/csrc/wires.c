@@ -5,13 +5,13 @@
 /* where in the element the length of rope begins and ends that a point stands for, in parts of 1 */
 static const double CELLS[] = WIRE_CELLS;
 
-static double *memory_of(const Simulator *rope, int element) {
+static double *hysteresis_of(const Simulator *rope, int element) {
     return rope->wires + (ptrdiff_t)element * WIRE_HISTORY;
 }
 
 /* of an element of q; without torsion no section turns, however the ends hold theta */
 static void look_at_section(const State *state, const Arrays *m, const double *q, int element, int point,
-                            double section[WIRE_MEMORY]) {
+                            double section[WIRE_POINT_STATE]) {
     static const double places[] = WIRE_PLACES;
     section_at(places[point], m->lengths[element], q + (ptrdiff_t)element * DOF, section);
     if (state->fidelity != TORSIONAL) section[ANGLE] = 0;
@@ -21,10 +21,10 @@ void wires_history(Simulator *rope, State *state, const double *q, double (*stra
     const Arrays m = state_arrays(state);
     const double stiffness = wire_stiffness(&rope->scene.rope);
     for (int e = 0; e < m.elements; e++) {
-        double *at = memory_of(rope, e);
-        for (int k = 0; k < WIRE_POINTS; k++, at += WIRE_MEMORY) {
+        double *at = hysteresis_of(rope, e);
+        for (int k = 0; k < WIRE_POINTS; k++, at += WIRE_POINT_STATE) {
             look_at_section(state, &m, q, e, k, at);
-            memcpy(at + WIRE_MEMORY - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *at);
+            memcpy(at + WIRE_POINT_STATE - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *at);
         }
         at[0] = slip_curvature(&rope->scene.rope, stiffness, strains[e][0], strains[e][1]);
         at[1] = stiffness;
@@ -36,9 +36,9 @@ double wires_slip(Simulator *rope, State *state, const double *q) {
     const Arrays m = state_arrays(state);
     double dissipated = 0;
     for (int e = 0; state->rubs && e < m.elements; e++) {
-        const double *before = memory_of(rope, e), *law = before + WIRE_POINTS * WIRE_MEMORY;
-        double now[WIRE_MEMORY];
-        for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_MEMORY) {
+        const double *before = hysteresis_of(rope, e), *law = before + WIRE_POINTS * WIRE_POINT_STATE;
+        double now[WIRE_POINT_STATE];
+        for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE) {
             look_at_section(state, &m, q, e, k, now);
             const Slid slid = wire_slide(before, now, law[0]);
             memcpy(m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, slid.z, sizeof slid.z);
@@ -76,7 +76,7 @@ void wires_carry(Simulator *rope, State *state, const double *old_s) {
                          m.s[e] + m.lengths[e] * CELLS[k + 1], m.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
 }
 
-int fresh_memory(const Simulator *rope, State *state) {
+int start_hysteresis(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     if (state->rubs || state->fidelity == RIGID || rope->wires == NULL) return 0;
     state->rubs = 1;

@@ -209,9 +209,9 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
-    moved_by, ahead = recentring(method, h, old.h), h if system.smooth and rate_known(h, old.h) else 0.0
+    correction_motion, ahead = recentring(method, h, old.h), h if system.smooth and rate_known(h, old.h) else 0.0
     flat = past.reshape(len(past), -1)
-    q, v, a = guess = (method.prediction(h, moved_by, ahead) @ flat).reshape(3, *old.q.shape)
+    q, v, a = guess = (method.prediction(h, correction_motion, ahead) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed_motion(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance, old.q)
@@ -221,7 +221,7 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     if not newton.converged:
         return StepResult(None, None, newton, np.inf, None)
     a = solution.a
-    *before, now = auxiliary_weights(method, moved_by)
+    *before, now = auxiliary_weights(method, correction_motion)
     b = (np.array(before) @ flat[2:]).reshape(a.shape) + now * a
     change = a - old.a
     resolved = solution.resolve(change)

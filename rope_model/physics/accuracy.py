@@ -23,16 +23,16 @@ from rope_model.physics.estimates import axial_frequency, bending_length
 #: share of the error asked for that a step may leave: tuned on seeded ropes of 60 to 1200 m, judged by `make promise`
 FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
 #: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
-AND_RATE = 2.0
+RATE_ERROR_FACTOR = 2.0
 #: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
 LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
 #: a loop of elements of x w and more slips aside and turns, by which node comes to hang lowest: it is off by up to
 #: 1 + SLIPPED times as much beyond x = SLIPS_FROM, and yawed by up to TURNED x (rad) beyond TURNS_FROM; the change goes
-#: with the power SLIPS_AT_ONCE (evidence.mesh_rule.coarse)
-SLIPPED, SLIPS_FROM, TURNED, TURNS_FROM, SLIPS_AT_ONCE = 1.8, 0.87, 0.033, 1.2, 12
+#: with the power SLIP_EXPONENT (evidence.mesh_rule.coarse)
+SLIPPED, SLIPS_FROM, TURNED, TURNS_FROM, SLIP_EXPONENT = 1.8, 0.87, 0.033, 1.2, 12
 #: error of the loop's place by joined elements of the legs over grading_length times length, and by steps over the
 #: largest error of a node's place
-LEGS, STEPS = 4e-7, 12.0
+LEG_MESH_ERROR, STEPS = 4e-7, 12.0
 #: error of the loop's place over x^2 v^2 / g, and the share of it that a step may take: tuned on the same ropes
 FLOW, FLOW_SHARE = 0.13, 0.6
 #: wires that begin to slide or stick change the acceleration at once, whatever the step: errors of place and strain
@@ -40,16 +40,16 @@ FLOW, FLOW_SHARE = 0.13, 0.6
 RUBBED_PLACE, RUBBED_STRAIN = 2.0, 4.0
 #: s, and steps: after so much of small errors steps grow.  The loop's place errs by a part that goes with the step's
 #: length, and every change of that sends a wave along the rope, which is the smaller the shorter the step
-CALM, CALM_STEPS = 0.2, 100.0
+GROWTH_DELAY, GROWTH_DELAY_STEPS = 0.2, 100.0
 #: a step with more than the allowed error makes the next one half as long, and this many times that is rejected
 ACCEPT_BELOW = 2.0
-#: the step grows after errors below this part of the allowed one for the time of calm_needed
+#: the step grows after errors below this part of the allowed one for the time of growth_delay
 GROW_BELOW = 0.05
 TINY = 1e-300
 #: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
 STEP_WORK = 12
 #: m and rad: errors that Newton's method may leave in a step, and on a new mesh, where work is bounded to one step
-HASTY_STEP, HASTY_MESH = 1e-4, 2e-3
+BOUNDED_STEP_ERROR, BOUNDED_MESH_ERROR = 1e-4, 2e-3
 #: part of the share that is left when all is used up
 LEAST_LEFT = 0.1
 #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
@@ -140,7 +140,7 @@ def add_errors(
 def end_force_error(rope: Any, sums: Any) -> Any:
     """Error of the end forces, root mean square since the start, relative to the largest."""
     squares = larger(sums.squares[0], sums.squares[1])
-    return AND_RATE * rope.Qa * sqrt(squares / larger(sums.time, TINY)) / larger(sums.force, TINY)
+    return RATE_ERROR_FACTOR * rope.Qa * sqrt(squares / larger(sums.time, TINY)) / larger(sums.force, TINY)
 
 
 def locking_error(scene: Any, fine: Any) -> Any:
@@ -154,7 +154,7 @@ def locking_error(scene: Any, fine: Any) -> Any:
 def mesh_error(scene: Any, fine: Any, grading_length: Any) -> Any:
     """Error (m) of the loop's place on elements of length ``fine``, with ``grading_length`` in the legs."""
     slips = 1.0 + SLIPPED * _slips(scene, fine, SLIPS_FROM)
-    return locking_error(scene, fine) * slips + LEGS * grading_length * scene.rope.length
+    return locking_error(scene, fine) * slips + LEG_MESH_ERROR * grading_length * scene.rope.length
 
 
 def turned_by_mesh(scene: Any, fine: Any) -> Any:
@@ -164,7 +164,7 @@ def turned_by_mesh(scene: Any, fine: Any) -> Any:
 
 def _slips(scene: Any, fine: Any, beyond: float) -> Any:
     """Share, 0 to 1, of the loop's change over so many w ``beyond``."""
-    power = smaller(fine / (beyond * bending_length(scene)), 10.0) ** SLIPS_AT_ONCE
+    power = smaller(fine / (beyond * bending_length(scene)), 10.0) ** SLIP_EXPONENT
     return power / (1.0 + power)
 
 
@@ -200,10 +200,10 @@ def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
     return sqrt(mesh * mesh + swung * swung + sums.flow * sums.flow)  # at other places and instants
 
 
-def calm_needed(h: Any, step_next: Any) -> Any:
+def growth_delay(h: Any, step_next: Any) -> Any:
     """Time (s) for which errors must be small before a step ``h`` may grow to ``step_next``."""
     # half a step early: where a whole number of steps takes as long, rounding would decide
-    return smaller(CALM_STEPS * step_next, CALM) - 0.5 * h
+    return smaller(GROWTH_DELAY_STEPS * step_next, GROWTH_DELAY) - 0.5 * h
 
 
 class NextStep(NamedTuple):
@@ -218,12 +218,12 @@ def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t:
     """Choose the step after one of length ``h`` to ``t`` with this ``error`` over the allowed one.
 
     Work ran out where it is too large.  ``rejected``: whether longer steps failed.  An error above the tolerance halves
-    the next step; small ones for the time calm_needed double it.
+    the next step; small ones for the time growth_delay double it.
     """
     calm_since = where(either(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance
     as_asked = either(given_up, error <= solver.tolerance)
-    grows = both(as_asked, t - calm_since > calm_needed(h, step_next), step_next < solver.step_max)
+    grows = both(as_asked, t - calm_since > growth_delay(h, step_next), step_next < solver.step_max)
     longer = where(grows, smaller(2.0 * step_next, solver.step_max), step_next)
     return NextStep(
         where(as_asked, longer, larger(0.5 * h, solver.step_min)),
@@ -232,7 +232,7 @@ def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t:
     )
 
 
-def parts_of(way: Any, step_next: Any, left: Any) -> Any:
+def substeps(way: Any, step_next: Any, left: Any) -> Any:
     """Number of steps into which the ``way`` (s) is divided where the work that is left allows for so many.
 
     It may take longer ones than ``step_next``, but Newton's method need not converge in much longer ones.

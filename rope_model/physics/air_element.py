@@ -53,7 +53,7 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     law, conveyances = _numbers(ca.vertsplit(A))
     R, J, sums = ca.SX.zeros(2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(len(AIR_BALANCE))
     for xi, weight in hermite.GAUSS:
-        nodes = dict(_nodes(hermite.shares(xi, l)))
+        nodes = dict(_nodes(hermite.shape_functions(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
         velocity = flow(law, conveyances, point, l)
         if 2 not in kept:  # wind across the plane does not act in a model of the plane
@@ -103,8 +103,8 @@ def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
     return [value for value, _ in pairs], [slope for _, slope in pairs]
 
 
-def _nodes(shares: tuple[Any, ...]) -> Iterator[tuple[int, tuple[int, Any]]]:
-    """Entries of r and r' in the element, each with its component and its share of a force."""
-    for first, share in zip((0, 3, NODE_DOF, NODE_DOF + 3), shares, strict=True):
+def _nodes(N: tuple[Any, ...]) -> Iterator[tuple[int, tuple[int, Any]]]:
+    """Entries of r and r' in the element, each with its component and its shape function."""
+    for first, share in zip((0, 3, NODE_DOF, NODE_DOF + 3), N, strict=True):
         for i in range(3):
             yield first + i, (i, share)

@@ -42,7 +42,7 @@ def largest_motion(longest: Any, q: Any, before: Any) -> Any:
     return 2.0 * (x + y + z) + 0.75 * longest * (a + b + c)
 
 
-def moved_by(corrections: Any, longest: Any, shortest: Any) -> Any:
+def correction_motion(corrections: Any, longest: Any, shortest: Any) -> Any:
     """Bound of ``largest_motion`` by the sum of corrections in Newton's norm (m): r' counts in 1 / ``shortest``."""
     return 6.0 * corrections + 2.25 * longest / shortest * corrections
 

@@ -169,7 +169,7 @@ def _integrated(stiff: bool) -> ca.Function:
     places, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
     number = len(pieces)
     xi, length = ca.SX.sym("xi"), ca.SX.sym("l")
-    shares = ca.Function("shares", [xi, length], [ca.horzcat(*hermite.shares(xi, length))]).map(number)
+    shares = ca.Function("shares", [xi, length], [ca.horzcat(*hermite.shape_functions(xi, length))]).map(number)
     N = ca.reshape(shares(places.T, l), 4, number)  # a column for each point
     loads, tangents = (f.map(number) for f in _touch_one())
     repeated = rows @ N, speeds @ N, ca.repmat(P, 1, number)

@@ -36,23 +36,23 @@ def node_values(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
     return (*(x for x, _ in r), *(slope for _, slope in r), theta)
 
 
-def shares(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
-    """Shares of r1, s1, r2, s2 in the value."""
+def shape_functions(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
+    """Return the Hermite shape functions at ``xi``: the factors of r1, s1, r2, s2 in the value."""
     rest = 1 - xi
     return 1 - xi * xi * (3 - 2 * xi), xi * rest * rest * l, xi * xi * (3 - 2 * xi), xi * xi * (xi - 1) * l
 
 
-def share_products(l: Any) -> tuple[Any, ...]:
-    """Integrals of the products of two shares: the lower half of (4, 4), row by row, from the diagonal leftwards."""
+def shape_products(l: Any) -> tuple[Any, ...]:
+    """Return integrals of products of two shape functions: the lower half of (4, 4), from the diagonal leftwards."""
     part, powers = l / 420, (1.0, l, l * l)
     pairs = ((m, m - k) for m in range(4) for k in range(m + 1))
     return tuple(part * (PRODUCTS[m][n] * powers[m % 2 + n % 2]) for m, n in pairs)
 
 
 def missing_load(start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, old: Any, new: Any) -> tuple[Any, ...]:
-    """Difference of ``old`` and ``new`` (14,) times the shares, integrated over arc lengths within both elements.
+    """Integrate the difference of ``old`` and ``new`` (14,) times the shape functions over what both elements share.
 
-    Those begin at ``s`` and ``old_s``.  Shares of r1, s1, r2, s2 with three components each, then of theta's two nodes.
+    These begin at ``s`` and ``old_s``.  First r1, s1, r2, s2 with three components each, then theta at both nodes.
     """
     parts = []
     for place, weight in GAUSS:
@@ -60,7 +60,7 @@ def missing_load(start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, 
         xi, of_old = (at - s) / l, (at - old_s) / old_l
         before, after = node_values(of_old, old_l, old), node_values(xi, l, new)
         missing = [part * (b - a) for b, a in zip(before, after, strict=True)]
-        cubic = (share * missing[k] for share in shares(xi, l) for k in range(3))
+        cubic = (N * missing[k] for N in shape_functions(xi, l) for k in range(3))
         parts.append((*cubic, (1 - xi) * missing[6], xi * missing[6]))
     return tuple(a + b + c + d for a, b, c, d in zip(*parts, strict=True))
 

@@ -1,9 +1,9 @@
 """Contact of the rope with itself: leg on leg, loop on leg.
 
-Places stand along the rope, closer than its diameter.  Each is looked at against the elements to the right of its own
-that begin APART diameters or more behind its end, of which several strands may lie around it: the nearest place, and
-each next one that is APART diameters or more along the rope from those before it.  Where the centre lines are nearer
-than a diameter, the law of physics.contact holds between them, per length, with p = diameter - distance:
+Places stand along the rope, closer than its diameter.  Each is compared with the elements to the right of its
+own that begin LEAST_ARC diameters or more behind its end.  Several strands may lie around it: the nearest place
+counts, and each next one that is LEAST_ARC diameters or more along the rope from those before.  Where the centre lines
+are nearer than a diameter, the law of physics.contact holds between them, per length, with p = diameter - distance:
 
     f(r_a - r_b, v_a - v_b)  on the one,   -f  on the other,     shared between the nodes of both elements
 
@@ -28,7 +28,7 @@ SPACING = 0.25
 #: in an element at most; longer ones that are so thin are looked at less closely
 MOST_PLACES = 1000
 #: diameters along the rope within which it does not touch itself: the circle that would takes a radius of five
-APART = 10.0 * math.pi
+LEAST_ARC = 10.0 * math.pi
 #: most strands of equal diameter around one
 MOST_STRANDS = 6
 #: where in an element the nearest place is looked for first, and corrections from the best of these
@@ -70,7 +70,7 @@ def nearer_place(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
     return smaller(larger(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
 
 
-def rope_touch(contact: Any, diameter: Any, apart: Any, speed: Any, cq: Any, cv: Any) -> Touch:
+def self_contact_law(contact: Any, diameter: Any, apart: Any, speed: Any, cq: Any, cv: Any) -> Touch:
     """Contact, per length, of a place that is ``apart`` (3,) from another and moves with ``speed`` against it."""
     law = SimpleNamespace(**(vars(contact) | {"stiffness": contact.rope_stiffness}))
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)

@@ -10,13 +10,13 @@ import numpy as np
 
 from rope_model.numerics import generalized_alpha as alpha
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import HASTY_STEP, add_errors, newton_may_leave, step_error, step_limits
+from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, newton_may_leave, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
-from rope_model.simulation.contact.self_contact import SelfTouchingRope
+from rope_model.simulation.contact.self_contact import SelfContactSystem
 from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
 from rope_model.simulation.ends.paths import EndPath
@@ -63,7 +63,7 @@ class RopeModel:
             own, blown = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
             fidelity, around = flexible(state.fidelity), surroundings(scene)
             along = acting_along(scene, fidelity, rubs)
-            touching = partial(SelfTouchingRope, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
+            touching = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
             system = touching(
                 self.kernels.of(fidelity, along),
                 state.partition.lengths,
@@ -108,7 +108,7 @@ class RopeModel:
     def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
         """A step that nobody has accepted yet."""
         solver = self.scene.solver
-        tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, HASTY_STEP))
+        tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
         return alpha.step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:

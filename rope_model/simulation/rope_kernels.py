@@ -1,6 +1,6 @@
 """The functions of a chain of rope elements for CasADi's machine or compiled: which there are, kept, and bundled.
 
-They depend on the number of elements, the fidelity and the effects on the rope (``Kinds``), not on its data.
+They depend on the number of elements, the fidelity and the effects on the rope (``Effects``), not on its data.
 """
 
 import logging
@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 
 #: kinds of the bodies that a rope may touch; before them AIR where there is air, WIRES where they rub on each other,
 #: CURVED where the rope has a permanent curvature
-Kinds = tuple[int, ...]
+Effects = tuple[int, ...]
 AIR, WIRES, CURVED = range(len(KINDS), len(KINDS) + 3)
 _WORDS = (*KINDS, "air", "wires", "curved")
 
@@ -52,7 +52,7 @@ class RopeKernels:
         form: compiling.KernelForm = "auto",
         bundle: Path | None = None,
         fidelity: ElementFidelity = "torsional",
-        bodies: Kinds = (),
+        bodies: Effects = (),
     ) -> None:
         library, portable = _bundle_files(bundle, elements, fidelity, bodies) if bundle else (None, None)
         with EXPRESSIONS:
@@ -82,16 +82,16 @@ class KernelCache:
 
     def __init__(self, elements: int, form: compiling.KernelForm = "auto", bundle: Path | None = None) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
-        self._made: dict[tuple[ElementFidelity, Kinds], RopeKernels] = {}
+        self._made: dict[tuple[ElementFidelity, Effects], RopeKernels] = {}
 
-    def of(self, fidelity: ElementFidelity, bodies: Kinds = ()) -> RopeKernels:
-        """Kinds of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
+    def of(self, fidelity: ElementFidelity, bodies: Effects = ()) -> RopeKernels:
+        """Effects of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
         if (fidelity, bodies) not in self._made:
             self._made[fidelity, bodies] = RopeKernels(self.elements, self._form, self._bundle, fidelity, bodies)
         return self._made[fidelity, bodies]
 
 
-def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Kinds]]) -> list[Path]:
+def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Effects]]) -> list[Path]:
     """Write the portable kernels ``needed`` and, with a compiler, those for this platform into ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], compiling.find_compiler()
@@ -111,7 +111,7 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
     return written
 
 
-def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Sequence[str]) -> Path:
+def _build(elements: int, fidelity: ElementFidelity, bodies: Effects, compiler: Sequence[str]) -> Path:
     """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
     kind = "-".join((fidelity, *(_WORDS[kind] for kind in bodies)))
     folder = compiling.cache_folder()
@@ -121,25 +121,25 @@ def _build(elements: int, fidelity: ElementFidelity, bodies: Kinds, compiler: Se
 
 
 @cache
-def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Kinds, library: Path) -> ChainFunctions:
+def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Effects, library: Path) -> ChainFunctions:
     """Return ``rope_functions`` that call the parts shared by ropes of any size."""
     parts = ChainParts(*compiling.load_compiled(rope_parts(fidelity, bodies), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 
 
-def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies: Kinds) -> tuple[Path, Path]:
+def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies: Effects) -> tuple[Path, Path]:
     name = "-".join((fidelity, *(_WORDS[kind] for kind in bodies), str(elements)))
     return folder / f"{name}-{compiling.platform_tag()}{compiling.LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
 @cache
-def rope_parts(fidelity: ElementFidelity, bodies: Kinds = ()) -> ChainParts:
+def rope_parts(fidelity: ElementFidelity, bodies: Effects = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
     e = rope_element(fidelity, bodies)
     return chain_parts(e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport)
 
 
-def rope_element(fidelity: ElementFidelity, bodies: Kinds = ()) -> ElementFunctions:
+def rope_element(fidelity: ElementFidelity, bodies: Effects = ()) -> ElementFunctions:
     """Return the element with all that acts on it."""
     element = element_functions(fidelity)
     if CURVED in bodies:
@@ -152,11 +152,11 @@ def rope_element(fidelity: ElementFidelity, bodies: Kinds = ()) -> ElementFuncti
     return contact_element(fidelity, element, touched) if touched else element
 
 
-def _touched(bodies: Kinds) -> Kinds:
+def _touched(bodies: Effects) -> Effects:
     return tuple(kind for kind in bodies if kind < len(KINDS))
 
 
 @cache
-def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", bodies: Kinds = ()) -> ChainFunctions:
+def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", bodies: Effects = ()) -> ChainFunctions:
     """CasADi functions of a rope of ``elements`` elements, with ``bodies`` that it may touch."""
     return chain_functions(elements, rope_parts(fidelity, bodies), NODE_DOF, ELEMENT_DOF[fidelity])

@@ -6,17 +6,17 @@ from rope_model.physics.wire_friction import wire_stiffness
 from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.curvature import is_curved, partly_curved
 from rope_model.simulation.fidelity import FIDELITIES, Ends, choose_fidelity, flexible
-from rope_model.simulation.rope_kernels import AIR, CURVED, WIRES, Kinds
+from rope_model.simulation.rope_kernels import AIR, CURVED, WIRES, Effects
 from rope_model.simulation.rope_system import air_parameters
 
 
-def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Kinds:
+def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Effects:
     """Effects all along the rope, its wires rubbing or not yet."""
     present = {CURVED: is_curved(scene.rope, fidelity), WIRES: rubs, AIR: air_parameters(scene).size > 0}
     return tuple(kind for kind, there in present.items() if there)
 
 
-def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Kinds], ...]:
+def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Effects], ...]:
     """Return the kernels that a rope of ``scene`` between these ``ends`` may need: fidelity, and kinds of the element.
 
     Plain kernels of every fidelity are among them, since an importer of the FMU may set other data.
@@ -24,7 +24,7 @@ def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Kin
     chosen = choose_fidelity(scene, ends).fidelity
     higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]
     around = surroundings(scene)
-    needed: list[tuple[ElementFidelity, Kinds]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
+    needed: list[tuple[ElementFidelity, Effects]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
     straight = scene.with_(rope=partly_curved(scene.rope, 0.0))  # as every rope is first hung up
     needed += [
         (fidelity, (*acting_along(hung, fidelity, rubs), *near))

@@ -24,8 +24,8 @@ from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, leaning, refusal, right_offset
-from rope_model.simulation.ends.followed import follow, follow_program
-from rope_model.simulation.ends.following import Following, follow_limits, manner_of
+from rope_model.simulation.ends.filter_program import filter_program, filter_step
+from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
 from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.mesh.adaptation import raise_fidelity
@@ -44,7 +44,7 @@ from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
 from rope_model.simulation.stepping.stepping import as_rigid, most_work, step_towards
-from rope_model.simulation.wires import fresh_memory
+from rope_model.simulation.wires import start_hysteresis
 
 log = logging.getLogger(__name__)
 
@@ -85,7 +85,7 @@ class RopeSimulator(BalanceRope):
                 raise
             raise ValueError(messages.fitted_mesh_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
-        self._follow, self._manner = follow_program(scene.rope), manner_of(scene)
+        self._filter, self._filter_settings = filter_program(scene.rope), settings_of(scene)
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
@@ -156,7 +156,7 @@ class RopeSimulator(BalanceRope):
                 f"not a state of this rope: counts of II to VI, of I and VII, end_levels, grading_length and l are "
                 f"{saved}, here {self._own_pattern}; restore it into a rope with the same parameters"
             )
-        remembers = 0 if state.fidelity == "rigid" else fresh_memory(self.scene, self.model.kernels.elements).size
+        remembers = 0 if state.fidelity == "rigid" else start_hysteresis(self.scene, self.model.kernels.elements).size
         if state.hysteresis.size != remembers:
             raise ValueError(
                 f"the saved state has {state.hysteresis.size} numbers that wires remember, this rope {remembers} "
@@ -169,7 +169,7 @@ class RopeSimulator(BalanceRope):
 
     def _retune(self, scene: Scene) -> None:
         self.model, self._system, self._signals = replace(self.model, scene=scene), None, {}
-        self._manner = manner_of(scene)
+        self._filter_settings = settings_of(scene)
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         scene, rope = self.scene, self.scene.rope
@@ -178,7 +178,7 @@ class RopeSimulator(BalanceRope):
         # a rigid rope is at its place at once
         paths = paths_at_rest(scene, t, (left, right), float(scene.model.fidelity == "rigid"))
         for side, target in zip(SIDES, (left, right), strict=True):
-            limits = follow_limits(EndPath.at_rest(t, target), Following.at_rest(t, target))
+            limits = filter_limits(EndPath.at_rest(t, target), InputFilter.at_rest(t, target))
             if message := refusal(scene, target, limits, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > RESTS_BELOW:
@@ -197,7 +197,7 @@ class RopeSimulator(BalanceRope):
                 offsets=(0.0, right_offset(*ends.tolist())),
                 swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0)),
                 paths=paths,
-                following=(Following.at_rest(t, left), Following.at_rest(t, right)),
+                filters=(InputFilter.at_rest(t, left), InputFilter.at_rest(t, right)),
                 step_next=scene.solver.step_max,
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
@@ -210,7 +210,7 @@ class RopeSimulator(BalanceRope):
         except (StaticsError, ValueError) as error:
             return Status(False, first_text(NO_ROOM, scene, fidelity, left, right) or str(error))
         if fidelity != "rigid":
-            state = state._replace(hysteresis=fresh_memory(scene, cells.lengths.size))
+            state = state._replace(hysteresis=start_hysteresis(scene, cells.lengths.size))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
@@ -231,17 +231,17 @@ class RopeSimulator(BalanceRope):
         at, earliest = t if given_at is None else given_at, start - scene.inputs.hold_max
         if not earliest <= at <= t + SHORTEST_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
-        manner, followed = self._manner, []
+        settings, steps = self._filter_settings, []
         bottom = self.model.bottom(state.paths, start)
         legs = bottom, scene.rope.length - bottom
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            found = follow(self._follow, state.following[k], state.paths[k], manner, at, t, end, legs[k])
+            found = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
             refused = refusal(scene, end, found.limits, side)
-            if message := refused or frozen(scene.inputs, t, found.following, side):
+            if message := refused or frozen(scene.inputs, t, found.filter, side):
                 return Status(False, message)
-            followed.append((found.path, found.following))
-        paths, following = zip(*followed, strict=True)
-        state = state._replace(paths=paths, following=following, events=())
+            steps.append((found.path, found.filter))
+        paths, filters = zip(*steps, strict=True)
+        state = state._replace(paths=paths, filters=filters, events=())
         if scene.inputs.given != "all":
             left, right = ends_at((paths[0], paths[1]), t)
         if why := unsupported_motion(self.scene, state.fidelity, (left, right), self.model.forces.s.size):

@@ -19,7 +19,7 @@ from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.ends.ends import SwivelState
-from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.input_filter import InputFilter
 from rope_model.simulation.ends.paths import EndPath
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.mesh.partition import Partition
@@ -116,7 +116,7 @@ class RopeState(NamedTuple):
     offsets: tuple[float, float]
     swivels: tuple[SwivelState, SwivelState]
     paths: tuple[EndPath, EndPath]
-    following: tuple[Following, Following]  # how they lead
+    filters: tuple[InputFilter, InputFilter]  # of what the host says of the ends
     step_next: float
     last_interval: float  # s, of the last advance
     force_mean: tuple[float, float]  # N, vertical, over the last advance

@@ -30,7 +30,7 @@ class Slip(NamedTuple):
     dissipated: float
 
 
-def fresh_memory(scene: Scene, elements: int) -> Array:
+def start_hysteresis(scene: Scene, elements: int) -> Array:
     """z of a flexible rope that has come to rest with no moment between its wires."""
     return np.zeros((elements, NO_MEMORY.shape[1])) if wire_stiffness(scene.rope) else NO_MEMORY
 

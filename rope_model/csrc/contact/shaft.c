@@ -86,7 +86,7 @@ void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest
 
 void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
     Search searches[MOST_BODIES];
-    not_near(nearest);
+    far_bodies(nearest);
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int n = 0; n < number; n++)
         for (int k = searches[n].first; k <= searches[n].last; k++) look(&searches[n], m->s[k], m->q + (size_t)k * DOF);
@@ -100,7 +100,7 @@ static void with_overlap(const Simulator *rope, State *state) {
     const double *nearest = rope->own->nearest, diameter = rope->scene.rope.diameter;
     Crossing *crossing = &state->crossing;
     const System s = {.elements = m.elements, .lengths = m.lengths, .own = rope->own};
-    touches_of(&s, m.q, m.v, 0, 0);
+    find_self_contacts(&s, m.q, m.v, 0, 0);
     if (!(diameter - nearest[0] > crossing->overlap)) return;
     if (crossing->overlap == 0) crossing->touched_at = state->t;
     crossing->overlap = diameter - nearest[0];

@@ -2,13 +2,13 @@
 
 #include "rope_system.h"
 
-void see(const System *s, Seen *seen, const double *q) {
+void remember_configuration(const System *s, ClearanceCache *seen, const double *q) {
     memcpy(seen->q, q, sizeof(double) * DOF * (size_t)(s->elements + 1));
     memcpy(seen->lengths, s->lengths, sizeof(double) * (size_t)s->elements);
     seen->free = INFINITY;
 }
 
-int still_free(const System *s, const Seen *seen, const double *q, double least) {
+int clearance_exceeds(const System *s, const ClearanceCache *seen, const double *q, double least) {
     const double *before = seen->q, *l = s->lengths;
     if (!(seen->free > least) || memcmp(seen->lengths, l, sizeof(double) * (size_t)s->elements) != 0) return 0;
     for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF) {
@@ -61,7 +61,7 @@ static int look(const System *s, const double *q, double margin, unsigned keep) 
     Surroundings *around = s->around;
     double total = 0, at = 0;
     int more = 0;
-    see(s, &around->seen, q);
+    remember_configuration(s, &around->seen, q);
     around->longest = around->any = 0;
     for (int e = 0; e < s->elements; total += s->lengths[e++]) {
         around->longest = larger(around->longest, s->lengths[e]);
@@ -79,16 +79,17 @@ static int look(const System *s, const double *q, double margin, unsigned keep) 
     return more;
 }
 
-void look_for_bodies(const System *s, const double *q, const double *v, double margin) {
+void find_near_bodies(const System *s, const double *q, const double *v, double margin) {
     if (s->around == NULL) return;
     s->around->margin = margin;
-    if (!s->around->any && still_free(s, &s->around->seen, q, margin)) return;
+    if (!s->around->any && clearance_exceeds(s, &s->around->seen, q, margin)) return;
     place_bodies(s, q, v);
     look(s, q, margin, 0);
 }
 
-int see_more_bodies(const System *s, const double *q, double corrections) {
-    if (s->around == NULL || moved_by(corrections, s->around->longest, s->shortest) < s->around->margin) return 0;
+int add_near_bodies(const System *s, const double *q, double corrections) {
+    if (s->around == NULL || correction_motion(corrections, s->around->longest, s->shortest) < s->around->margin)
+        return 0;
     s->around->margin = 0;
-    return !still_free(s, &s->around->seen, q, 0) && look(s, q, 0, ~0u);
+    return !clearance_exceeds(s, &s->around->seen, q, 0) && look(s, q, 0, ~0u);
 }

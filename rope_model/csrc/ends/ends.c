@@ -44,10 +44,10 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double limi
                               worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
 }
 
-void ends_frozen(const Inputs *inputs, double t, const Following *following, int side, char *message) {
+void ends_frozen(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
     message[0] = '\0';
-    if (following->held > 1 && t - following->given_at > inputs->hold_max)
-        say_inputs_frozen(message, SIDE_NAMES[side], t - following->given_at, inputs->hold_max);
+    if (end_filter->held > 1 && t - end_filter->given_at > inputs->hold_max)
+        say_inputs_frozen(message, SIDE_NAMES[side], t - end_filter->given_at, inputs->hold_max);
 }
 
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction) {

@@ -45,7 +45,7 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     rope_system_refer(rope, state, m.q);
     const Solver *solver = &rope->scene.solver;
-    const double tolerance = newton_may_leave(solver->newton_tolerance, solver->work_max, HASTY_MESH);
+    const double tolerance = newton_may_leave(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
     double time = RELAXATION_TIME;
     Progress newton;
     while ((newton = dynamic_equilibrium(rope, state, time, tolerance)).status != CONVERGED) {
@@ -96,7 +96,7 @@ int raise_fidelity(Simulator *rope, State *state, const char *why, char *message
         with_angles_along(rope, state, m.q, m.v, m.a, m.b);
     model_restart(rope, state);
     state->energy_balance.transformations += model_energies(rope, state);
-    if (fresh_memory(rope, state)) rope_system_refer(rope, state, m.q);
+    if (start_hysteresis(rope, state)) rope_system_refer(rope, state, m.q);
     return 1;
 }
 

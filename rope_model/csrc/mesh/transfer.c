@@ -28,7 +28,8 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int place
     }
 }
 
-/* integrals of the products of two shares over the elements, as solve_banded takes them, zero before: (2 nodes x CUBIC)
+/* integrals of products of two shape functions over the elements, as solve_banded takes them, zero before: (2 nodes x
+ * CUBIC)
  */
 static void cubic_products(int nodes, const double *s, double *band) {
     for (int e = 0; e < nodes - 1; e++, band += 2 * CUBIC) {
@@ -49,7 +50,7 @@ static void linear_products(int nodes, const double *s, double *band) {
     }
 }
 
-/* what the fields y at the nodes new_s have less than x at old_s, times the shares, along the rope: r (2 nodes x 3 of
+/* what the fields y at the nodes new_s have less than x at old_s, times the N, along the rope: r (2 nodes x 3 of
    each field), theta (nodes x fields), both zero before; without elements that become one there is nothing */
 static void add_missing(int nodes, int fields, const double *const *x, const double *old_s, const double *const *y,
                         const double *new_s, double *r, double *theta) {

@@ -65,7 +65,7 @@ static void yaw_at_rest(Simulator *rope, char *message) {
 static void unfit_inputs(Simulator *rope, char *message) {
     char told[MESSAGE] = "";
     for (int side = LEFT; side <= RIGHT; side++)
-        if (tell_inputs_of_end(&rope->scene, &rope->state->following[side], rope->state->last_interval, told)) {
+        if (tell_inputs_of_end(&rope->scene, &rope->state->filters[side], rope->state->last_interval, told)) {
             say_of_end(message, SIDE_NAMES[side], told);
             return;
         }

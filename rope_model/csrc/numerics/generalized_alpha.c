@@ -37,13 +37,13 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
-    const double moved_by = recentring(&method, h, state->h);
+    const double correction_motion = recentring(&method, h, state->h);
     const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
     double c[3], of[6], aux[4];
     int finite = 1;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
-    prediction_weights(&method, h, moved_by, ahead, of);
-    auxiliary_weights(&method, moved_by, aux);
+    prediction_weights(&method, h, correction_motion, ahead, of);
+    auxiliary_weights(&method, correction_motion, aux);
     newton_coefficients(&method, h, c);
     predict(&old, h, ahead, of, now->q, now->v, now->a);
     rope_system_prescribed_motion(rope, state, s, result.t, 3, (double *[]){now->q, now->v, now->a});
@@ -51,9 +51,9 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(rope, state);
     const Solver *solver = &rope->scene.solver;
-    result.newton =
-        chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
-                     newton_may_leave(solver->newton_tolerance, solver->work_max, HASTY_STEP), old.q, result.balance);
+    result.newton = chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
+                                 newton_may_leave(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
+                                 old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
     result.reached = result.newton.status == CONVERGED;

@@ -94,7 +94,7 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     const int kind = place < 9 ? place / 3 : place < 11 ? place - 9 : 0;
     const int dof = place < 9 ? place % 3 : place < 11 ? ANGLE : ANGLE + place - 10;
     State *state = rope->state;
-    const Manner manner = follow_manner(&rope->scene, rope->scene.inputs.given);
+    const FilterSettings settings = filter_settings(&rope->scene, rope->scene.inputs.given);
     const double h = state->last_interval;
     double sample[3] = {0}, d[3], c[3];
     sample[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
@@ -103,7 +103,7 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     if (dof > ANGLE)
         lean_moves(h, at_step_end ? 0 : h, sample[0], d);
     else
-        sample_moves(&manner, h, at_step_end ? 0 : h, sample, d);
+        sample_moves(&settings, h, at_step_end ? 0 : h, sample, d);
     memset(derivative, 0, sizeof(double) * 12);
     /* friction does not know the yaw, nor does the rigid rope */
     if (dof == ANGLE && (state->swivels[side].phase == SLIP || state->fidelity == RIGID)) return 1;

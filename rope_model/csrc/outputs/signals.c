@@ -91,7 +91,7 @@ static void audit_signals(Simulator *rope, double *values) {
 static void error_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
     const double fine = partition_fine(&state->pattern, state_arrays(rope->state).lengths);
-    const Following *left = &state->following[LEFT], *right = &state->following[RIGHT];
+    const InputFilter *left = &state->filters[LEFT], *right = &state->filters[RIGHT];
     double at_ends = end_force_error(&rope->scene.rope, &state->errors);
     double of_place = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
     at_ends = with_contact_at_ends(at_ends, &state->contact, state->errors.time, state->errors.force);

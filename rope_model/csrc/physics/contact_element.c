@@ -78,7 +78,7 @@ static void find_pressed(const System *s, int element, int k, const double *q, P
 
 /* what body k does at a place that it presses */
 typedef struct {
-    double shares[4], weight;
+    double N[4], weight;
     Touch law;
 } Place;
 
@@ -87,9 +87,9 @@ static Place place_of(const System *s, int element, int k, const double point[2]
     const Surroundings *around = s->around;
     Place place = {.weight = s->lengths[element] * point[1]};
     double at[3], speed[3];
-    hermite_shares(point[0], s->lengths[element], place.shares);
-    at_places(q, element, place.shares, at);
-    at_places(v, element, place.shares, speed);
+    hermite_shape_functions(point[0], s->lengths[element], place.N);
+    at_places(q, element, place.N, at);
+    at_places(v, element, place.N, speed);
     place.law = touch(&around->scene->shaft.contact, around->scene->rope.diameter, &around->placed[k].body,
                       around->speeds[k], at, speed, cq, cv);
     return place;
@@ -102,7 +102,7 @@ void contact_residual(const System *s, int element, const double *q, const doubl
         find_pressed(s, element, body, q, &pressed);
         for (int n = 0; n < pressed.number; n++) {
             const Place at = place_of(s, element, body, pressed.points[n], q, v, 0, 0);
-            for (int k = 0; k < CONTACT_DOF; k++) R[k] -= at.weight * at.shares[k / 3] * at.law.force[k % 3];
+            for (int k = 0; k < CONTACT_DOF; k++) R[k] -= at.weight * at.N[k / 3] * at.law.force[k % 3];
         }
     }
 }
@@ -118,8 +118,7 @@ void contact_tangent(const System *s, int element, const double *q, const double
             const Place at = place_of(s, element, body, pressed.points[number], q, v, c[0], c[1]);
             for (int k = 0; k < CONTACT_DOF; k++)
                 for (int n = k; n < CONTACT_DOF; n++)
-                    tangent[k][n] +=
-                        at.weight * at.shares[k / 3] * at.shares[n / 3] * at.law.tangent[upper[k % 3][n % 3]];
+                    tangent[k][n] += at.weight * at.N[k / 3] * at.N[n / 3] * at.law.tangent[upper[k % 3][n % 3]];
         }
     }
 }

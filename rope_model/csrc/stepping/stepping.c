@@ -9,10 +9,10 @@ static const char *const ENDED[] = NEWTON_TEXTS;
 typedef struct {
     const Simulator *rope;
     const State *state;
-} Looked;
+} NearBodies;
 
 static double due_at(void *with, double time) {
-    const Looked *at = with;
+    const NearBodies *at = with;
     return distance_to_due(&at->state->pattern, model_bottom(at->rope, at->state, time));
 }
 
@@ -22,7 +22,7 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
     const double t = state->t, stop = fmin(t_end, next_release(rope, state));
     const double ahead = fmin(stop, t + fmin(state->step_next, rope->scene.solver.step_max));
     const double times[2] = {0.5 * (t + ahead), ahead};
-    Looked at = {rope, state};
+    NearBodies at = {rope, state};
     const double at_start = due_at(&at, t);
     /* a crossing that falls between these instants is found by the next step, at most one step late */
     for (int k = 0; k < 2; k++) {
@@ -45,7 +45,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
                          char *message) {
     const Solver *solver = &rope->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
-    double parts = parts_of(stop - state->t, next, (double)steps_left(rope, state));
+    double parts = substeps(stop - state->t, next, (double)steps_left(rope, state));
     double h = (stop - state->t) / parts;
     int rejected = 0;
     for (;;) {

@@ -135,11 +135,11 @@ class Pair:
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
-        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.APART * self.diameter
+        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.LEAST_ARC * self.diameter
         kept = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            taken = here[strands(their_s[here].tolist(), rope_on_rope.APART * self.diameter)]
+            taken = here[strands(their_s[here].tolist(), rope_on_rope.LEAST_ARC * self.diameter)]
             ranks = np.argsort(np.argsort(their_s[taken]))
             kept[0][1][kept[0][0] == taken[0]] = ranks[0]
             kept.append((taken[1:], ranks[1:]))
@@ -151,8 +151,8 @@ class Pair:
     def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> Pressing:
         r, their_r = one.places(s[0]), other.places(s[1])
         apart, speed = (r - their_r).T, (one.speeds(s[0]) - other.speeds(s[1])).T
-        law = rope_on_rope.rope_touch(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
-        spring = rope_on_rope.rope_touch(self._lossless, diameter, apart, speed, 1.0, 0.0)
+        law = rope_on_rope.self_contact_law(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
+        spring = rope_on_rope.self_contact_law(self._lossless, diameter, apart, speed, 1.0, 0.0)
         entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
@@ -188,5 +188,6 @@ def _probed(ends: Array, l: Array, points: Array) -> Array:
 
 def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:
     """(m,): of points from places of elements with these ``ends``, m."""
-    found: Array = np.linalg.norm(np.einsum("kn,nki->ni", np.array(hermite.shares(xi, l)), ends) - points, axis=1)
-    return found
+    N = np.array(hermite.shape_functions(xi, l))
+    distances: Array = np.linalg.norm(np.einsum("kn,nki->ni", N, ends) - points, axis=1)
+    return distances

@@ -54,25 +54,25 @@ NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.
 
 
 def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
-    """The element that each place is in, and the shares (4, n) of its nodes' r, r'."""
+    """Return the element that each place is in, and its shape functions there, (4, n)."""
     ends = np.cumsum(lengths)
     elements: Any = np.searchsorted(ends[:-1], s)
     l = lengths[elements]
-    return elements, np.array(hermite.shares((s - (ends[elements] - l)) / l, l))
+    return elements, np.array(hermite.shape_functions((s - (ends[elements] - l)) / l, l))
 
 
-def at_places(x: Array, elements: Array, shares: Array) -> Array:
+def at_places(x: Array, elements: Array, N: Array) -> Array:
     """Return (n, 3): values at the places of rows (nodes, 6 or more) of r, r'."""
     ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
-    return np.asarray(np.einsum("kn,nki->ni", shares, ends))
+    return np.asarray(np.einsum("kn,nki->ni", N, ends))
 
 
 def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
     """Return (nodes, 7): the forces on the nodes at ``t``."""
     found, now = np.zeros((lengths.size + 1, 7)), forces.at(t)
     elements: Any
-    elements, shares = elements_at(forces.s, lengths)
-    for k, share in enumerate(shares):
+    elements, N = elements_at(forces.s, lengths)
+    for k, N_k in enumerate(N):
         columns = (POSITION, SLOPE)[k % 2]
-        np.add.at(found[:, columns], elements + k // 2, share[:, None] * now)
+        np.add.at(found[:, columns], elements + k // 2, N_k[:, None] * now)
     return found

@@ -25,22 +25,22 @@ TANGENT_ENTRIES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 _ENDS = np.array([0, 1, 0, 1])
 
 
-class RopeTouch(NamedTuple):
-    """Two places that press each other: elements, shares of r and r' of the nodes, length, law."""
+class SelfContact(NamedTuple):
+    """Two places that press each other: elements, shape functions, length, law."""
 
     elements: tuple[int, int]
-    shares: tuple[float, ...]  # (8,) those of the second element's nodes negative
+    N: tuple[float, ...]  # (8,) those of the second element's nodes negative
     weight: float
     touch: Touch
 
 
-class RopeTouches:
+class SelfContacts:
     """All touches at one instant, (m,), and their forces on the nodes."""
 
-    def __init__(self, found: list[RopeTouch]) -> None:
+    def __init__(self, found: list[SelfContact]) -> None:
         self.any = bool(found)
         self._nodes = np.array([x.elements for x in found], dtype=int).reshape(-1, 2).repeat(2, axis=1) + _ENDS
-        self._shares = np.array([x.shares for x in found]).reshape(-1, 4, 2)
+        self._N = np.array([x.N for x in found]).reshape(-1, 4, 2)
         self._weights = np.array([x.weight for x in found])
         self._forces = np.array([x.touch.force for x in found]).reshape(-1, 3)
         self._tangents = np.array([x.touch.tangent for x in found]).reshape(-1, 6)[:, TANGENT_ENTRIES]
@@ -60,7 +60,7 @@ class RopeTouches:
     def times(self, x: Array) -> Array:
         """The tangent's product with ``x`` (nodes, 7)."""
         rows = x[self._nodes, : SLOPE.stop].reshape(-1, 8, 3)
-        apart = np.einsum("mk,mki->mi", self._shares.reshape(-1, 8), rows)
+        apart = np.einsum("mk,mki->mi", self._N.reshape(-1, 8), rows)
         y = np.zeros_like(x)
         self._spread(np.einsum("mij,mj->mi", self._tangents, apart), y)
         return y
@@ -68,23 +68,23 @@ class RopeTouches:
     def _spread(self, f: Array, y: Array) -> None:
         weighted = self._weights[:, None] * f
         for k, columns in enumerate((slice(0, SLOPE.start), SLOPE)):
-            np.add.at(y[:, columns], self._nodes, self._shares[..., k, None] * weighted[:, None, :])
+            np.add.at(y[:, columns], self._nodes, self._N[..., k, None] * weighted[:, None, :])
 
 
-def touches_of(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> RopeTouches:
+def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> SelfContacts:
     """Touches of a rope in elements of these ``lengths`` with itself, with the tangent along (cq, cv) of q and v."""
     rows, speeds, found = _rows(q), _rows(v), []
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
-    for e, shares, weight, point, touching in _touching(q, rows, lengths, diameter):
-        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.APART * diameter):
+    for e, N, weight, point, touching in _touching(q, rows, lengths, diameter):
+        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.LEAST_ARC * diameter):
             _, other, xi = touching[n]
-            partner = hermite.shares(xi, l[other])
+            partner = hermite.shape_functions(xi, l[other])
             apart = _difference(point, _at(rows, other, partner))
-            speed = _difference(_at(speeds, e, shares), _at(speeds, other, partner))
-            one = rope_on_rope.rope_touch(law, diameter, apart, speed, cq, cv)
-            found.append(RopeTouch((e, other), (*shares, *(-share for share in partner)), weight, one))
-    return RopeTouches(found)
+            speed = _difference(_at(speeds, e, N), _at(speeds, other, partner))
+            one = rope_on_rope.self_contact_law(law, diameter, apart, speed, cq, cv)
+            found.append(SelfContact((e, other), (*N, *(-n for n in partner)), weight, one))
+    return SelfContacts(found)
 
 
 def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]:
@@ -96,29 +96,29 @@ def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]
 def _touching(
     q: Array, rows: list[list[float]], lengths: Array, diameter: float
 ) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
-    """Places of elements whose boxes touch (element, shares, length, place) and near ones (distance, element, xi)."""
+    """Places of elements whose boxes touch (element, N, length, place) and near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
         number, k = int(rope_on_rope.places(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
-            shares = hermite.shares((k + 0.5) / number, l[e])
-            point = _at(rows, e, shares)
+            N = hermite.shape_functions((k + 0.5) / number, l[e])
+            point = _at(rows, e, N)
             near = sorted(_nearest_place(rows, l[o], o, point) for o in others)
-            yield e, shares, weight, point, [x for x in near if x[0] < diameter]
+            yield e, N, weight, point, [x for x in near if x[0] < diameter]
             k += 1 + int(rope_on_rope.places_skipped(near[0][0], diameter, weight, number))
 
 
-class SelfTouchingRope(RopeSystem):
+class SelfContactSystem(RopeSystem):
     """A RopeSystem with the contact of the rope with itself, as in ``scene``."""
 
     def __init__(self, scene: Scene, *parts: Any) -> None:
         super().__init__(*parts)
         self.scene = scene
 
-    def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> RopeTouches:
+    def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> SelfContacts:
         """Touches of the rope with itself, with the tangent along (cq, cv) of q and v."""
-        return touches_of(self.scene, q, v, self.lengths, cq, cv)
+        return find_self_contacts(self.scene, q, v, self.lengths, cq, cv)
 
     def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
         if not self.touches(x.q, x.v).any:
@@ -162,7 +162,7 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
     start = np.cumsum(lengths) - lengths
-    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_on_rope.APART * diameter)
+    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_on_rope.LEAST_ARC * diameter)
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
 
 
@@ -181,10 +181,10 @@ def _rows(x: Array) -> list[list[float]]:
     return rows
 
 
-def _at(rows: list[list[float]], element: int, shares: tuple[float, ...]) -> tuple[float, float, float]:
+def _at(rows: list[list[float]], element: int, N: tuple[float, ...]) -> tuple[float, float, float]:
     """Place of an element, or its speed."""
     a, b = rows[element], rows[element + 1]
-    x, y, z = (shares[0] * a[k] + shares[1] * a[k + 3] + shares[2] * b[k] + shares[3] * b[k + 3] for k in range(3))
+    x, y, z = (N[0] * a[k] + N[1] * a[k + 3] + N[2] * b[k] + N[3] * b[k + 3] for k in range(3))
     return x, y, z
 
 
@@ -198,7 +198,7 @@ def _nearest_place(
     """Distance (m) of the element from ``point``, the element, and where in it."""
 
     def distance(xi: float) -> float:
-        return float(np.linalg.norm(_difference(_at(rows, element, hermite.shares(xi, l)), point)))
+        return float(np.linalg.norm(_difference(_at(rows, element, hermite.shape_functions(xi, l)), point)))
 
     xi = min(rope_on_rope.PROBES, key=distance)
     for _ in range(rope_on_rope.CORRECTIONS):

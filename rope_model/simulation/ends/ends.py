@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, larger, sin, smaller, sqrt, where
 from rope_model.physics.swivel import friction_moment
-from rope_model.simulation.ends.following import Following, Limits
+from rope_model.simulation.ends.input_filter import InputFilter, Limits
 from rope_model.simulation.ends.paths import LEANS, PATH, REACH, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase as Phase
 from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
@@ -183,8 +183,8 @@ def _largest(sizes: Sequence[float]) -> int:
     return max(range(len(sizes)), key=[math.inf if math.isnan(x) else x for x in sizes].__getitem__)
 
 
-def frozen(inputs: Inputs, t: float, following: Following, side: str) -> str:
+def frozen(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
     """'' while an end is given new samples; else since when it is not."""
-    if following.held > 1 and t - following.given_at > inputs.hold_max:
-        return messages.inputs_frozen(side, t - following.given_at, inputs.hold_max)
+    if end_filter.held > 1 and t - end_filter.given_at > inputs.hold_max:
+        return messages.inputs_frozen(side, t - end_filter.given_at, inputs.hold_max)
     return ""

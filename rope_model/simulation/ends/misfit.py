@@ -15,7 +15,7 @@ from rope_model.numerics import quintic
 from rope_model.physics.accuracy import TINY, memory
 from rope_model.physics.elementary import cos, exp, larger, sin, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.ends.following import LEAST_JERK, Following, beyond_linear, missed
+from rope_model.simulation.ends.input_filter import LEAST_JERK, InputFilter, beyond_linear, missed
 
 #: part of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
@@ -28,7 +28,7 @@ ONE_CHANGE = 1.0 / 6.0
 WITHIN = 0.055
 
 
-def follow_account(now: Any, path: Any, manner: Any, rope: Any, leg: Any) -> Following:
+def add_misfit(now: Any, path: Any, settings: Any, rope: Any, leg: Any) -> InputFilter:
     """``now`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
     h = path.stop - path.start
     (_, place, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
@@ -37,9 +37,9 @@ def follow_account(now: Any, path: Any, manner: Any, rope: Any, leg: Any) -> Fol
     c0, c1, c2, c3, c4, c5 = path.coefficients[1]
     # of the acceleration, linear through the two given last
     grows = (now.motion[1][2] - now.asked[1]) / h
-    order = where(manner.acceleration > 0, 0.0, where(manner.speed > 0, 2.0, 3.0))
-    lags = order * grows / manner.estimate
-    lag = now.lag + (1.0 - exp(-manner.estimate * h)) * (lags - now.lag)
+    order = where(settings.acceleration > 0, 0.0, where(settings.speed > 0, 2.0, 3.0))
+    lags = order * grows / settings.estimate
+    lag = now.lag + (1.0 - exp(-settings.estimate * h)) * (lags - now.lag)
     # of a sample at the step's end whose place and speed fit: the acceleration's rate changed once within the step
     given_y, given_vy, given_ay = now.motion[1]
     y, vy = quintic.extrapolate(given_y, given_vy, given_ay, path.stop - now.given_at)
@@ -56,8 +56,8 @@ def follow_account(now: Any, path: Any, manner: Any, rope: Any, leg: Any) -> Fol
     wave, of_leg = _swung(now.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
     of_place, within = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * faster
-    drift = now.drift + (1.0 - exp(-manner.observer * h)) * (off[1][0] - now.drift)
-    accounted: Following = now._replace(
+    drift = now.drift + (1.0 - exp(-settings.observer * h)) * (off[1][0] - now.drift)
+    accounted: InputFilter = now._replace(
         asked=tuple(axis[2] for axis in now.motion),
         time=now.time + h,
         position=larger(now.position, misfits[0]),

@@ -1,7 +1,7 @@
 """Motions of the rope's ends with the conveyances.
 
 Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
-acceleration are continuous whatever the host's step.  simulation.ends.following says where a path leads.  Works on
+acceleration are continuous whatever the host's step.  simulation.ends.input_filter says where a path leads.  Works on
 numbers and CasADi expressions: C has its structures and formulas from here.
 """
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Solution
-from rope_model.physics.accuracy import HASTY_MESH, newton_may_leave
+from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, newton_may_leave
 from rope_model.simulation.ends.ends import right_offset
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.fidelity import lowest_sufficient
@@ -21,7 +21,7 @@ from rope_model.simulation.model import RopeModel, ends_of, energies, with_angle
 from rope_model.simulation.rigid import flexible_start, with_elastic_strain
 from rope_model.simulation.rope_system import POSITION, SLOPE, Evaluation
 from rope_model.simulation.state import Event, RopeState
-from rope_model.simulation.wires import carry, fresh_memory
+from rope_model.simulation.wires import carry, start_hysteresis
 
 log = logging.getLogger(__name__)
 
@@ -55,7 +55,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
     solver = model.scene.solver
     time, step_min = RELAXATION_TIME, solver.step_min
-    tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, HASTY_MESH))
+    tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, BOUNDED_MESH_ERROR))
     while not (solution := _dynamic_equilibrium(model, moved, time, tolerance)).newton.converged:
         log.debug("t = %.6f s: transformation within %.3g s rejected: %s", m.t, time, solution.newton.status.text)
         if time <= step_min:
@@ -105,7 +105,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     m, before = above.motion, state.energy_balance
     after = energies(before, model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance)
     if not above.hysteresis.size:
-        above = above._replace(hysteresis=fresh_memory(model.scene, state.partition.lengths.size))
+        above = above._replace(hysteresis=start_hysteresis(model.scene, state.partition.lengths.size))
     return above._replace(
         energy_balance=after._replace(transformations=before.transformations + after.total - before.total)
     )

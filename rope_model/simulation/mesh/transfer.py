@@ -83,9 +83,9 @@ def _element_values(fields: Array, elements: Indices) -> Array:
 
 
 def _cubic_products(l: Array) -> Array:
-    """Integrals of the products of hermite.shares over the elements, as solve_banded takes them: (2 nodes, 4)."""
+    """Return the integrals of products of shape functions, in the form of solve_banded: (2 nodes, 4)."""
     band = np.zeros((2 * l.size + 2, 4))
-    products = iter(hermite.share_products(l))
+    products = iter(hermite.shape_products(l))
     for m in range(4):
         for k in range(m + 1):
             band[m - k : m - k + 2 * l.size : 2, k] += next(products)

@@ -70,8 +70,8 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
 
 def unfit_inputs(scene: Scene, state: RopeState) -> str:
     """Return '' while the given motions fit; otherwise their likely fault, and a cure."""
-    for side, following in zip(SIDES, state.following, strict=True):
-        if told := first_text(warning_rules.INPUTS, scene, following, state.last_interval):
+    for side, end_filter in zip(SIDES, state.filters, strict=True):
+        if told := first_text(warning_rules.INPUTS, scene, end_filter, state.last_interval):
             return warning_messages.of_end(side, told)
     return ""
 

@@ -8,7 +8,7 @@ from rope_model.physics.elementary import both, either, floor, smaller, where
 from rope_model.physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
 from rope_model.physics.initial_curvature import most_curvature
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.following import FEWEST_BREAKS
+from rope_model.simulation.ends.input_filter import FEWEST_BREAKS
 from rope_model.simulation.mesh.mesh_fit import LONGEST, NATURAL_RADIUS
 from rope_model.simulation.mesh.mesh_pattern import fine_share
 from rope_model.simulation.messages import warning_messages as texts
@@ -106,14 +106,14 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     return both(state.audit.bend > 0, elements < audits.FEWEST_ELEMENTS), _shown_below(elements), audits.FEWEST_ELEMENTS
 
 
-def _positions_rounded(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
-    x = following
+def _positions_rounded(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
+    x = end_filter
     on_grid = both(x.samples >= FEWEST_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
     return both(scene.inputs.given != "speed", on_grid, x.position > 0.25 * x.grid), x.grid
 
 
-def _motion_misfits(scene: Any, following: Any, step: Any) -> tuple[Any, ...]:
-    x = following
+def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
+    x = end_filter
     disturbs = x.acceleration > scene.accuracy.end_force * scene.layout.gravity
     return both(scene.inputs.given == "all", disturbs), x.position, x.speed, x.acceleration
 
@@ -217,15 +217,15 @@ ACCURACY_GIVEN_UP: Rules = {
 #: rules of the inputs of an end
 INPUTS: Rules = {
     texts.positions_rounded: _positions_rounded,
-    texts.samples_repeated: lambda scene, following, step: (
-        following.repeats > 0,
-        following.repeats,
+    texts.samples_repeated: lambda scene, end_filter, step: (
+        end_filter.repeats > 0,
+        end_filter.repeats,
         step,
-        following.sent_every,
+        end_filter.sent_every,
     ),
-    texts.table_too_coarse: lambda scene, following, step: (
-        both(following.breaks >= FEWEST_BREAKS, following.grid < COARSEST_ROUNDING),
-        following.table_every,
+    texts.table_too_coarse: lambda scene, end_filter, step: (
+        both(end_filter.breaks >= FEWEST_BREAKS, end_filter.grid < COARSEST_ROUNDING),
+        end_filter.table_every,
         step,
     ),
     texts.motion_misfits: _motion_misfits,

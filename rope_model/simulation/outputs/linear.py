@@ -33,7 +33,7 @@ from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.outputs.modal import assembled
 from rope_model.simulation.outputs.signals import Evaluated
-from rope_model.simulation.rope_kernels import Kinds, rope_element
+from rope_model.simulation.rope_kernels import Effects, rope_element
 from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.stepping.hang import equilibrium_in_frame
@@ -156,7 +156,7 @@ def let_turn(rope: RopeSimulator) -> None:
 
 
 @cache
-def _derivatives(kinds: Kinds) -> Any:
+def _derivatives(kinds: Effects) -> Any:
     """(q, v, a, l, F, P) -> R, dR/dq, dR/dv, dR/da of one element."""
     residual = rope_element("torsional", kinds).residual
     x = [ca.SX.sym(f"x{k}", residual.size1_in(k)) for k in range(residual.n_in())]

@@ -12,7 +12,7 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics.frame import conveyance_load
 from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds, Phase
-from rope_model.simulation.ends.following import lean_moves, manner_of, sample_moves
+from rope_model.simulation.ends.input_filter import lean_moves, sample_moves, settings_of
 from rope_model.simulation.ends.paths import SIDES, EndMotion, ends_at
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rigid import tension_change
@@ -46,8 +46,8 @@ def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = 
     sample[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
     if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
         sample[2] = sample[1] / h
-    manner, ahead = manner_of(rope.scene), 0.0 if at_step_end else h
-    change = np.array(lean_moves(h, ahead, size) if dof > ANGLE else sample_moves(manner, h, ahead, sample))
+    settings, ahead = settings_of(rope.scene), 0.0 if at_step_end else h
+    change = np.array(lean_moves(h, ahead, size) if dof > ANGLE else sample_moves(settings, h, ahead, sample))
     # friction does not know the yaw, nor does the rigid rope
     unfelt = dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid")
     unfelt |= dof > ANGLE and rope.ends.swivels[side].attachment != "clamped"

@@ -127,8 +127,8 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
     at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
     of_place = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
     return {
-        "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.following)),
-        "status.loop_error": float(with_drift(of_place, *rope.state.following)),
+        "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.filters)),
+        "status.loop_error": float(with_drift(of_place, *rope.state.filters)),
         "status.contact_error": float(contact_error(contact)),
     }
 

@@ -9,14 +9,14 @@ from rope_model.physics.elementary import larger, less, sqrt
 from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.ends.following import Following
+from rope_model.simulation.ends.input_filter import InputFilter
 from rope_model.simulation.outputs.signal_table import SIGNALS
 from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest
 
 
 def remembered(state: Any) -> dict[str, Any]:
     """Return the values of these signals by name; numbers of ``state`` may be symbols."""
-    crossing, guard, (left, right) = state.crossing, state.guard, state.following
+    crossing, guard, (left, right) = state.crossing, state.guard, state.filters
     values = {
         "loop.crossings": crossing.number,
         "loop.crossed_at": crossing.since,
@@ -51,7 +51,7 @@ STATE_SIGNALS = tuple(
         SimpleNamespace(
             crossing=Crossing(),
             guard=GuardState(),
-            following=(Following(), Following()),
+            filters=(InputFilter(), InputFilter()),
             counts=Counts(),
             given_up_since=0.0,
             energy_balance=EnergyBalance(),

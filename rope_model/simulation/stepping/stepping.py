@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from rope_model.numerics.generalized_alpha import StepResult
-from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_WORK, next_step, parts_of
+from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_WORK, next_step, substeps
 from rope_model.physics.elementary import larger
 from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
@@ -102,7 +102,7 @@ def _accepted_step(
     solver, t = model.scene.solver, state.motion.t
     step_next, cause = min(state.step_next, solver.step_max), ""
     iterations = rejections = 0
-    parts = parts_of(stop - t, step_next, float(_steps_left(work_end - state.counts.newton)))
+    parts = substeps(stop - t, step_next, float(_steps_left(work_end - state.counts.newton)))
     h = (stop - t) / parts
     while True:
         result = model.trial(system, state.motion, h)

@@ -15,7 +15,7 @@ from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, EndMotion, Inputs, Mesh, RopeSimulator, Scene, Status, balance_rope, rope_120
 from rope_model.engine import NativeRope
-from rope_model.simulation.ends.following import manner_of
+from rope_model.simulation.ends.input_filter import settings_of
 from rope_model.solver_parameters import FidelityChoice, Trusted
 
 H, TRAVEL = 0.01, 20.0
@@ -82,13 +82,13 @@ def test_a_motion_that_fits_is_met_exactly() -> None:
     for k in range(1, 400):
         found = end.step(k * H, exact(k * H))
         assert max(*found.limits.place, *found.limits.speed) < 1e-14
-    assert end.following.position < 1e-15
+    assert end.filter.position < 1e-15
 
 
 def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_observer() -> None:
     """x = d (1 - (1 + w t) exp(-w t)) after a jump of d."""
     w, d = 2.0, 0.1
-    end = Follower(manner=usual_manner(bandwidth=w))
+    end = Follower(settings=usual_manner(bandwidth=w))
     for k in range(1, 301):
         end.step(k * H, EndMotion(y=d))
         t = k * H
@@ -98,10 +98,10 @@ def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_obser
 
 
 def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> None:
-    manner = manner_of(SCENE)
-    disturbance = manner.observer**2 * SCENE.accuracy.loop / SCENE.layout.gravity
+    settings = settings_of(SCENE)
+    disturbance = settings.observer**2 * SCENE.accuracy.loop / SCENE.layout.gravity
     assert disturbance == pytest.approx(SCENE.accuracy.end_force)
-    chosen = manner_of(SCENE.with_(inputs=Inputs(bandwidth=3.0, estimate_bandwidth=5.0)))
+    chosen = settings_of(SCENE.with_(inputs=Inputs(bandwidth=3.0, estimate_bandwidth=5.0)))
     assert (chosen.observer, chosen.estimate) == (3.0, 5.0)
 
 
@@ -109,19 +109,19 @@ def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> No
 def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, order: int) -> None:
     """By n J / W behind an acceleration of the rate J."""
     jerk, bandwidth = 0.5, 20.0
-    end = Follower(manner=usual_manner(trusted, estimate=bandwidth))
+    end = Follower(settings=usual_manner(trusted, estimate=bandwidth))
     for k in range(1, 1001):
         t = 0.001 * k
         y, v = jerk * t**3 / 6, jerk * t**2 / 2
         given = {"position_speed": EndMotion(y=y, vy=v), "position": EndMotion(y=y), "speed": EndMotion(vy=v)}[trusted]
         end.step(t, given)
-    lag = jerk * t - end.following.motion[1][2]
+    lag = jerk * t - end.filter.motion[1][2]
     # the filter works in steps: of the first order in their length
     assert lag == pytest.approx(order * jerk / bandwidth, rel=0.02)
 
 
 def test_a_speed_alone_is_integrated() -> None:
-    end = Follower(manner=usual_manner("speed"))
+    end = Follower(settings=usual_manner("speed"))
     for k in range(1, 2401):
         end.step(k * H, EndMotion(vy=exact(k * H).vy))
     assert end.path.motion(24.0)[0][1] == pytest.approx(TRAVEL, abs=1e-3)
@@ -186,15 +186,15 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
         end.step(t, sample)
         assert end.path.leaning(t)[0][0] == pytest.approx(0.1 * t, abs=1e-12)
         assert end.path.motion(t)[0][1] == pytest.approx(0.25 * t * t, abs=1e-6)
-    assert end.following.repeats == 150
-    assert end.following.sent_every == pytest.approx(4 * H)
+    assert end.filter.repeats == 150
+    assert end.filter.sent_every == pytest.approx(4 * H)
 
 
 @pytest.mark.parametrize("h", [0.002, 0.01])
 @pytest.mark.parametrize("a", [1.0, 9.0])
 def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopped(h: float, a: float) -> None:
     """Each is sent three times at 4 m/s; then the end brakes with a and stands."""
-    end, speed, whole = Follower(manner=usual_manner("position")), 4.0, 3.0
+    end, speed, whole = Follower(settings=usual_manner("position")), 4.0, 3.0
     brakes = whole + speed / a
 
     def y(t: float) -> float:
@@ -206,12 +206,12 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
         sent = k if k * h > whole else 3 * (k // 3)
         end.step(k * h, EndMotion(y=y(sent * h)))
         if k == round(whole / h):
-            counted = end.following.repeats
+            counted = end.filter.repeats
             assert counted > 0.5 * k
-            assert end.following.motion[1] == pytest.approx((y(end.following.given_at), speed, 0.0), abs=1e-3)
+            assert end.filter.motion[1] == pytest.approx((y(end.filter.given_at), speed, 0.0), abs=1e-3)
     # the end of the brake is not taken for a repetition
-    assert end.following.repeats == counted
-    assert end.following.motion[1] == pytest.approx((y(k * h), 0.0, 0.0), abs=1e-3)
+    assert end.filter.repeats == counted
+    assert end.filter.motion[1] == pytest.approx((y(k * h), 0.0, 0.0), abs=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -228,12 +228,12 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
     ],
 )
 def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(trusted, given, repeats) -> None:
-    end = Follower(manner=usual_manner(trusted))
+    end = Follower(settings=usual_manner(trusted))
     for k in range(1, 301):
         end.step(k * H, given(k))
-    assert end.following.repeats == repeats
+    assert end.filter.repeats == repeats
     if trusted == "speed":
-        assert end.following.motion[1][1] == pytest.approx(1.0, abs=1e-6)
+        assert end.filter.motion[1][1] == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -249,7 +249,7 @@ def test_both_forms_follow_to_the_same_bits(trusted: Trusted, given: Given, at_e
     ropes = [form(scene) for form in (NativeRope, RopeSimulator)]
     for rope in ropes:
         wind(rope, given, at_end, until=0.4)
-    assert ropes[0].state.following == ropes[1].state.following
+    assert ropes[0].state.filters == ropes[1].state.filters
 
 
 def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
@@ -299,7 +299,7 @@ def test_a_signal_that_stands_still_is_refused() -> None:
 @pytest.mark.parametrize("trusted", ["position_speed", "position", "speed"])
 def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
     """At 0.5 m/s^2, read at the start of steps of 5 and 10 ms in turn."""
-    end, t, acceleration = Follower(manner=usual_manner(trusted)), 0.0, 0.5
+    end, t, acceleration = Follower(settings=usual_manner(trusted)), 0.0, 0.5
     for k in range(400):
         h = 0.005 if k % 2 else 0.01
         given = EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t)

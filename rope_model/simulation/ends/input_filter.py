@@ -1,4 +1,4 @@
-"""Following of the motions that a host gives to the rope's ends.
+"""Filter of the motions that a host gives to the rope's ends.
 
 Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower
 parts repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The
@@ -58,8 +58,8 @@ Axis = tuple[float, float, float]
 Given = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
-class Following(NamedTuple):
-    """State of an end that follows: latest input, filtered motion, misfits so far, and signs in y of their cause."""
+class InputFilter(NamedTuple):
+    """State of an end's filter: latest input, filtered motion, misfits so far, and signs in y of their cause."""
 
     given: Given = (0.0,) * 13
     given_at: float = 0.0  # s, of the latest sample that is no repetition
@@ -89,14 +89,14 @@ class Following(NamedTuple):
     leaning: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
-    def at_rest(t: float, at: EndMotion) -> Following:
+    def at_rest(t: float, at: EndMotion) -> InputFilter:
         """State before anything moves."""
         x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
-        return Following(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
+        return InputFilter(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
 
 
-class Manner(NamedTuple):
-    """Manner in which an end follows: bandwidths (rad/s) of the observer and of the filters, trust, and a bound."""
+class FilterSettings(NamedTuple):
+    """Settings of an end's filter: bandwidths (rad/s) of the observer and of the filters, trust, and a bound."""
 
     observer: float
     estimate: float
@@ -106,15 +106,15 @@ class Manner(NamedTuple):
     hardest: float  # m/s^2, of a conveyance that stops: with more the head ropes of a rising one go slack
 
 
-def follow_manner(scene: Any, trusted: Any) -> Manner:
-    """Manner as chosen, or as it follows from the accuracy asked for and from the rope.
+def filter_settings(scene: Any, trusted: Any) -> FilterSettings:
+    """Return the settings as chosen, or as they follow from the accuracy asked for and from the rope.
 
     ``trusted`` is the place of inputs.given among its choices.
     """
     chosen, accuracy = scene.inputs, scene.accuracy
     derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
     slowest = ESTIMATE_SHARE * axial_frequency(scene.rope, scene.rope.length)
-    return Manner(
+    return FilterSettings(
         where(chosen.bandwidth > 0, chosen.bandwidth, derived),
         where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),
         where(trusted <= 2, 1.0, 0.0),
@@ -124,23 +124,23 @@ def follow_manner(scene: Any, trusted: Any) -> Manner:
     )
 
 
-def manner_of(scene: Scene) -> Manner:
-    """Manner in which the ends of ``scene`` follow."""
-    return follow_manner(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
+def settings_of(scene: Scene) -> FilterSettings:
+    """Return the settings of the ends' filters in ``scene``."""
+    return filter_settings(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
 
 
-def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Following:
+def filter_sample(now: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
     """Add to ``now`` the host's sample of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
     values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
     since = where(given_at > now.given_at, given_at - now.given_at, h)
-    repeated = _repeated(now, manner, since, values, speeds)
+    repeated = _repeated(now, settings, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
     accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / larger(since, SHORTEST_MEAN))
     for was, x, v, a in zip(now.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
-        new = _completed(was, manner, since, (x, v, a))
+        new = _completed(was, settings, since, (x, v, a))
         motion.append(tuple(where(repeated, old, found) for old, found in zip(was, new, strict=True)))
-    fades = exp(-manner.estimate * h)
+    fades = exp(-settings.estimate * h)
     lively = tuple(
         larger(abs(axis[2] - asked), fades * before)
         for axis, asked, before in zip(motion, now.asked, now.lively, strict=True)
@@ -150,7 +150,7 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
     kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
     keeps = either(repeated, since < SHORTEST_AIM)
     means = ((x - was) / since for x, was in zip((end.lean, end.lean_z), now.given[-2:], strict=True))
-    sampled: Following = now._replace(
+    sampled: InputFilter = now._replace(
         given=values,
         given_at=where(repeated, now.given_at, given_at),
         motion=tuple(motion),
@@ -164,25 +164,25 @@ def follow_sample(now: Any, manner: Any, given_at: Any, h: Any, end: Any) -> Fol
     return sampled
 
 
-def _repeated(now: Any, manner: Any, since: Any, values: Any, speeds: Any) -> Any:
+def _repeated(now: Any, settings: Any, since: Any, values: Any, speeds: Any) -> Any:
     """Whether the trusted part of a sample repeats the latest one to the last bit, and cannot be a new one.
 
     A position cannot while the end moves.  Where positions alone are given, it must be too fast to have stopped since:
     behind a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest sample.
     """
     moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
-    stops_below = manner.hardest * (since + 1.0 / manner.estimate)
+    stops_below = settings.hardest * (since + 1.0 / settings.estimate)
     too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
-    trusted = [getattr(manner, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
-    trusted += manner.position, manner.speed, manner.position, manner.position
+    trusted = [getattr(settings, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
+    trusted += settings.position, settings.speed, settings.position, settings.position
     same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, now.given, strict=True))
-    return both(manner.position > 0, where(manner.speed > 0, moves, too_fast), *same)
+    return both(settings.position > 0, where(settings.speed > 0, moves, too_fast), *same)
 
 
-def _completed(was: Any, manner: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
+def _completed(was: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
     """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by the trusted part of ``sample``."""
     x, v, a = was
-    kept = exp(-manner.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
+    kept = exp(-settings.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
     lost = 1.0 - kept
     ahead, faster = quintic.extrapolate(x, v, a, h)
     by_speed, by_place = sample[1] - faster, sample[0] - ahead
@@ -192,15 +192,15 @@ def _completed(was: Any, manner: Any, h: Any, sample: Any) -> tuple[Any, Any, An
     speed_of_place = faster + 1.5 * lost * lost * (1.0 + kept) / h * by_place
     acceleration_of_place = a + lost * lost * lost / (h * h) * by_place
     return (
-        where(manner.position > 0, where(manner.speed > 0, sample[0], place), integrated),
-        where(manner.acceleration > 0, sample[1], where(manner.speed > 0, speed, speed_of_place)),
-        where(manner.acceleration > 0, sample[2], where(manner.speed > 0, acceleration, acceleration_of_place)),
+        where(settings.position > 0, where(settings.speed > 0, sample[0], place), integrated),
+        where(settings.acceleration > 0, sample[1], where(settings.speed > 0, speed, speed_of_place)),
+        where(settings.acceleration > 0, sample[2], where(settings.speed > 0, acceleration, acceleration_of_place)),
     )
 
 
-def sample_moves(manner: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any, Any]:
+def sample_moves(settings: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any, Any]:
     """Change of place, speed and acceleration ``ahead`` of a small change of the ``sample``, ``h`` after another."""
-    x, v, a = _completed((0.0, 0.0, 0.0), manner, h, sample)
+    x, v, a = _completed((0.0, 0.0, 0.0), settings, h, sample)
     return (*quintic.extrapolate(x, v, a, ahead), a)
 
 
@@ -234,7 +234,7 @@ def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: An
     }
 
 
-def follow_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
+def filter_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
     """Return the path from the end of ``path`` that follows the inputs until ``stop``; a short one leads beyond."""
     start = path.stop
     h = larger(stop - start, SHORTEST_AIM)
@@ -333,7 +333,7 @@ def missed(path: Any, now: Any) -> list[Axis]:
     return found
 
 
-def follow_limits(path: Any, now: Any) -> Limits:
+def filter_limits(path: Any, now: Any) -> Limits:
     """Measures that decide whether the path can be followed; NaN where a coordinate is."""
     place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
     return Limits(path.peak_accelerations(), place, speed)

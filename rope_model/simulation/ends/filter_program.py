@@ -1,0 +1,77 @@
+"""The input filter of an end as one program, in CasADi's virtual machine, for the rope in Python."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from rope_model.numerics.program import Program
+from rope_model.parameters import Rope
+from rope_model.simulation.ends.input_filter import (
+    FilterSettings,
+    InputFilter,
+    Limits,
+    filter_limits,
+    filter_path,
+    filter_sample,
+)
+from rope_model.simulation.ends.misfit import add_misfit
+from rope_model.simulation.ends.paths import PATH, EndMotion, EndPath
+
+
+class FilterStep(NamedTuple):
+    """Next path of an end, its filter there, and the limits that decide whether the rope can follow the path."""
+
+    filter: InputFilter
+    path: EndPath
+    limits: Limits
+
+
+def _flat(x: Any) -> list[Any]:
+    """Return the numbers of nested tuples in a row."""
+    return [number for part in x for number in _flat(part)] if isinstance(x, tuple) else [x]
+
+
+def _like(example: Any, numbers: Iterator[Any]) -> Any:
+    """Return tuples nested like the ``example``, with these numbers."""
+    if not isinstance(example, tuple):
+        return next(numbers)
+    parts = [_like(part, numbers) for part in example]
+    return type(example)(*parts) if hasattr(example, "_fields") else tuple(parts)
+
+
+_NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type]
+_NOTHING = (0.0,) * len(PATH)
+_NO_SETTINGS, _NO_MOTION = FilterSettings(*(0.0,) * len(FilterSettings._fields)), tuple(vars(EndMotion()).values())
+_ARGUMENTS = InputFilter(), _NO_PATH, _NO_SETTINGS, 0.0, 0.0, _NO_MOTION, 0.0
+_RESULT = FilterStep(InputFilter(), _NO_PATH, Limits((0.0,) * 6, _NOTHING, _NOTHING))  # type: ignore[arg-type]
+
+
+def filter_program(rope: Rope) -> Program:
+    """Return the program of ``filter_step`` for an end of the ``rope``."""
+
+    def step(x: Sequence[Any]) -> list[Any]:
+        now, path, settings, given_at, stop, end, leg = _like(_ARGUMENTS, iter(x))
+        now = filter_sample(now, settings, given_at, stop - path.stop, EndMotion(*end))
+        path = filter_path(path, now, stop, settings.observer)
+        after = add_misfit(now, path, settings, rope, leg)
+        return _flat(FilterStep(after, path, filter_limits(path, now)))
+
+    return Program(step, len(_flat(_ARGUMENTS)))
+
+
+def filter_step(
+    program: Program,
+    now: InputFilter,
+    path: EndPath,
+    settings: FilterSettings,
+    given_at: float,
+    stop: float,
+    end: EndMotion,
+    leg: float,
+) -> FilterStep:
+    """Return the path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``.
+
+    ``leg`` is the length (m) of the rope from this end to the loop.
+    """
+    arguments = now, path, settings, given_at, stop, tuple(vars(end).values()), leg
+    result: FilterStep = _like(_RESULT, iter(program(*_flat(arguments))))
+    return result
