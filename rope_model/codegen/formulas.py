@@ -44,7 +44,7 @@ from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.mesh import adaptation, mesh_fit, mesh_pattern
 from rope_model.simulation.mesh import partition as mesh
 from rope_model.simulation.messages import warning_rules
-from rope_model.simulation.outputs import audit, diagnostics
+from rope_model.simulation.outputs import audit, diagnostics, sensitivity
 from rope_model.simulation.outputs.audit import Audit
 from rope_model.simulation.state import EnergyBalance
 from rope_model.simulation.stepping import events, hang, statics, stepping
@@ -239,6 +239,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     prefix + name: getattr(module, name) for prefix, module, names in _SHARED for name in names.split()
 } | {
     "PARAMETERS": len(element.PARAMETERS),
+    **{f"P_{name.upper()}": k for k, name in enumerate(element.PARAMETERS)},
     "FAR": FAR,
     "CHATTER_TIME": switching.CHATTER[1],
     "MESH_LATEST": mesh.LATEST,
@@ -253,5 +254,7 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "WIRE_WEIGHTS": element.WEIGHTS,
     "WIRE_POINT_STATE": wire_friction.MEMORY,
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
+    "INPUT_ORDERS": tuple(order for order, _ in sensitivity.INPUTS.values()),
+    "INPUT_DOFS": tuple(dof for _, dof in sensitivity.INPUTS.values()),
     "CONTACT_POINTS": len(contact_places.PARTS),
 }

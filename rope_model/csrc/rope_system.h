@@ -31,10 +31,10 @@ typedef struct {
 
 typedef struct {
     double rounds, per_round, slow, unsure, growing;
-} Rules;
+} NewtonLimits;
 
 /* newton.c: after a correction of this norm; fresh: whether its factorization is new */
-Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const Rules *rules);
+Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits);
 
 enum { FIXED = -1, MOST_BODIES = 10 };
 typedef struct {

@@ -12,7 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.numerics.newton import NewtonReport, Rules, initial_progress, judge, report
+from rope_model.numerics.newton import (
+    APPLIES,
+    CONTRACTION,
+    RUNNING,
+    STATUS,
+    NewtonLimits,
+    NewtonReport,
+    initial_progress,
+    judge,
+    report,
+)
 
 Array = NDArray[np.float64]
 
@@ -67,21 +77,21 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
 
 
 def newton(
-    system: Coupled, x: Iterate, c: Array, tolerance: float, rules: Rules, share_left: float
+    system: Coupled, x: Iterate, c: Array, tolerance: float, limits: NewtonLimits, share_left: float
 ) -> tuple[Iterate, NewtonReport]:
     """``x`` moved until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
     progress = initial_progress(share_left)
-    for _ in range(int(rules.rounds)):
+    for _ in range(int(limits.rounds)):
         solve = system.factorized(x)
-        for k in range(int(rules.per_round)):
-            if k > 0 and not (progress[0] == 0 and progress[5] < rules.slow):
+        for k in range(int(limits.per_round)):
+            if k > 0 and not (progress[STATUS] == RUNNING and progress[CONTRACTION] < limits.slow):
                 break
             coupling = system.coupling(x)
             dx = solve(x.R) if coupling is None else conjugate_gradients(solve, coupling, x.R)
-            progress = judge(rules)(progress, system.norm(dx), tolerance, k == 0)
-            if progress[2] != 0:
+            progress = judge(limits)(progress, system.norm(dx), tolerance, k == 0)
+            if progress[APPLIES] != 0:
                 q, v, a = (part + factor * dx for part, factor in zip(x[:3], c.tolist(), strict=True))
                 x = Iterate(q, v, a, system.residual(q, v, a, x.R))
-        if progress[0] != 0:
+        if progress[STATUS] != RUNNING:
             break
     return x, report(np.array(progress).ravel().tolist())

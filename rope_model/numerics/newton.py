@@ -17,7 +17,7 @@ import casadi as ca
 HUGE = 1e200
 
 
-class Rules(NamedTuple):
+class NewtonLimits(NamedTuple):
     """Limits of an iteration."""
 
     #: factorizations at most, and corrections with each
@@ -31,9 +31,9 @@ class Rules(NamedTuple):
     growing: float
 
 
-SMOOTH = Rules(8.0, 5.0, 0.1, 0.5, 8.0)
-#: rules for equations with kinks: a factorization and its prediction serve the side of the kink where it was made
-KINKED = Rules(16.0, 1.0, 0.1, 0.2, HUGE)
+SMOOTH = NewtonLimits(8.0, 5.0, 0.1, 0.5, 8.0)
+#: limits for equations with kinks: a factorization and its prediction serve the side of the kink where it was made
+KINKED = NewtonLimits(16.0, 1.0, 0.1, 0.2, HUGE)
 #: share of the first correction that is reckoned as left: where nothing is known of it; where it is good, as of a
 #: smooth system in a time step (windings and stops left .04 at most), if the tolerance is SMALL or less
 UNKNOWN, GOOD, SMALL = 1.0, 0.1, 1e-4
@@ -68,9 +68,12 @@ class NewtonReport:
         return self.status is NewtonStatus.CONVERGED
 
 
-#: names of the progress vector that goes through the iterations; status 0 goes on, applies: the latest correction;
-#: contraction: before the first one the share of it that is reckoned as left
+#: entries of the progress vector that goes through the iterations; applies: whether the latest correction does;
+#: contraction: before the first correction the part of it that is reckoned as left
 PROGRESS = ("status", "iterations", "applies", "norm", "error", "contraction")
+STATUS, ITERATIONS, APPLIES, NORM, ERROR, CONTRACTION = range(len(PROGRESS))
+#: status while the iteration goes on; its result where the limits end it
+RUNNING = NewtonStatus.TOO_MANY.code
 
 
 def initial_progress(share_left: Any = UNKNOWN) -> Any:
@@ -80,29 +83,29 @@ def initial_progress(share_left: Any = UNKNOWN) -> Any:
 
 def report(progress: list[float]) -> NewtonReport:
     """Report of a finished progress vector."""
-    return NewtonReport(_STATUS[int(progress[0])], int(progress[1]), progress[4])
+    return NewtonReport(_STATUS[int(progress[STATUS])], int(progress[ITERATIONS]), progress[ERROR])
 
 
 @cache
-def judge(rules: Rules = SMOOTH) -> ca.Function:
+def judge(limits: NewtonLimits = SMOOTH) -> ca.Function:
     """(progress, norm of the correction, tolerance, whether its factorization is new) -> progress after it."""
     before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
     fresh = ca.SX.sym("fresh")
     _, iterations, _, previous, _, share_left = ca.vertsplit(before)
     contraction = ca.if_else(previous > 0, norm / previous, 0.0)
     first = iterations < 1
-    sure = ca.logic_and(ca.logic_not(first), contraction < rules.unsure)
+    sure = ca.logic_and(ca.logic_not(first), contraction < limits.unsure)
     guess = ca.if_else(first, share_left * norm, norm)
     error = ca.if_else(sure, contraction / (1 - contraction) * norm, guess)
     useless = ca.logic_not(ca.logic_or(sure, fresh))
-    diverged = ca.logic_and(ca.logic_not(first), contraction >= rules.growing)
+    diverged = ca.logic_and(ca.logic_not(first), contraction >= limits.growing)
     # status, applies, norm, error, contraction
-    after = ca.vertcat(NewtonStatus.TOO_MANY.code, 1, norm, error, contraction)
+    after = ca.vertcat(RUNNING, 1, norm, error, contraction)
     done = ca.vertcat(NewtonStatus.CONVERGED.code, 1, norm, error, contraction)
     after = ca.if_else(error <= tolerance, done, after)
     after = ca.if_else(diverged, ca.vertcat(NewtonStatus.DIVERGED.code, 1, norm, norm, contraction), after)
     # a cheap correction that contracts badly only says that a new factorization is due
-    after = ca.if_else(useless, ca.vertcat(NewtonStatus.TOO_MANY.code, 0, previous, ca.inf, ca.inf), after)
+    after = ca.if_else(useless, ca.vertcat(RUNNING, 0, previous, ca.inf, ca.inf), after)
     finite = norm < HUGE  # false for NaN too
     after = ca.if_else(finite, after, ca.vertcat(NewtonStatus.NOT_FINITE.code, 1, norm, ca.inf, contraction))
     return ca.Function("judge", [before, norm, tolerance, fresh], [ca.vertcat(after[0], iterations + 1, after[1:])])
@@ -126,12 +129,12 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
         step, norm = correct(x, *factors, *fixed)
         after = judge()(progress, norm, tolerance, fresh)
         inputs = [x, progress, *factors, *fixed, tolerance]
-        return ca.Function(name, inputs, [moved(after[2], x, step, *fixed), after])
+        return ca.Function(name, inputs, [moved(after[APPLIES], x, step, *fixed), after])
 
     first, again = one_correction("newton_first", True), _where(one_correction("newton_again", False), 2)
     after = first(x, progress, *factors, *fixed, tolerance)
     for _ in range(int(SMOOTH.per_round) - 1):
-        goes_on = ca.logic_and(after[1][0] == 0, after[1][5] < SMOOTH.slow)
+        goes_on = ca.logic_and(after[1][STATUS] == RUNNING, after[1][CONTRACTION] < SMOOTH.slow)
         after = again(goes_on, *after, *factors, *fixed, tolerance)
     corrections = ca.Function("newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after])
     inputs = [x, progress, *fixed, tolerance]
@@ -141,7 +144,7 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
     share_left = ca.MX.sym("share_left")
     result = one_round(x, initial_progress(share_left), *fixed, tolerance)
     for _ in range(int(SMOOTH.rounds) - 1):
-        result = another(result[1][0] == 0, *result, *fixed, tolerance)
+        result = another(result[1][STATUS] == RUNNING, *result, *fixed, tolerance)
     return ca.Function("newton", [x, *fixed, tolerance, share_left], list(result))
 
 

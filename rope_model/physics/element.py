@@ -35,7 +35,7 @@ The fidelities of the model are this one text with degrees of freedom left out:
 
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -53,15 +53,39 @@ ELEMENT_DOF: dict[ElementFidelity, tuple[int, ...]] = {
     "spatial": (0, 1, 2, 3, 4, 5),
     "planar": (0, 1, 3, 4),
 }
-#: order of the entries of the parameter vector
-PARAMETERS = ("rho", "g", "Qa", "Qs", "Qk", "Qd", "EI", "rhoJ", "beta_K", "root_a", "root_b", "Qe", "rhoJ_x")
 
 
-def parameters(rope: Any, gravity: Any) -> tuple[Any, ...]:
-    """Values of PARAMETERS."""
+class ElementParameters(NamedTuple):
+    """Entries of the parameter vector P."""
+
+    rho: Any  # kg/m
+    g: Any  # m/s^2
+    Qa: Any  # N
+    Qs: Any  # N m
+    Qk: Any  # N m
+    Qd: Any  # N m^2
+    EI: Any  # N m^2
+    rhoJ: Any  # kg m
+    beta_K: Any  # s
+    root_a: Any  # 1, root of the factor of beta_K for torsion
+    root_b: Any  # 1, root of that for bending
+    Qe: Any  # N m^2
+    rhoJ_x: Any  # kg m, inertia of theta's slope over l^2
+
+
+PARAMETERS = ElementParameters._fields
+
+
+def parameters(rope: Any, gravity: Any) -> ElementParameters:
+    """Return the parameters of an element of the ``rope``."""
     elastic = rope.mass_per_length, gravity, rope.Qa, rope.Qs, rope.Qk, rope.Qd, rope.EI, rope.rhoJ
     damping = rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping)
-    return *elastic, *damping, rope.Qe, rope.Qd / 12 * torsional_slowness(rope)
+    return ElementParameters(*elastic, *damping, rope.Qe, rope.Qd / 12 * torsional_slowness(rope))
+
+
+def named(P: ca.SX) -> ElementParameters:
+    """Return the entries of P by name."""
+    return ElementParameters._make(ca.vertsplit(P))
 
 
 def torsional_slowness(rope: Any) -> Any:
@@ -142,15 +166,15 @@ def element_functions(
     for x, symbol in zip((q, v, a, before), symbols, strict=True):
         x[kept] = symbol
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
+    p = named(P)
     F = ca.SX.sym("F", FRAME if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
     # everything but weight and translation depends on the 11 relative coordinates r2 - r1, r', theta only
-    relative, weights = relative_coordinates(), 0.5 * _GAUSS_WEIGHTS
-    B = [interpolation(xi, l) for xi in 0.5 * (1 + _GAUSS_POINTS)]
+    relative, B = relative_coordinates(), [interpolation(xi, l) for xi in POINTS]
     z, z_t, z_tt = ([B_p @ relative @ x for B_p in B] for x in (q, v, a))
     frames = ca.vertsplit(F[:-3], 6) if torsional else [F] * len(B)
-    points = list(zip(weights, B, z, z_t, z_tt, frames, strict=True))
+    points = list(zip(WEIGHTS, B, z, z_t, z_tt, frames, strict=True))
     point = _point_functions(frame_rate, torsional)
 
     # values of the element as a whole: axial and torsional strain, their rates, the torque
@@ -161,7 +185,7 @@ def element_functions(
 
     mass, weight = _translational_mass(l, P), _weight(l, P)
     balance = ca.SX.zeros(len(BALANCE))
-    balance[4], balance[6] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)
+    balance[BALANCE.index("kinetic")], balance[BALANCE.index("gravity")] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)
     R_r, J_r = ca.SX.zeros(11), ca.SX.zeros(11, 11)
     e_z, tau_z = ca.SX.zeros(11), ca.SX.zeros(11)
     tau_z[9:] = theta_x
@@ -175,12 +199,12 @@ def element_functions(
         balance += w * l * point["balance"](z_p, v_p, F_p, tau, tau_t, P)
     R_r[9:] += torque * l * theta_x
     if torsional:
-        slope_inertia = P[12] * l**3
+        slope_inertia = p.rhoJ_x * l**3
         R_r[9:] += slope_inertia * ca.dot(theta_x, a[[6, 13]]) * theta_x
         J_r[9:, 9:] += c_a * slope_inertia * (theta_x @ theta_x.T)
-        balance[5] += 0.5 * slope_inertia * ca.dot(theta_x, v[[6, 13]]) ** 2
-    damped, root, grown = cv * P[8], P[9], cq * P[11]
-    coupling, torsion = (cq + damped * root) * P[3] + grown * tau, (cq + damped * root * root) * P[5] + grown * means[0]
+        balance[BALANCE.index("spin")] += 0.5 * slope_inertia * ca.dot(theta_x, v[[6, 13]]) ** 2
+    damped, root, grown = cv * p.beta_K, p.root_a, cq * p.Qe
+    coupling, torsion = (cq + damped * root) * p.Qs + grown * tau, (cq + damped * root * root) * p.Qd + grown * means[0]
     shared = coupling * e_z + 0.5 * torsion * tau_z
     J_r += l * (shared @ tau_z.T + tau_z @ shared.T)
     R = (mass @ a - weight + relative.T @ R_r)[kept]
@@ -220,7 +244,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
     tau, tau_t, torque, elastic, shift = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift"))
-    _, _, Qa, Qs, _, Qd, EI, rhoJ, *_ = ca.vertsplit(P)
+    p = named(P)
 
     # strains, and the spin of the section
     d, c = z[0:3], z[3:6]
@@ -235,7 +259,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     # energies, and the stresses that are work-conjugate to the strains; the torque is the element's
     e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
-    K = 0.5 * rhoJ * w * w
+    K = 0.5 * p.rhoJ * w * w
     stress = ca.gradient(U, e) + ca.gradient(D + P_n, e_t)
     stress[1] = torque
 
@@ -250,16 +274,16 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     damping = ca.substitute(ca.jacobian(stress, e_t), *put)
     damping[:, 1] = 0
     # power of torque and of the tension without energy as it bends
-    held = (P[4] * tau + Qa * shift) * strain[0] + elastic * turning
+    held = (p.Qk * tau + p.Qa * shift) * strain[0] + elastic * turning
     stiffness = ca.hessian(ca.substitute(U, *put) + held, z)[0]
     J = symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
     k = strain[2:]
     balance = ca.vertcat(
-        0.5 * Qa * strain[0] ** 2,
-        Qs * strain[0] * tau,
-        0.5 * Qd * tau**2 + costello.stiffening_energy(P[11], strain[0], tau),
-        0.5 * EI * ca.dot(k, k),
+        0.5 * p.Qa * strain[0] ** 2,
+        p.Qs * strain[0] * tau,
+        0.5 * p.Qd * tau**2 + costello.stiffening_energy(p.Qe, strain[0], tau),
+        0.5 * p.EI * ca.dot(k, k),
         0,
         K,
         0,
@@ -297,14 +321,14 @@ def symmetric(A: ca.SX) -> ca.SX:
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
-    _, _, Qa, Qs, Qk, Qd, EI, _, beta_K, root_a, root_b, Qe, _ = ca.vertsplit(P)
+    p = named(P)
 
     def quadratic(x: ca.SX) -> Any:
-        return costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + 0.5 * EI * ca.dot(x[2:], x[2:])
+        return costello.strain_energy(p.Qa, p.Qs, p.Qd, x[0], x[1]) + 0.5 * p.EI * ca.dot(x[2:], x[2:])
 
-    power = costello.nonconservative_power(Qk, strain[0], strain[1], rate[0], rate[1])
-    U = quadratic(strain) + costello.stiffening_energy(Qe, strain[0], strain[1])
-    return U, beta_K * quadratic(ca.vertcat(rate[0], root_a * rate[1], root_b * rate[2:])), power
+    power = costello.nonconservative_power(p.Qk, strain[0], strain[1], rate[0], rate[1])
+    U = quadratic(strain) + costello.stiffening_energy(p.Qe, strain[0], strain[1])
+    return U, p.beta_K * quadratic(ca.vertcat(rate[0], p.root_a * rate[1], p.root_b * rate[2:])), power
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -346,7 +370,7 @@ def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
         at = (i, 3 + i, 7 + i, 10 + i)
         for m in range(4):
             for n in range(4):
-                M[at[m], at[n]] = P[0] * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
+                M[at[m], at[n]] = named(P).rho * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
     return M
 
 
@@ -355,12 +379,14 @@ def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
     u, s = mass @ v, mass @ q
     angular = sum((ca.cross(q[k : k + 3], u[k : k + 3]) for k in (0, 3, 7, 10)), start=ca.SX.zeros(3))
     (left, right), (w1, w2) = (d / ca.norm_2(d) for d in (q[3:6], q[10:13])), (v[6], v[13])
-    angular += P[7] * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right) + P[12] * l * (w2 - w1) * (right - left)
+    p = named(P)
+    angular += p.rhoJ * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right)
+    angular += p.rhoJ_x * l * (w2 - w1) * (right - left)
     return ca.vertcat(u[0:3] + u[7:10], angular, s[0:3] + s[7:10])
 
 
 def _weight(l: ca.SX, P: ca.SX) -> ca.SX:
     """(14,) work-equivalent weight, N and N m."""
-    f = ca.SX(14, 1)
-    f[1], f[4], f[8], f[11] = (-P[0] * P[1] * s for s in (l / 2, l**2 / 12, l / 2, -(l**2) / 12))
+    f, p = ca.SX(14, 1), named(P)
+    f[1], f[4], f[8], f[11] = (-p.rho * p.g * s for s in (l / 2, l**2 / 12, l / 2, -(l**2) / 12))
     return f

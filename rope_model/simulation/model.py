@@ -19,7 +19,7 @@ from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, n
 from rope_model.simulation.contact.self_contact import SelfContactSystem
 from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
-from rope_model.simulation.ends.paths import EndPath
+from rope_model.simulation.ends.paths import END_NODE, EndPath
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.partition import NOWHERE, faced_by
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
@@ -227,8 +227,8 @@ def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load
     """Loads on the rope by the conveyances, its ends held so, by touched bodies, and by the air."""
     outside = system.outside(motion.q, motion.v)
     loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
-    for side in (0, 1):
-        q, R = motion.q[-side].tolist(), motion.reaction[-side].tolist()
+    for side, node in enumerate(END_NODE):
+        q, R = motion.q[node].tolist(), motion.reaction[node].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
     total = tuple(sum(parts) for parts in zip(*loads, strict=True))
     if system.kernels.fidelity == "planar":  # forces across the plane are not felt
@@ -255,13 +255,13 @@ def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> Energy
 def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     """Powers that flow in and out at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
-    for side in (0, 1):
-        force, velocity = motion.reaction[-side, POSITION], motion.v[-side, POSITION]
+    for side, node in enumerate(END_NODE):
+        force, velocity = motion.reaction[node, POSITION], motion.v[node, POSITION]
         moment = ends.moment(side, motion.reaction)
         at_ends += float(force @ velocity)
         if ends.swivels[side].attachment == "clamped":
-            at_ends += float(motion.reaction[-side, SLOPE] @ motion.v[-side, SLOPE])
-        spin = float(motion.v[-side, ANGLE])
+            at_ends += float(motion.reaction[node, SLOPE] @ motion.v[node, SLOPE])
+        spin = float(motion.v[node, ANGLE])
         if ends.states[side].phase is Phase.SLIP:
             rate = float(ends.relative(side, motion.t, 0.0, spin)[1])
             at_swivels -= moment * rate

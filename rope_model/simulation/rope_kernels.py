@@ -52,20 +52,20 @@ class RopeKernels:
         form: compiling.KernelForm = "auto",
         bundle: Path | None = None,
         fidelity: ElementFidelity = "torsional",
-        bodies: Effects = (),
+        effects: Effects = (),
     ) -> None:
-        library, portable = _bundle_files(bundle, elements, fidelity, bodies) if bundle else (None, None)
+        library, portable = _bundle_files(bundle, elements, fidelity, effects) if bundle else (None, None)
         with EXPRESSIONS:
             if portable is not None and portable.exists():
                 functions = compiling.load_portable(portable)
             else:
-                functions = [*rope_functions(elements, fidelity, bodies)]
-            made, self.form = compiling.prepare(functions, partial(_build, elements, fidelity, bodies), form, library)
+                functions = [*rope_functions(elements, fidelity, effects)]
+            made, self.form = compiling.prepare(functions, partial(_build, elements, fidelity, effects), form, library)
         solve, newton_step, evaluate, losses, strains, momentum, reference, transport = made
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
-        self.elements, self.fidelity, self.kinds = elements, fidelity, bodies
+        self.elements, self.fidelity, self.effects = elements, fidelity, effects
         # sums of solve and evaluate
-        air, contact = AIR_BALANCE if AIR in bodies else (), CONTACT_BALANCE if _touched(bodies) else ()
+        air, contact = AIR_BALANCE if AIR in effects else (), CONTACT_BALANCE if _touched(effects) else ()
         self.balance = (*BALANCE, *air, *contact)
         self.solve = compiling.Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.newton_step = compiling.Kernel(newton_step, (nodes, nodes))
@@ -84,11 +84,11 @@ class KernelCache:
         self.elements, self._form, self._bundle = elements, form, bundle
         self._made: dict[tuple[ElementFidelity, Effects], RopeKernels] = {}
 
-    def of(self, fidelity: ElementFidelity, bodies: Effects = ()) -> RopeKernels:
-        """Effects of ``fidelity``, of a rope that is near one of the ``bodies``, or far from all."""
-        if (fidelity, bodies) not in self._made:
-            self._made[fidelity, bodies] = RopeKernels(self.elements, self._form, self._bundle, fidelity, bodies)
-        return self._made[fidelity, bodies]
+    def of(self, fidelity: ElementFidelity, effects: Effects = ()) -> RopeKernels:
+        """Return the kernels for this fidelity and these effects, built on first use."""
+        if (fidelity, effects) not in self._made:
+            self._made[fidelity, effects] = RopeKernels(self.elements, self._form, self._bundle, fidelity, effects)
+        return self._made[fidelity, effects]
 
 
 def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Effects]]) -> list[Path]:
@@ -101,62 +101,62 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
             "long; install a compiler, or pip install 'balance-rope[compiler]'",
             folder.name,
         )
-    for fidelity, bodies in needed:
-        library, portable = _bundle_files(folder, elements, fidelity, bodies)
-        compiling.save_portable(rope_functions(elements, fidelity, bodies), portable)
+    for fidelity, effects in needed:
+        library, portable = _bundle_files(folder, elements, fidelity, effects)
+        compiling.save_portable(rope_functions(elements, fidelity, effects), portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(_build(elements, fidelity, bodies, compiler), library)
+            shutil.copyfile(_build(elements, fidelity, effects, compiler), library)
             written.append(library)
     return written
 
 
-def _build(elements: int, fidelity: ElementFidelity, bodies: Effects, compiler: Sequence[str]) -> Path:
+def _build(elements: int, fidelity: ElementFidelity, effects: Effects, compiler: Sequence[str]) -> Path:
     """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
-    kind = "-".join((fidelity, *(_WORDS[kind] for kind in bodies)))
+    kind = "-".join((fidelity, *(_WORDS[kind] for kind in effects)))
     folder = compiling.cache_folder()
-    parts = compiling.build_parts(rope_parts(fidelity, bodies), compiler, folder, f"element-{kind}")
-    functions = _linked_functions(elements, fidelity, bodies, parts.library)
+    parts = compiling.build_parts(rope_parts(fidelity, effects), compiler, folder, f"element-{kind}")
+    functions = _linked_functions(elements, fidelity, effects, parts.library)
     return compiling.build_library(functions, compiler, folder, f"kernels-{kind}-{elements}", [parts.linked])
 
 
 @cache
-def _linked_functions(elements: int, fidelity: ElementFidelity, bodies: Effects, library: Path) -> ChainFunctions:
+def _linked_functions(elements: int, fidelity: ElementFidelity, effects: Effects, library: Path) -> ChainFunctions:
     """Return ``rope_functions`` that call the parts shared by ropes of any size."""
-    parts = ChainParts(*compiling.load_compiled(rope_parts(fidelity, bodies), library))
+    parts = ChainParts(*compiling.load_compiled(rope_parts(fidelity, effects), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 
 
-def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, bodies: Effects) -> tuple[Path, Path]:
-    name = "-".join((fidelity, *(_WORDS[kind] for kind in bodies), str(elements)))
+def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, effects: Effects) -> tuple[Path, Path]:
+    name = "-".join((fidelity, *(_WORDS[kind] for kind in effects), str(elements)))
     return folder / f"{name}-{compiling.platform_tag()}{compiling.LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
 @cache
-def rope_parts(fidelity: ElementFidelity, bodies: Effects = ()) -> ChainParts:
+def rope_parts(fidelity: ElementFidelity, effects: Effects = ()) -> ChainParts:
     """CasADi functions that ropes of any number of elements have in common."""
-    e = rope_element(fidelity, bodies)
+    e = rope_element(fidelity, effects)
     return chain_parts(e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport)
 
 
-def rope_element(fidelity: ElementFidelity, bodies: Effects = ()) -> ElementFunctions:
+def rope_element(fidelity: ElementFidelity, effects: Effects = ()) -> ElementFunctions:
     """Return the element with all that acts on it."""
     element = element_functions(fidelity)
-    if CURVED in bodies:
+    if CURVED in effects:
         element = curved_element(element)
-    if WIRES in bodies:
+    if WIRES in effects:
         element = wire_element(fidelity, element)
-    if AIR in bodies:
+    if AIR in effects:
         element = air_element(fidelity, element)
-    touched = _touched(bodies)
+    touched = _touched(effects)
     return contact_element(fidelity, element, touched) if touched else element
 
 
-def _touched(bodies: Effects) -> Effects:
-    return tuple(kind for kind in bodies if kind < len(KINDS))
+def _touched(effects: Effects) -> Effects:
+    return tuple(kind for kind in effects if kind < len(KINDS))
 
 
 @cache
-def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", bodies: Effects = ()) -> ChainFunctions:
-    """CasADi functions of a rope of ``elements`` elements, with ``bodies`` that it may touch."""
-    return chain_functions(elements, rope_parts(fidelity, bodies), NODE_DOF, ELEMENT_DOF[fidelity])
+def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", effects: Effects = ()) -> ChainFunctions:
+    """CasADi functions of a rope of ``elements`` elements, with these effects on it."""
+    return chain_functions(elements, rope_parts(fidelity, effects), NODE_DOF, ELEMENT_DOF[fidelity])

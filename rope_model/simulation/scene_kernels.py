@@ -17,7 +17,7 @@ def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Effects
 
 
 def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Effects], ...]:
-    """Return the kernels that a rope of ``scene`` between these ``ends`` may need: fidelity, and kinds of the element.
+    """Return the kernels that a rope of ``scene`` between these ``ends`` may need: fidelity and effects.
 
     Plain kernels of every fidelity are among them, since an importer of the FMU may set other data.
     """

@@ -26,7 +26,7 @@ from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
 from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, leaning, refusal, right_offset
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
-from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
+from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.mesh.adaptation import raise_fidelity
 from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
@@ -304,14 +304,14 @@ class RopeSimulator(BalanceRope):
         _, unperturbed, reaction = self._unmoved
         if not change.any():
             return m.q, reaction
-        q, v, a = m.q.copy(), m.v.copy(), m.a.copy()
+        node, q, v, a = END_NODE[side], m.q.copy(), m.v.copy(), m.a.copy()
         if dof > ANGLE:
             leans = np.array(self.state.paths[side].leaning(m.t))
             leans[dof - ANGLE - 1] += change
-            q[-side, SLOPE], v[-side, SLOPE], a[-side, SLOPE] = (1 - 2 * side) * np.array(leaning(*leans))
+            q[node, SLOPE], v[node, SLOPE], a[node, SLOPE] = (1 - 2 * side) * np.array(leaning(*leans))
         else:
             for x, dx in zip((q, v, a), change, strict=True):
-                x[-side, dof] += dx
+                x[node, dof] += dx
         y = system.newton_step(q, v, a, m.reaction, c)[0] - unperturbed
         q += y
         return q, system.evaluate(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction

@@ -2,9 +2,9 @@
 
 #include "rope_system.h"
 
-Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const Rules *rules) {
+Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits) {
     const double contraction = before.norm > 0 ? norm / before.norm : 0;
-    const int first = before.iterations < 1, sure = !first && contraction < rules->unsure;
+    const int first = before.iterations < 1, sure = !first && contraction < limits->unsure;
     const double guess = first ? before.contraction * norm : norm;
     Progress after = {
         TOO_MANY,    before.iterations + 1, 1, norm, sure ? contraction / (1 - contraction) * norm : guess,
@@ -17,7 +17,7 @@ Progress newton_judge(Progress before, double norm, double tolerance, int fresh,
         after.norm = before.norm;
         after.sum = before.sum;
         after.error = after.contraction = INFINITY;
-    } else if (!first && contraction >= rules->growing) {
+    } else if (!first && contraction >= limits->growing) {
         after.status = DIVERGED;
     } else if (after.error <= tolerance) {
         after.status = CONVERGED;

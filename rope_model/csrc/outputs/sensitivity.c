@@ -90,15 +90,14 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     enum { OF_END = sizeof(EndMotion) / sizeof(double) };
     if (input < 0 || input >= 2 * OF_END) return say_no_such_input(rope->message, 2 * OF_END - 1);
     if (!rope->initialized) return say_no_state(rope->message);
-    const int side = input / OF_END, place = input % OF_END;
-    const int kind = place < 9 ? place / 3 : place < 11 ? place - 9 : 0;
-    const int dof = place < 9 ? place % 3 : place < 11 ? ANGLE : ANGLE + place - 10;
+    static const int orders[OF_END] = INPUT_ORDERS, dofs[OF_END] = INPUT_DOFS;
+    const int side = input / OF_END, order = orders[input % OF_END], dof = dofs[input % OF_END];
     State *state = rope->state;
     const FilterSettings settings = filter_settings(&rope->scene, rope->scene.inputs.given);
     const double h = state->last_interval;
     double sample[3] = {0}, d[3], c[3];
-    sample[kind] = sizes[kind] * (dof == ANGLE && side == LEFT ? -1 : 1);
-    if (dof == ANGLE && kind == 1) /* a path takes its yaw acceleration from the rates */
+    sample[order] = sizes[order] * (dof == ANGLE && side == LEFT ? -1 : 1);
+    if (dof == ANGLE && order == 1) /* a path takes its yaw acceleration from the rates */
         sample[2] = sample[1] / h;
     if (dof > ANGLE)
         lean_moves(h, at_step_end ? 0 : h, sample[0], d);
@@ -112,6 +111,6 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     unperturbed_step(rope, c);
     change_of_loads(rope, side, dof, d, c, derivative);
     for (int k = 0; k < 12; k++)
-        if (!isfinite(derivative[k] /= sizes[kind])) return say_no_finite_derivative(rope->message);
+        if (!isfinite(derivative[k] /= sizes[order])) return say_no_finite_derivative(rope->message);
     return 1;
 }

@@ -48,7 +48,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         }
         const double error = -work_along(&s, now, x);
         /* what has no energy is not in the tangent, and the correction misses it */
-        if (s.P[4] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
+        if (s.P[P_QK] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
         last = error;
         const double step = fmin(relaxed, LARGEST_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];

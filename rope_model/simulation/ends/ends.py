@@ -23,7 +23,7 @@ from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, larger, sin, smaller, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.input_filter import InputFilter, Limits
-from rope_model.simulation.ends.paths import LEANS, PATH, REACH, EndMotion, EndPath
+from rope_model.simulation.ends.paths import END_NODE, LEANS, PATH, REACH, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase as Phase
 from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
 from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
@@ -90,12 +90,12 @@ class HangingEnds:
         """Moment (N m) the swivel's friction has, or at most has, at the end's present tension."""
         swivel = self.swivels[side]
         mu = swivel.mu_kinetic if kinetic else swivel.mu_static
-        return float(swivel_friction(swivel, mu, float(reaction[-side, 1])))
+        return float(swivel_friction(swivel, mu, float(reaction[END_NODE[side], 1])))
 
     def moment(self, side: int, reaction: Array) -> float:
         """Moment (N m, about the tangent) of the conveyance on the rope's end."""
-        tension, held = float(reaction[-side, 1]), float(reaction[-side, ANGLE])
-        return float(moment_of_swivel(self.swivels[side], self.states[side], tension, held))
+        R = reaction[END_NODE[side]]
+        return float(moment_of_swivel(self.swivels[side], self.states[side], float(R[1]), float(R[ANGLE])))
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """The swivel's angle b (rad) and rate b_t (rad/s)."""

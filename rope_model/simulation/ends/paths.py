@@ -17,6 +17,7 @@ from rope_model.parameter_table import Bounds, numeric_bounds, parameter, parame
 from rope_model.physics.elementary import larger, smaller
 
 SIDES = ("left", "right")
+END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
 #: columns of an end's path
 PATH = ("x", "y", "z", "yaw")
 #: of a clamp, by their own paths

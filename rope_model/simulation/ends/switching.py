@@ -12,7 +12,7 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.simulation.ends.ends import Phase, SwivelState
-from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.ends.paths import END_NODE, SIDES
 from rope_model.simulation.ends.swivel_phases import frictionless, released_at, swivel_excess
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.rope_system import ANGLE, Evaluation, RopeSystem
@@ -52,9 +52,10 @@ def excess(system: RopeSystem, motion: Motion) -> float:
 
 def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
     ends = ends_of(system)
-    now, R, rate = ends.states[side], motion.reaction[-side], 0.0
+    node, now, rate = END_NODE[side], ends.states[side], 0.0
+    R = motion.reaction[node]
     if now.phase is Phase.SLIP:
-        rate = ends.relative(side, motion.t, float(motion.q[-side, ANGLE]), float(motion.v[-side, ANGLE]))[1]
+        rate = ends.relative(side, motion.t, float(motion.q[node, ANGLE]), float(motion.v[node, ANGLE]))[1]
     return float(swivel_excess(ends.swivels[side], now, float(R[1]), float(R[ANGLE]), rate))
 
 
@@ -118,10 +119,10 @@ def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
     """Next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
     now, motion = state.swivels[side], state.motion
     if now.phase is Phase.SLIP:
-        angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[-side, ANGLE], 0.0)[0]
+        angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[END_NODE[side], ANGLE], 0.0)[0]
         now = SwivelState(Phase.STICK, float(angle), 0.0)
         swivels = (now, state.swivels[1]) if side == 0 else (state.swivels[0], now)
         state = model.restart(state._replace(swivels=swivels))
         if _excess_of(side, model.system(state), state.motion) < 0:
             return now
-    return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[-side, ANGLE]))
+    return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE]))

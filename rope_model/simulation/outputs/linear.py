@@ -79,7 +79,7 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
     if system.longest_near(q) > 0.0:
         raise ValueError("the rope at rest touches a body in the shaft and has no linear model there: choose a height")
     nodes_s, lengths = arc_lengths(system.lengths), system.lengths[None, :]
-    derivatives, rho = _derivatives(system.kernels.kinds).map(n), float(system.P[PARAMETERS.index("rho")])
+    derivatives, rho = _derivatives(system.kernels.effects).map(n), float(system.P[PARAMETERS.index("rho")])
     along = _along(system.lengths)
 
     def evaluated(q: Array) -> tuple[Array, tuple[sp.csc_matrix, ...]]:
@@ -156,9 +156,9 @@ def let_turn(rope: RopeSimulator) -> None:
 
 
 @cache
-def _derivatives(kinds: Effects) -> Any:
+def _derivatives(effects: Effects) -> Any:
     """(q, v, a, l, F, P) -> R, dR/dq, dR/dv, dR/da of one element."""
-    residual = rope_element("torsional", kinds).residual
+    residual = rope_element("torsional", effects).residual
     x = [ca.SX.sym(f"x{k}", residual.size1_in(k)) for k in range(residual.n_in())]
     R = residual(*x)
     return ca.Function("derivatives", x, ca.cse([R, *(ca.densify(ca.jacobian(R, x[k])) for k in range(3))]))

@@ -73,7 +73,7 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
     frames, P = system.with_reference(q, system.z).element_data(q, rest)
     angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
     q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, rest))
-    element = rope_element("torsional", system.kernels.kinds)
+    element = rope_element("torsional", system.kernels.effects)
     row = np.ones((1, n))
     J = element.tangent.map(n)(
         q_e, v_e, v_e, system.lengths[None, :], frames.T, np.tile(P[:, None], n), *(x * row for x in c), q_e

@@ -4,7 +4,6 @@ The rope is linearised about the present state, and one generalized-alpha step a
 rope_load_derivative in rope_model/csrc is its C port.
 """
 
-import dataclasses
 from typing import Protocol
 
 import numpy as np
@@ -13,7 +12,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.frame import conveyance_load
 from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds, Phase
 from rope_model.simulation.ends.input_filter import lean_moves, sample_moves, settings_of
-from rope_model.simulation.ends.paths import SIDES, EndMotion, ends_at
+from rope_model.simulation.ends.paths import END_NODE, SIDES, ends_at
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rigid import tension_change
 from rope_model.simulation.rope_system import ANGLE, Array
@@ -23,7 +22,9 @@ from rope_model.simulation.state import RopeState
 _SIZES = (1e-7, 1e-5, 1e-3)
 #: names of the signals that are differentiated
 LOADS = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
-_NAMES = tuple(field.name for field in dataclasses.fields(EndMotion))
+#: order of the derivative in time, and degree of freedom, of each field of EndMotion
+INPUTS = {f"{prefix}{axis}": (order, k) for order, prefix in enumerate(("", "v", "a")) for k, axis in enumerate("xyz")}
+INPUTS |= {"yaw": (0, ANGLE), "yaw_rate": (1, ANGLE), "lean": (0, ANGLE + 1), "lean_z": (0, ANGLE + 2)}
 
 
 class Linearised(Protocol):
@@ -40,11 +41,10 @@ class Linearised(Protocol):
 
 def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = True) -> Array:
     """(12,): of LOADS to the field ``name`` of an end's EndMotion; 0 where inputs.given does not trust it."""
-    state, place = rope.state, _NAMES.index(name)
-    kind, dof = divmod(place, 3) if place < 9 else (place - 9, ANGLE) if place < 11 else (0, ANGLE + place - 10)
-    h, size, sample = state.last_interval, _SIZES[kind], [0.0, 0.0, 0.0]
-    sample[kind] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
-    if dof == ANGLE and kind == 1:  # a path takes its yaw acceleration from the rates
+    state, (order, dof) = rope.state, INPUTS[name]
+    h, size, sample = state.last_interval, _SIZES[order], [0.0, 0.0, 0.0]
+    sample[order] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
+    if dof == ANGLE and order == 1:  # a path takes its yaw acceleration from the rates
         sample[2] = sample[1] / h
     settings, ahead = settings_of(rope.scene), 0.0 if at_step_end else h
     change = np.array(lean_moves(h, ahead, size) if dof > ANGLE else sample_moves(settings, h, ahead, sample))
@@ -81,5 +81,6 @@ def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Ar
 
 def _end_loads(ends: HangingEnds, q: Array, reaction: Array) -> Array:
     """(12,): LOADS with other coordinates and reactions."""
-    rows = ((q[-side].tolist(), reaction[-side].tolist(), ends.moment(side, reaction)) for side in (0, 1))
+    nodes = enumerate(END_NODE)
+    rows = ((q[node].tolist(), reaction[node].tolist(), ends.moment(side, reaction)) for side, node in nodes)
     return np.ravel([conveyance_load(*row) for row in rows])

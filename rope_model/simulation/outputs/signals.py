@@ -16,7 +16,7 @@ from rope_model.physics.stress import material_values
 from rope_model.simulation.contact.shaft import clearances
 from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.misfit import with_drift, with_misfit
-from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.ends.paths import END_NODE, SIDES
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.outputs import diagnostics
@@ -67,10 +67,10 @@ def end_signals(rope: Evaluated) -> dict[str, float]:
     """Forces, moments and swivels of both ends."""
     m, ends, means = rope.state.motion, rope.ends, rope.state.force_mean
     out: dict[str, float] = {}
-    for side, name in enumerate(SIDES):
-        q, torque = m.q[-side].tolist(), ends.moment(side, m.reaction)
-        load, slips = conveyance_load(q, m.reaction[-side].tolist(), torque), ends.states[side].phase is Phase.SLIP
-        values = *load, means[side], *ends.relative(side, m.t, q[ANGLE], m.v[-side, ANGLE]), torque, slips
+    for side, (name, node) in enumerate(zip(SIDES, END_NODE, strict=True)):
+        q, torque = m.q[node].tolist(), ends.moment(side, m.reaction)
+        load, slips = conveyance_load(q, m.reaction[node].tolist(), torque), ends.states[side].phase is Phase.SLIP
+        values = *load, means[side], *ends.relative(side, m.t, q[ANGLE], m.v[node, ANGLE]), torque, slips
         out |= {f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)}
     return out
 

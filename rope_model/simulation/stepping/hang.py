@@ -18,7 +18,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.initial_curvature import most_curvature
 from rope_model.simulation.curvature import is_curved, partly_curved
 from rope_model.simulation.ends.ends import partly_placed
-from rope_model.simulation.ends.paths import EndMotion, EndPath
+from rope_model.simulation.ends.paths import END_NODE, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.adaptation import with_loop_yaw
@@ -126,7 +126,7 @@ def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> Rop
     slips: dict[int, SwivelState] = {}
     while loose := {side: friction for side, friction in _loose(model, state).items() if side not in slips}:
         side = min(loose, key=loose.__getitem__)
-        slips[side] = SwivelState(Phase.SLIP, 0.0, math.copysign(1.0, -state.motion.reaction[-side, ANGLE]))
+        slips[side] = SwivelState(Phase.SLIP, 0.0, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE]))
         if len(slips) == 1:
             state, _ = _let_curve(model, _with_swivels(straight[side], slips))
         else:
@@ -142,13 +142,12 @@ def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> Rop
 
 def _loose(model: RopeModel, state: RopeState) -> dict[int, float]:
     """Sides whose swivel relaxes and does not hold, and the friction (N m) of its slip."""
-    ends, m = ends_of(model.system(state)), state.motion
-    at_rest = [side for side in (0, 1) if relaxes(ends.swivels[side], state.swivels[side], m.t)]
-    return {
-        side: ends.friction(side, m.reaction, kinetic=True)
-        for side in at_rest
-        if beyond_rest(ends.swivels[side], float(m.reaction[-side, 1]), float(m.reaction[-side, ANGLE])) >= 0
-    }
+    ends, m, loose = ends_of(model.system(state)), state.motion, dict[int, float]()
+    for side, node in enumerate(END_NODE):
+        swivel, R = ends.swivels[side], m.reaction[node]
+        if relaxes(swivel, state.swivels[side], m.t) and beyond_rest(swivel, float(R[1]), float(R[ANGLE])) >= 0:
+            loose[side] = ends.friction(side, m.reaction, kinetic=True)
+    return loose
 
 
 def _untwisted(state: RopeState, angle: float) -> RopeState:
