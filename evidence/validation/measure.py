@@ -18,7 +18,7 @@ def _wires(t: Table) -> Iterator[Row]:
         source = f"{wire.name} wire of {1e3 * wire.mass:.1f} g/m, {least:.0f} to {most:.0f} deg in five tests"
         for part, gaps, bound in (("a", wires.GAPS, 0.5 * wires.STEP), ("b", (wires.GAP,), math.nan)):
             span = " to ".join(f"{1e3 * gap:.0f}" for gap in dict.fromkeys((gaps[0], gaps[-1])))
-            what = f"critical twist, ends {span} mm apart: outside the computed range by"
+            what = f"critical twist, ends {span} mm apart: outside computed range by"
             yield Row(f"W-{k}{part}", "measured", source, what, wires.outside(t, wire.name, gaps), "deg", bound, ALONE)
 
 
