@@ -67,7 +67,7 @@ def _fastest(t: Table, coupling: str, error: str, bound: float) -> str:
         return "none"
     kind = str(r["mesh"][i]).split(",")[0]
     step = min(r["largest step [s]"][i], r["communication step [s]"][i])
-    return f"{kind} {r['elements'][i]:.0f}, {quantity(step, 'ms', 'g')}: {1 / r[COST][i]:.0f} x real time"
+    return f"{kind} {r['elements'][i]:.0f}, {quantity(step, 'ms', 'g')}: {1 / r[COST][i]:.0f}"
 
 
 def _against_complete(t: Table, coupling: str, names: tuple[str, ...]) -> list[dict[str, Any]]:

@@ -36,11 +36,11 @@ def claims(t: Table) -> list[Measurement]:
     for asked in REQUESTS:
         over = over_asked(completed(t, asked), asked)
         within = float(np.mean(over <= 1))
-        found.append(above(f"{asked}: scenes within what was asked", within, WITHIN - 1e-9))
-        found.append(below(f"{asked}: largest error over what was asked", over.max(), WORST))
+        found.append(above(f"share of scenes within the {asked} request", within, WITHIN - 1e-9))
+        found.append(below(f"largest error / request, {asked} request", over.max(), WORST))
     done = completed(t)
     for estimate in ESTIMATES:
-        what = f"estimates of the {estimate} within a factor of {NEAR:g}"
+        what = f"share of {estimate} estimates within a factor of {NEAR:g}"
         found.append(above(what, near(done, estimate), NEAR_SHARE - 1e-9))
-    found.append(below("runs that did not complete", float(np.count_nonzero(t["failure"])), 0.5))
+    found.append(below("failed runs", float(np.count_nonzero(t["failure"])), 0.5))
     return found

@@ -48,8 +48,7 @@ def _request(all_scenes: Table, asked: str) -> tuple[str, ...]:
     paid = [w / work[k] for k, w in zip(t["scene"].tolist(), t["work"].tolist(), strict=True) if k in work]
     return (
         f"{asked}: {quantity(request.end_force, '%', 'g')}, {quantity(request.loop, 'mm', 'g')}",
-        str(len(over)),
-        quantity(float(np.mean(over <= 1)), "%"),
+        f"{np.sum(over <= 1)} of {len(over)}",
         number(float(over.max()), ".2g"),
         number(float(np.median(over)), ".2g"),
         *(quantity(near(t, x), "%") for x in ESTIMATES),

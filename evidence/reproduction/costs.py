@@ -38,8 +38,8 @@ def claims(tables: Tables) -> list[Claim]:
     source_by_count = 100 * (1 - SOURCE_ELEMENTS[1] / SOURCE_ELEMENTS[0])
     counts = f"saved with {elements['TMN-ETM']} against {elements['EEM']} elements"
     because = (
-        f"our time is a part of {a:.2g} s that no mesh changes and {1e3 * b:.0f} ms per element; the element counts "
-        f"alone allow {by_count:.1f} % here and {source_by_count:.1f} % with the source's, so the source's time must "
+        f"the time consists of {a:.2g} s for any mesh and {1e3 * b:.0f} ms per element; the element counts "
+        f"allow only {by_count:.1f} % here and {source_by_count:.1f} % in the source, so the source's time must "
         "grow faster than its element count, or its steps differ"
     )
     saved = {c: 100 * (1 - median_time(tables, c, "TMN-ETM") / median_time(tables, c, "EEM")) for c in COUPLINGS}

@@ -124,36 +124,36 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "in-plane motion changes little on release",
-            below("RMS change over RMS motion in plane", in_plane_change(tables), 10.0, "%"),
-            f"the change grows while the loop turns (by {np.degrees(turn):.0f} degrees against the locked one): it is "
-            f"{in_plane_change(tables, SOON):.1f} % up to {SOON:g} s; the bound and the length of the run are ours, "
+            below("RMS change / RMS motion in plane", in_plane_change(tables), 10.0, "%"),
+            f"the change grows while the loop turns (by {np.degrees(turn):.0f} degrees against the locked one); it is "
+            f"{in_plane_change(tables, SOON):.1f} % up to {SOON:g} s; bound and length of the run are chosen here, "
             f"and the RMS change out of plane is {ratio:.0f} times larger",
         ),
         Claim(
             "out-of-plane motion is violent after the release",
-            above("RMS change out of plane over that in plane", ratio, 3.0),
+            above("RMS change out of plane / RMS change in plane", ratio, 3.0),
         ),
         Claim(
             "torsional motion is violent after the release",
-            above("smallest range of theta over that with locked swivels", torsional, 1.5),
+            above("smallest range of theta / range with locked swivels", torsional, 1.5),
         ),
         Claim(
             "the loop swings from side to side",
-            above("lowest point, reach to the side it reaches less", min(reach(tables, "released")), 0.1, "m"),
+            above("smaller sideways amplitude of the lowest point", min(reach(tables, "released")), 0.1, "m"),
         ),
         Claim(
             "stick-slip switching near 20 s",
-            below("first switching of the right swivel, away by", abs(first - SOURCE_SWITCHING[0]), NEAR, "s"),
+            below("time deviation of the right swivel's first switching", abs(first - SOURCE_SWITCHING[0]), NEAR, "s"),
         ),
         Claim(
             "stick-slip switching near 20.8 s",
-            below("first sticking of the right swivel, away by", abs(stick - SOURCE_SWITCHING[1]), NEAR, "s"),
+            below("time deviation of the right swivel's first sticking", abs(stick - SOURCE_SWITCHING[1]), NEAR, "s"),
         ),
         *(
             Claim(
                 f"switching is visible as jumps in {words}",
-                above("median change across a switching over the mean of others", jump(tables, quantity), 10.0),
-                "between switchings torsional waves change the swivel's acceleration, too",
+                above("median change at a switching / mean of other changes", jump(tables, quantity), 10.0),
+                "torsional waves also change the swivel's acceleration between switchings",
             )
             for words, quantity in (("friction torque", SWIVEL[1]), ("angular acceleration", SWIVEL[0]))
         ),

@@ -37,15 +37,15 @@ def displacement_claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "left and right out-of-plane displacement keep opposite signs through the whole travel",
-            above("smallest displacement of either leg to its own side", margin(tables["winding-coupled"]), 0.0, "mm"),
+            above("smallest displacement of a leg to its own side", margin(tables["winding-coupled"]), 0.0, "mm"),
         ),
         Claim(
             "TMN-ETM agrees with EEM in displacement",
-            below("largest difference over largest displacement", in_both, 1.0, "%"),
+            below("largest difference / largest displacement", in_both, 1.0, "%"),
         ),
         Claim(
             "TMN-ETM agrees with EEM in twist",
-            below("largest difference over largest theta", worst_difference(tables, "theta [mrad]"), 1.0, "%"),
+            below("largest difference / largest theta", worst_difference(tables, "theta [mrad]"), 1.0, "%"),
         ),
     ]
 
@@ -54,10 +54,10 @@ def stress_claims(tables: Tables) -> list[Claim]:
     """Compare what the source says of the stress norms."""
     t = tables["stress-places"]
     words = {"bending": "bending", "torsion": "torsional"}
-    share = "largest share of the rope above half of the present maximum"
+    share = "largest share of the rope above half of the current maximum"
     above_half = {kind: float(t[f"EEM {kind} above half [%]"].max()) for kind in STRESSES}
     away = float(np.max(np.abs(t["EEM bending largest at s [m]"] - t["EEM loop s [m]"])))
-    even = "nothing on a leg takes up torque, so that the torque is nearly the same all along the rope"
+    even = "no torque acts along a leg, so the torque is nearly uniform"
     claims = [
         Claim("only a few areas carry large bending stress", below(share, above_half["bending"], FEW, "%")),
         Claim("only a few areas carry large torsional stress", below(share, above_half["torsion"], FEW, "%"), even),

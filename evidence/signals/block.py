@@ -30,7 +30,7 @@ def block(tables: Tables) -> str:
         cells = [" / ".join(quantity(r[name], "%", ".2g") for name in ("RMS", "largest", "told")) for r in found]
         said = next(filter(None, (r["warning"] for r in found)), "")
         lines.append((signal.name, *cells, said.partition(":")[0]))
-    head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "the rope says")
+    head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "warning of the rope")
     tools = [
         (
             r["tool"],
@@ -43,9 +43,9 @@ def block(tables: Tables) -> str:
     return "\n\n".join(
         (
             markdown(lines, *head),
-            "Deviation of the end forces over the largest: root mean square / largest at an instant / told by "
-            f"`status.end_force_error`. Communication steps of {quantity(STEP, 'ms')}, inputs read at a step's start; "
-            "all runs are in [signals.csv](../data/signals/signals.csv).",
+            "The columns give the deviation of the end forces relative to the largest: RMS / largest / estimate by\n"
+            f"`status.end_force_error`. Communication steps are {quantity(STEP, 'ms')}; inputs are those at the start "
+            "of a step.\nAll runs: [signals.csv](../data/signals/signals.csv).",
             markdown(tools, "tool", "steps of the drive", "of the rope", "RMS", "largest", "samples repeated"),
         )
     )

@@ -50,7 +50,7 @@ def _rod(t: Table) -> Iterator[Row]:
     """The discrete rod: differences over what the convergence of the two codes accepts."""
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
-        what = f"largest of {len(r['case'])}, over its bound"
+        what = f"quantities: {len(r['case'])}; largest deviation / bound:"
         value = float(np.max(r["difference, fine"] / r["accepted"]))
         yield Row(f"R-{k}", "code", f"discrete rod: {case}", what, value, "1", 1.0, "make validate")
 
@@ -63,13 +63,13 @@ def _exudyn(f: Table, w: Table) -> Iterator[Row]:
         np.abs(values[i] / values[ours & (f["height_m"] == f["height_m"][i])] - 1).max() for i in range(ours.size)
     )
     source, test = "Exudyn: 120 m, no coupling", "make validate"
-    what = "in-plane frequencies, ends 0 and 80 m apart in height, largest difference"
+    what = "in-plane frequencies, ends 0 and 80 m apart in height: deviation"
     yield Row("X-1", "code", source, what, float(off), "1", 2e-3, test)
     finest = (w["code"] == "ours") & (w["force_error_vs_ours"] == 0)
     source = f"{source}, wound by 90 m, the finest run of each code"
     force, loop = (float(w[name][finest][0]) for name in ("force_error_vs_exudyn", "loop_error_vs_exudyn_m"))
-    yield Row("X-2", "code", source, "end forces, off by", force, "1", math.nan, test)
-    yield Row("X-3", "code", source, "loop's lowest point, off by", loop, "m", math.nan, test)
+    yield Row("X-2", "code", source, "end forces: deviation", force, "1", math.nan, test)
+    yield Row("X-3", "code", source, "loop's lowest point: deviation", loop, "m", math.nan, test)
 
 
 def _contact(t: Table) -> Iterator[Row]:
@@ -77,7 +77,7 @@ def _contact(t: Table) -> Iterator[Row]:
     for k, case in enumerate(dict.fromkeys(t["case"].tolist()), 1):
         r = rows(t, case=case)
         over = [_part(*x) for x in zip(r["value"], r["relation"], r["bound"], strict=True)]
-        what = f"largest of {len(r['case'])}, over its bound"
+        what = f"checks: {len(r['case'])}; largest value / bound:"
         kind: Literal["code", "theory"] = "code" if any("the chain's" in x for x in r["what"]) else "theory"
         yield Row(f"K-{k}", kind, f"contact: {case}", what, max(over), "1", 1.0, "make contact")
 
