@@ -73,7 +73,7 @@ signals: $(READY)  ## wind with motions that tables, rounding and repetition giv
 	$(MEASURE) signals -- signals
 
 # what is sought of the cables
-CABLE ?= docs/measurements/motion.toml
+CABLE ?= examples/measurements/motion.toml
 motion: $(READY)  ## fit and judge cables that somebody has measured, in the folders of DATA (docs/howto/rope_data.md)
 	$(if $(DATA),,$(error DATA must be the folder that you have fetched: make motion DATA=folder))
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.motion $(DATA) $(CABLE)

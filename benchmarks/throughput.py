@@ -1,7 +1,7 @@
 """Windings per minute of a study on this machine: ``make bench``, or ``python -m benchmarks.throughput``.
 
-One worker and two, in turns, with the rope of either level, over `docs/studies/throughput.toml`, windings of the 120 m
-rope.  Takes three minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--python`` the host in Python, as other
+One worker and two, in turns, with the rope of either level, over `examples/studies/throughput.toml`, windings of the
+120 m rope.  Takes three minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--python`` the host in Python, as other
 schemes take it, winds the same runs in turns with the trip in C.
 """
 
@@ -18,7 +18,7 @@ from hoist_demo.study.definition import Study, read_study
 from hoist_demo.study.store import Store
 
 FMUS = tuple(Path("build") / f"{level}.fmu" for level in ("draft", "standard"))
-STUDY = Path("docs") / "studies" / "throughput.toml"
+STUDY = Path("examples") / "studies" / "throughput.toml"
 ROUNDS = (1, 2, 2, 1)
 
 

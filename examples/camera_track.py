@@ -72,7 +72,7 @@ def write(folder: Path, markers: np.ndarray, seed: int, begin: float = 0.0, **ke
         rows = [row for row in rows if float(row[0]) >= begin]
         csv.writer(file).writerows([[*columns], *rows])
     path = folder / "swing.toml"
-    text = (Path(__file__).parent.parent / "docs" / "measurements" / "swing.toml").read_text(encoding="utf-8")
+    text = (Path(__file__).parent / "measurements" / "swing.toml").read_text(encoding="utf-8")
     for key, value in ({"up": str(turn[:, 1].tolist())} | keys).items():
         text, known = re.subn(f"(?m)^{key} = .*", f"{key} = {value}", text)
         text += "" if known else f"{key} = {value}\n"

@@ -144,7 +144,7 @@ def test_a_schedule_that_cannot_be_is_refused_with_the_cure(tmp_path: Path, wron
 
 @pytest.mark.parametrize(("name", "count"), [("day", 300), ("damped", 120), ("palabora", 30)])
 def test_the_schedules_of_the_documents_can_be_wound(name: str, count: int) -> None:
-    path = Path(__file__).parents[1] / "docs" / "duties" / f"{name}.toml"
+    path = Path(__file__).parents[1] / "examples" / "duties" / f"{name}.toml"
     assert read_schedule(path).count == count
 
 

@@ -99,13 +99,13 @@ def test_commands_say_whence_numbers_are(command: str, tmp_path: Path, capsys: p
         assert "Data that this rests on, by status" in (out / "report.html").read_text(encoding="utf-8")
 
 
-DOCS = Path(__file__).parents[1] / "docs"
+FILES = Path(__file__).parents[1] / "examples"
 COMMANDS = {
     "wind": ["wind", "--in-process"],
-    "duty": ["duty", str(DOCS / "duties" / "day.toml")],
-    "several": ["wind", str(DOCS / "hoists" / "four_ropes.toml")],
-    "identify": ["identify", str(DOCS / "measurements" / "example.toml")],
-    "uncertain": ["uncertain", str(DOCS / "uncertain" / "rope-120.toml")],
+    "duty": ["duty", str(FILES / "duties" / "day.toml")],
+    "several": ["wind", str(FILES / "hoists" / "four_ropes.toml")],
+    "identify": ["identify", str(FILES / "measurements" / "example.toml")],
+    "uncertain": ["uncertain", str(FILES / "uncertain" / "rope-120.toml")],
 }
 
 

@@ -301,5 +301,5 @@ def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, st
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
 def test_the_worked_files_are_right(name: str) -> None:
-    asked = read(Path(__file__).parents[1] / "docs" / "uncertain" / f"{name}.toml", Uncertain)
+    asked = read(Path(__file__).parents[1] / "examples" / "uncertain" / f"{name}.toml", Uncertain)
     assert len(asked.data) >= 4

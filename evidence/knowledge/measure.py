@@ -24,7 +24,7 @@ from hoist_demo.uncertainty.definition import Uncertain
 from hoist_demo.uncertainty.spread import spread
 
 #: what is measured, with sigma
-PLAN: Path = DOCS / "measurements" / "example.toml"
+PLAN: Path = DOCS.parent / "examples" / "measurements" / "example.toml"
 #: sets of ropes; of those measurements alone that have closed forms, which cost nothing
 SETS, MORE_SETS = 100, 600
 #: of the sets by which the method was judged while it was made, and of sets that were drawn once it stood
@@ -71,7 +71,7 @@ def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
     results, causes = [], []
     for scene in SCENES:
-        found = spread(read(DOCS / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
+        found = spread(read(DOCS.parent / "examples" / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
         for name in found.asked.head.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]

@@ -37,7 +37,7 @@ trip to trip. After every trip the state is kept: start the same command again t
 
 _EPILOG = """\
 examples:
-  balance-rope duty docs/duties/day.toml
+  balance-rope duty examples/duties/day.toml
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 
 Results in --out: trips.csv, one row per trip, data.csv, where each number comes from, and duty.png; with --exposure

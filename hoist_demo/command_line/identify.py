@@ -13,7 +13,7 @@ what the data do not tell, and which measurement would help most."""
 
 _EPILOG = """\
 examples:
-  balance-rope identify docs/measurements/example.toml
+  balance-rope identify examples/measurements/example.toml
   balance-rope wind --in-process --rope out/identify/MEASURED/rope.toml    wind with what was found
 
 Results in --out: rope.toml, the parameters for other commands, data.csv, where each number comes from, and report.html.

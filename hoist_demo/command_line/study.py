@@ -17,7 +17,7 @@ Every finished run is kept at once: start the same command again to go on after 
 
 _EPILOG = """\
 examples:
-  balance-rope study docs/studies/controllers.toml
+  balance-rope study examples/studies/controllers.toml
   balance-rope study STUDY.toml --scheduler tcp://host:8786    on the workers of a dask scheduler
 
 Results in --out: results.parquet (pandas.read_parquet opens it) and results.csv, one row per run, data.csv, where each

@@ -17,7 +17,7 @@ and end force may be, and which datum causes it."""
 
 _EPILOG = """\
 examples:
-  balance-rope uncertain docs/uncertain/rope-120.toml
+  balance-rope uncertain examples/uncertain/rope-120.toml
   balance-rope uncertain SCENE.toml --workers 1    in this process
 
 Results in --out: windings.csv, a row per winding, data.csv, where each number comes from, and report.html.

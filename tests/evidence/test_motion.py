@@ -24,7 +24,7 @@ def test_a_folder_of_pickled_lists_is_fitted_and_judged(
         (tmp_path / kind).mkdir()
         (tmp_path / kind / "1.pkl").write_bytes(pickle.dumps(vertices.tolist()))
     cable = tmp_path / "cable.toml"
-    text = (EXAMPLES.parent / "docs" / "measurements" / "swing.toml").read_text(encoding="utf-8")
+    text = (EXAMPLES / "measurements" / "swing.toml").read_text(encoding="utf-8")
     text = text.replace("a = 0.2, b = 0.4, c = 0.6, d = 0.8", "v2 = 0.2, v3 = 0.4, v4 = 0.6, v5 = 0.8")
     cable.write_text(text.replace('"mm"', '"m"').replace("0.0, 1.0, 0.0", "0.0, 0.0, 1.0"), encoding="utf-8")
     motion.main(str(tmp_path), str(cable), str(tmp_path))
