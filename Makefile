@@ -53,7 +53,7 @@ reproduce: $(READY)  ## run the published evaluation anew (10 minutes)
 	$(BIN)/python -m evidence reproduction --measure reproduction
 
 accuracy: $(READY)  ## measure accuracy and speed anew (30 minutes, on a quiet machine)
-	$(MEASURE) chart choice latency -- accuracy levels
+	$(MEASURE) accuracy choice latency -- accuracy levels
 
 promise: $(READY)  ## hold asked against reached accuracy on seeded scenes (half an hour)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.promise
@@ -63,7 +63,7 @@ stability: $(READY)  ## run the scenes in which methods fail (10 minutes)
 
 validate: $(READY)  ## hold the model against measurement, theory and other codes (20 minutes)
 	$(BIN)/python -m pip install --quiet -e '.[peer,validation]'
-	$(MEASURE) validation discrete_rod peer -- validation accuracy
+	$(MEASURE) validation discrete_rod exudyn -- validation accuracy
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.linear
 
 contact: $(READY)  ## check contact against exact cases (3 minutes)

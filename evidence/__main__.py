@@ -1,8 +1,8 @@
 """Write pages of evidence, and the tables of it in hand-written pages, from the recorded data, without a run.
 
-``python -m evidence`` writes all, ``python -m evidence accuracy levels`` these.  ``--measure chart`` measures a room
-anew before that, ``--measure chart:depth`` a part of it; the exit code is 1 where a claim about it is missed.
-The texts are the templates *.md.j2 of the rooms.  ``python -m evidence.promise`` is apart.
+``python -m evidence`` writes all, ``python -m evidence accuracy levels`` these.  ``--measure accuracy`` measures a package
+anew before that, ``--measure accuracy:depth`` a part of it; the exit code is 1 where a claim about it is missed.
+The texts are the templates *.md.j2 of the packages.  ``python -m evidence.promise`` is apart.
 """
 
 import argparse
@@ -14,20 +14,20 @@ from evidence.pages import BLOCKS, PAGES, fill, publish
 from evidence.rendering import DOCS
 from evidence.tables import read, write
 
-#: rooms that ``--measure`` knows: the module ``measure`` of each has MEASURES, and may have ``missed``
-ROOMS = (
-    *("chart", "choice", "contact", "coupling", "discrete_rod", "knowledge"),
-    *("latency", "peer", "reproduction", "signals", "stability", "validation"),
+#: packages that ``--measure`` knows: the module ``measure`` of each has MEASURES, and may have ``missed``
+PACKAGES = (
+    *("accuracy", "choice", "contact", "coupling", "discrete_rod", "assumed_data"),
+    *("latency", "exudyn", "reproduction", "signals", "stability", "validation"),
 )
 
 
-def measure(room: str, part: str) -> list[str]:
-    """Measure all parts of a room, or one, and write their tables; return the claims that are missed."""
-    module = import_module(f"evidence.{room}.measure")
+def measure(package: str, part: str) -> list[str]:
+    """Measure all parts of a package, or one, and write their tables; return the claims that are missed."""
+    module = import_module(f"evidence.{package}.measure")
     for name, tables in module.MEASURES.items():
         if part in ("", name):
-            write(tables(), DOCS / "data" / room)
-    found = read(DOCS / "data" / room)
+            write(tables(), DOCS / "data" / package)
+    found = read(DOCS / "data" / package)
     return [*missed(found), *(module.missed(found) if hasattr(module, "missed") else ())]
 
 
@@ -36,15 +36,15 @@ def main() -> int:
     parser = argparse.ArgumentParser("python -m evidence", description=__doc__)
     known = [*PAGES, *BLOCKS]
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(known)} (all)")
-    rooms = f"{', '.join(ROOMS)}; a colon and the name of a part measures that alone"
-    parser.add_argument("--measure", nargs="+", default=[], metavar="ROOM", help=rooms)
+    packages = f"{', '.join(PACKAGES)}; a colon and the name of a part measures that alone"
+    parser.add_argument("--measure", nargs="+", default=[], metavar="PACKAGE", help=packages)
     options = parser.parse_args()
     if unknown := set(options.names) - set(known):
         parser.error(f"there is no {', '.join(sorted(unknown))}; choose of {', '.join(known)}")
     asked = [x.partition(":")[::2] for x in options.measure]
-    if unknown := {room for room, _ in asked} - set(ROOMS):
-        parser.error(f"there is no room {', '.join(sorted(unknown))}; choose of {', '.join(ROOMS)}")
-    told = [claim for room, part in asked for claim in measure(room, part)]
+    if unknown := {package for package, _ in asked} - set(PACKAGES):
+        parser.error(f"there is no package {', '.join(sorted(unknown))}; choose of {', '.join(PACKAGES)}")
+    told = [claim for package, part in asked for claim in measure(package, part)]
     for name in options.names or known:
         for path in publish(PAGES[name]) if name in PAGES else [fill(BLOCKS[name])]:
             print(path)

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from evidence.chart.figures import FIGURES as CHART
-from evidence.chart.page import page as accuracy_page
-from evidence.chart.page import readme
+from evidence.accuracy.figures import FIGURES as CHART
+from evidence.accuracy.page import page as accuracy_page
+from evidence.accuracy.page import readme
+from evidence.assumed_data.catalogue import catalogue
+from evidence.assumed_data.page import page as data_page
 from evidence.contact.page import page as contact_page
 from evidence.drawing import draw_to
-from evidence.knowledge.catalogue import catalogue
-from evidence.knowledge.page import page as data_page
 from evidence.promise.figures import FIGURES as PROMISE
 from evidence.promise.page import page as promise_page
 from evidence.rendering import DOCS, fill_block, markdown
@@ -53,12 +53,12 @@ class Page:
 
 PAGES: dict[str, Page] = {
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
-    "accuracy": Page("accuracy.md", "chart", accuracy_page, CHART, ("latency", "peer", "promise")),
+    "accuracy": Page("accuracy.md", "accuracy", accuracy_page, CHART, ("latency", "exudyn", "promise")),
     "promise": Page("promise.md", "promise", promise_page, PROMISE, orphan=True),
     "stability": Page("stability.md", "stability", stability_page, STABILITY, ("coupling",)),
-    "validation": Page("validation.md", "validation", validation_page, {}, ("contact", "discrete_rod", "peer")),
+    "validation": Page("validation.md", "validation", validation_page, {}, ("contact", "discrete_rod", "exudyn")),
     "contact": Page("contact.md", "contact", contact_page, orphan=True),
-    "assumed_data": Page("assumed_data.md", "knowledge", data_page),
+    "assumed_data": Page("assumed_data.md", "assumed_data", data_page),
 }
 
 
@@ -107,12 +107,12 @@ def host(tables: Tables) -> str:
 
 
 BLOCKS = {
-    "levels": Block("README.md", "levels", "chart", readme, ("peer", "promise")),
-    "metrics": Block("docs/reference/files.md", "metrics", "knowledge", metrics),
-    "rules": Block("docs/reference/files.md", "rules", "knowledge", rules),
-    "host": Block("docs/reference/files.md", "host", "knowledge", host),
+    "levels": Block("README.md", "levels", "accuracy", readme, ("exudyn", "promise")),
+    "metrics": Block("docs/reference/files.md", "metrics", "assumed_data", metrics),
+    "rules": Block("docs/reference/files.md", "rules", "assumed_data", rules),
+    "host": Block("docs/reference/files.md", "host", "assumed_data", host),
     "signals": Block("docs/howto/motion.md", "signals", "signals", signals),
-    "catalogue": Block("docs/howto/rope_data.md", "catalogue", "knowledge", lambda tables: catalogue()),
+    "catalogue": Block("docs/howto/rope_data.md", "catalogue", "assumed_data", lambda tables: catalogue()),
 }
 
 

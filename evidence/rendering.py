@@ -11,8 +11,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-ROOM = Path(__file__).resolve().parent
-DOCS = ROOM.parent / "docs"
+FOLDER = Path(__file__).resolve().parent
+DOCS = FOLDER.parent / "docs"
 #: what an SI value, or a fraction, is multiplied by to be printed in a unit
 SCALES = {
     "%": 1e2,
@@ -65,7 +65,7 @@ def links(names: Iterable[str], folder: str) -> str:
 @cache
 def _environment() -> Environment:
     made = Environment(
-        loader=FileSystemLoader(ROOM),
+        loader=FileSystemLoader(FOLDER),
         undefined=StrictUndefined,
         autoescape=False,
         trim_blocks=True,
@@ -77,7 +77,7 @@ def _environment() -> Environment:
 
 
 def render(template: str, data: Mapping[str, Any]) -> str:
-    """The page; ``template`` is a path in this room."""
+    """The page; ``template`` is a path in this package."""
     return _environment().get_template(template).render(data)
 
 

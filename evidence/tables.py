@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 Table = Mapping[str, NDArray[Any]]
 #: tables by the name of their file
 Tables = Mapping[str, Table]
-#: what measures the tables of a room, by the name of the part
+#: what measures the tables of a package, by the name of the part
 Measures = Mapping[str, Callable[[], Tables]]
 
 

@@ -16,7 +16,10 @@ from evidence.validation.wires import STEP
 
 def page(tables: Tables) -> str:
     """Return the whole page."""
-    codes = [*_rod(tables["discrete_rod/comparisons"]), *_exudyn(tables["peer/frequencies"], tables["peer/winding"])]
+    codes = [
+        *_rod(tables["discrete_rod/comparisons"]),
+        *_exudyn(tables["exudyn/frequencies"], tables["exudyn/winding"]),
+    ]
     found = [*from_table(tables["rows"]), *codes, *_contact(tables["contact/checks"])]
     data: dict[str, Any] = {
         "step": STEP,

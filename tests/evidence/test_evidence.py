@@ -35,7 +35,7 @@ def test_every_table_in_a_hand_written_page_is_the_one_that_the_recorded_data_ma
 
 def test_a_number_that_the_data_do_not_have_is_an_error() -> None:
     with pytest.raises(jinja2.UndefinedError, match="promise"):
-        render("chart/readme.md.j2", {"form": "compiled"})
+        render("accuracy/readme.md.j2", {"form": "compiled"})
 
 
 def test_a_block_is_filled_in_between_its_marks_only() -> None:

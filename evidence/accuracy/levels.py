@@ -2,7 +2,7 @@
 
 import math
 
-from evidence.chart.reading import FORCE, LOOP, TWIST
+from evidence.accuracy.reading import FORCE, LOOP, TWIST
 from evidence.rendering import markdown, number, quantity
 from evidence.tables import Tables, rows
 

@@ -8,7 +8,7 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
-from evidence.peer.exudyn_rope import Method, PeerError, PeerRope
+from evidence.exudyn.exudyn_rope import Method, PeerError, PeerRope
 from evidence.ropes import at_rest
 from evidence.tables import Array
 from hoist_demo.control.trajectory import s_curve

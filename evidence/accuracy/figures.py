@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from evidence.chart.front import pareto
-from evidence.chart.measure import COST
-from evidence.chart.reading import FORCE, LOOP, limit
+from evidence.accuracy.front import pareto
+from evidence.accuracy.measure import COST
+from evidence.accuracy.reading import FORCE, LOOP, limit
 from evidence.drawing import ACCENTS, COLOURS, REFERENCE, figure
 from evidence.tables import Table, Tables, rows, where
 
@@ -64,7 +64,7 @@ def work_precision(tables: Tables, coupling: str, error: str) -> Figure:
                 ax.plot(x, y, look.marker, color=look.colour, mfc=face, ms=SIZES.get(step, 4.5), alpha=0.75, mew=0.9)
     if coupling == "uncoupled":
         looks.append(PEER)
-        theirs = rows(tables["peer/winding"], code="Exudyn")
+        theirs = rows(tables["exudyn/winding"], code="Exudyn")
         y = theirs["force_error_vs_ours" if error == FORCE else "loop_error_vs_ours_m"]
         ax.plot(theirs["cpu_s_per_s"], np.where(y < 1.0, y, np.nan), PEER.marker, color=PEER.colour, ms=4.5)
     handles = [Line2D([], [], color=look.colour, marker=look.marker, ls="", label=look.label) for look in looks]

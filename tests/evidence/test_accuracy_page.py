@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from evidence.chart import depth
-from evidence.chart.front import cheapest, pareto
-from evidence.chart.page import equal_errors
-from evidence.chart.reading import FORCE, finest_error, limit
+from evidence.accuracy import depth
+from evidence.accuracy.front import cheapest, pareto
+from evidence.accuracy.page import equal_errors
+from evidence.accuracy.reading import FORCE, finest_error, limit
 from evidence.pages import PAGES, tables
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import rows
@@ -61,6 +61,6 @@ def test_what_the_source_states_is_saved_in_a_deep_shaft(coupling: str) -> None:
 
 
 def test_ours_is_faster_than_the_other_code_at_every_error_compared() -> None:
-    found = equal_errors(TABLES["peer/winding"])
+    found = equal_errors(TABLES["exudyn/winding"])
     assert found["loop"][0] > 30
     assert found["force"][0] > 15

@@ -1,8 +1,8 @@
-"""docs/assumed_data.md from docs/data/knowledge."""
+"""docs/assumed_data.md from docs/data/assumed_data."""
 
 import numpy as np
 
-from evidence.knowledge.measure import SCENES
+from evidence.assumed_data.measure import SCENES
 from evidence.rendering import number, render
 from evidence.tables import Table, Tables, records, rows
 from hoist_demo.parameters import ASSUMED_DATA
@@ -34,7 +34,7 @@ def page(tables: Tables) -> str:
         "sets": int(judged["told"].max()),
         "more": int(more["told"].max()),
     }
-    return render("knowledge/assumed_data.md.j2", data)
+    return render("assumed_data/assumed_data.md.j2", data)
 
 
 def _coverage(judged: dict[str, float], unseen: dict[str, float], more: dict[str, float]) -> tuple[str, ...]:

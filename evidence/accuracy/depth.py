@@ -12,7 +12,7 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.kinematic import Winding, scene_of, wind
-from evidence.chart.front import cost_at
+from evidence.accuracy.front import cost_at
 from evidence.errors import force_error, place_error
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import Table, Tables, table

@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from evidence.chart import depth
-from evidence.chart.front import cheapest, cost_at
-from evidence.chart.levels import levels
-from evidence.chart.measure import COST
-from evidence.chart.reading import FORCE, LOOP, finest, limit
+from evidence.accuracy import depth
+from evidence.accuracy.front import cheapest, cost_at
+from evidence.accuracy.levels import levels
+from evidence.accuracy.measure import COST
+from evidence.accuracy.reading import FORCE, LOOP, finest, limit
 from evidence.latency.page import latencies
 from evidence.promise.judging import ESTIMATES, completed, near, over_asked
 from evidence.promise.scenes import JUDGE
@@ -38,17 +38,17 @@ def page(tables: Tables) -> str:
         "depth": depth.reading(tables["depth"]),
         "exact": _against_complete(t, "uncoupled", ("spatial", "planar")),
         "approximate": _against_complete(t, "coupled", ("planar", "rigid")),
-        "equal": equal_errors(tables["peer/winding"]),
+        "equal": equal_errors(tables["exudyn/winding"]),
         "latency": latencies(tables),
     }
-    return render("chart/accuracy.md.j2", data)
+    return render("accuracy/accuracy.md.j2", data)
 
 
 def readme(tables: Tables) -> str:
     """Return what README says of accuracy."""
     form = "interpreted" if "portable" in tables["points"]["kernels"] else "compiled"
-    found = {"promise": _promise(tables["promise/scenes"]), "equal": equal_errors(tables["peer/winding"])}
-    return render("chart/readme.md.j2", {"levels": levels(tables), "form": form, **found})
+    found = {"promise": _promise(tables["promise/scenes"]), "equal": equal_errors(tables["exudyn/winding"])}
+    return render("accuracy/readme.md.j2", {"levels": levels(tables), "form": form, **found})
 
 
 def _promise(scenes: Table) -> dict[str, Any]:

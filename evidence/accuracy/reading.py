@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from evidence.chart.measure import ERRORS
+from evidence.accuracy.measure import ERRORS
 from evidence.tables import Array, Table, rows
 
 FORCE, LOOP, TWIST = ERRORS

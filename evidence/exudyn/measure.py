@@ -7,8 +7,8 @@ import numpy as np
 
 from benchmarks.kinematic import fixed_steps
 from evidence.errors import force_error
-from evidence.peer.exudyn_rope import ELEMENTS, Method, PeerRope
-from evidence.peer.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
+from evidence.exudyn.exudyn_rope import ELEMENTS, Method, PeerRope
+from evidence.exudyn.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 from evidence.ropes import require
 from evidence.tables import Measures, Tables, table
 from rope_model.simulation.ends.paths import EndMotion

@@ -7,9 +7,9 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.kinematic import wind
-from evidence.chart import depth
-from evidence.chart.front import pareto
-from evidence.chart.points import FINEST, SAMPLE, SETTLE, TRIP, Point, points
+from evidence.accuracy import depth
+from evidence.accuracy.front import pareto
+from evidence.accuracy.points import FINEST, SAMPLE, SETTLE, TRIP, Point, points
 from evidence.errors import force_error, place_error
 from evidence.machine import machine
 from evidence.reproduction.windings import COUPLINGS, TRAVEL
@@ -142,5 +142,5 @@ def _describe(p: Point) -> str:
     return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"
 
 
-#: what `python -m evidence --measure chart` measures
+#: what `python -m evidence --measure accuracy` measures
 MEASURES: Measures = {"points": measure, "depth": depth.tables}
