@@ -1,7 +1,7 @@
 """Write pages of evidence, and the tables of it in hand-written pages, from the recorded data, without a run.
 
-``python -m evidence`` writes all, ``python -m evidence accuracy levels`` these.  ``--measure accuracy`` measures a
-package anew before that, ``--measure accuracy:depth`` a part of it; the exit code is 1 where a claim about it is missed.
+``python -m evidence`` writes all, ``python -m evidence accuracy levels`` these.  ``--measure accuracy`` first measures
+a package, ``--measure accuracy:depth`` a part of it; the exit code is 1 where a claim about it is missed.
 The texts are the templates *.md.j2 of the packages.  ``python -m evidence.promise`` is apart.
 """
 
