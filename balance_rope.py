@@ -25,7 +25,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
-    from hoist_demo.command_line.results import hear_hang_ups, named, results_folder
+    from hoist_demo.command_line.results import named, results_folder, treat_hangup_as_interrupt
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
@@ -94,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
         )
     options = parser.parse_args(arguments)
-    hear_hang_ups()
+    treat_hangup_as_interrupt()
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s")
     try:
@@ -197,10 +197,10 @@ def _export(options: argparse.Namespace) -> int:
     level = options.level or case.level
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar)
-    asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
+    platforms = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
-        made = flavour, fmi, level, asked, profile
+        made = flavour, fmi, level, platforms, profile
         if options.ssp:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
@@ -211,7 +211,7 @@ def _export(options: argparse.Namespace) -> int:
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
         if not ropes:
             export_rope(path, case, case.rope, *made)
-            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), _size(path)))
+            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), _size(path)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
@@ -222,10 +222,10 @@ def _export(options: argparse.Namespace) -> int:
 
 def _data(case: Case, name: str) -> list[Datum]:
     """Return the hoist's data with their statuses."""
-    from hoist_demo.report.hoist import known
+    from hoist_demo.report.hoist import hoist_provenance
     from hoist_demo.study.provenance import SETTING
 
-    return [Datum(*one) for one in known(case, name) if one.status != SETTING]
+    return [Datum(*one) for one in hoist_provenance(case, name) if one.status != SETTING]
 
 
 def _size(path: Path) -> str:
@@ -233,7 +233,7 @@ def _size(path: Path) -> str:
 
 
 def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
-    """The case with the rope of a parameter file and of --set, for which its drive takes it."""
+    """Return the case with the rope parameters of --rope and --set."""
     if path is None and not texts:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
@@ -248,7 +248,7 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
 
 
 def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
-    """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
+    """Return the path of each of ``wanted`` under --out, with its folder made and checked for writing."""
     if out is not None and len(wanted) == 1 and out.suffix and not out.is_dir():
         if out.suffix.lower() != ".fmu":
             raise ValueError(f"--out {out} must end in .fmu or name a folder: give {out.with_suffix('.fmu')}")

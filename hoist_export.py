@@ -13,7 +13,7 @@ from fmu_src.profile import Profile
 from fmu_src.ssp import Component, Datum, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.drive_fmu.interface import Tail
+from hoist_demo.drive_fmu.interface import DriveTail
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, not_held, obstacles
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
@@ -113,7 +113,7 @@ def export_hoist(
         raise ValueError(f"without = {unknown[0]!r} must be one of {', '.join(WITHOUT)}: choose of these")
     case = leave_out(case, without)
     Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
-    tails = [Tail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length, one.place) for one in ropes]
+    tails = [DriveTail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length, one.place) for one in ropes]
     drive = drive_model(case, tails, trajectory)
     fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
     for rope, parameters in _parameters(case, ropes).items():
@@ -135,7 +135,7 @@ def step_of(case: Case) -> float:
 
 
 def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -> Iterator[str]:
-    """What FMUs of ropes cannot do."""
+    """Yield what FMUs of ropes cannot do, each with the option that leaves it out."""
     for name, parameters in _parameters(case, ropes).items():
         for guard in _GUARDS:
             if "guard" not in without and (value := parameters.get(guard, 0.0)):
@@ -151,7 +151,7 @@ def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -
 
 
 def _parameters(case: Case, ropes: Sequence[OneRope]) -> dict[str, Mapping[str, Value]]:
-    """Parameters of each rope by FMI name; of several all, whatever the level."""
+    """Return the parameters of each rope by FMI name; of several ropes all, whatever the level."""
     several: dict[str, Mapping[str, Value]] = {
         one.name: {p.name: p.value for p in named_parameters(one.scene)} for one in ropes
     }

@@ -30,7 +30,15 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.equations import INPUT_NAMES, SIDES
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.drive_fmu.interface import INPUTS, Tail, force_inputs, motions, plant_outputs, rest_forces, side_forces
+from hoist_demo.drive_fmu.interface import (
+    INPUTS,
+    DriveTail,
+    force_inputs,
+    motions,
+    plant_outputs,
+    rest_forces,
+    side_forces,
+)
 from hoist_demo.drive_fmu.kernels import _input, _outputs
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import start_heights
@@ -139,7 +147,11 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
 def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
     """At random motions: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
     case, rng = find_case("kiruna-355"), np.random.default_rng(1)
-    tails = [Tail("a", 8.0, 400.0, Place(0.2, -0.1, -0.5)), Tail("b", 8.0, 400.0, Place(z=0.4)), Tail("c", 8.0, 400.0)]
+    tails = [
+        DriveTail("a", 8.0, 400.0, Place(0.2, -0.1, -0.5)),
+        DriveTail("b", 8.0, 400.0, Place(z=0.4)),
+        DriveTail("c", 8.0, 400.0),
+    ]
     plant = HoistPlant(case.hoist)
     x = plant.hanging_state(*start_heights(case.hoist, case.winding), -1e4, -1e5).x
     x += 0.01 * rng.normal(size=x.size)

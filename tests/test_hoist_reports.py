@@ -18,13 +18,20 @@ from numpy.testing import assert_allclose
 
 from balance_rope import main
 from hoist_demo.command_line import results
-from hoist_demo.command_line.results import hear_hang_ups, interruption
+from hoist_demo.command_line.results import interruption, treat_hangup_as_interrupt
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording import exposure as exposures
-from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
+from hoist_demo.recording.fidelity import (
+    FIDELITY,
+    code_of,
+    drop_duplicates_of_remark,
+    fidelities_of,
+    mask_neglected,
+    remark,
+)
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
@@ -61,7 +68,7 @@ def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> N
     assert np.isnan(shown["loop.yaw"]).tolist() == [True, True, False]
     assert fidelities_of(shown) == ["planar", "torsional"]
     assert "ran as its planar model between t = 0 and 1 s, which" in remark(shown)
-    assert without_remarked([neglected_text("planar"), "other"], shown) == ["other"]
+    assert drop_duplicates_of_remark([neglected_text("planar"), "other"], shown) == ["other"]
 
 
 #: what is recorded, parameters of the rope, and the row of the verdict: its value and whether the bound is kept
@@ -132,7 +139,7 @@ def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
 ) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(results, "silence", lambda: None)
-    hear_hang_ups()
+    treat_hangup_as_interrupt()
     with interruption("writing") as interrupted:
         os.kill(os.getpid(), getattr(signal, name))
         finished = True

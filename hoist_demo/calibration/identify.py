@@ -9,12 +9,12 @@ import numpy as np
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import (
-    Asked,
+    AnyRopeMeasurement,
     AtRest,
     Bench,
     LoopWidth,
     Mass,
-    Measurement,
+    RopeMeasurement,
     SampleExtension,
     SampleRotation,
     SampleTorque,
@@ -24,7 +24,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
 from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN
-from hoist_demo.study.provenance import Known, of_rope
+from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
 #: half width of an interval, in shares, from which on the data are said not to tell: half that of a range
@@ -39,7 +39,7 @@ STRONG = 0.7
 class Candidate:
     """A measurement that could be added, and the standard error of the wanted output that it would leave."""
 
-    measurement: Measurement
+    measurement: RopeMeasurement
     error: float
 
 
@@ -59,21 +59,21 @@ class Identified:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Properties that were looked for."""
+        """Names of the properties and parameters that were identified."""
         return self.measured.bench.names
 
-    def told(self, name: str) -> bool:
+    def is_determined(self, name: str) -> bool:
         """Return True if the data say more about a property than its range does."""
         return bool(self.fit.reaches[self.names.index(name)] < OPEN)
 
     def value(self, name: str) -> float:
-        """The property found."""
+        """Return the identified value of a property in its SI unit."""
         return self.measured.bench.value(name, self.fit.shares)
 
     @property
-    def known(self) -> KnownRope:
-        """The rope with the calibrated ranges."""
-        before = self.measured.bench.known
+    def calibrated_rope(self) -> KnownRope:
+        """Rope of the catalogue with the calibrated ranges."""
+        before = self.measured.bench.catalogue_rope
         return replace(before, data={name: self.data[name] for name in before.data})
 
     def open_directions(self) -> list[str]:
@@ -84,13 +84,13 @@ class Identified:
         ]
         return list(dict.fromkeys(named))
 
-    def provenance(self) -> list[Known]:
+    def provenance(self) -> list[SourcedValue]:
         """Sources of the numbers of the rope and its shaft."""
         bench = self.measured.bench
         given = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.given)
-        found = {name: datum.status for name, datum in self.data.items()}
-        given |= {name: found[name] for name in bench.sought} | following_statuses(found)
-        return of_rope(
+        data_statuses = {name: datum.status for name, datum in self.data.items()}
+        given |= {name: data_statuses[name] for name in bench.sought} | following_statuses(data_statuses)
+        return rope_provenance(
             find_case("rope-120"), scene_parameters(bench.scene_at(self.fit.shares)), given
         )  # the case of the defaults
 
@@ -102,31 +102,31 @@ class Identified:
 
 
 def identify(measured: Measured) -> Identified:
-    """Fit, intervals, and candidates for the next measurement."""
+    """Fit the properties, find their intervals, and rank candidates for the next measurement."""
     bench = measured.bench
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
     tracks, count = [m for m in measured.measurements if isinstance(m, Markers)], len(bench.names)
     whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
-    found = whole.of_first(count)
-    ends = np.clip(found.shares[:, None] + np.outer(found.reaches, [-1.0, 1.0]), 0.0, 1.0)
+    properties_fit = whole.of_first_shares(count)
+    ends = np.clip(properties_fit.shares[:, None] + np.outer(properties_fit.reaches, [-1.0, 1.0]), 0.0, 1.0)
     if whole.shares.size == count:  # what follows a start is too bent for the few corrections of a profile
-        ends = intervals(residuals, found)
+        ends = intervals(residuals, properties_fit)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)
-    possible = candidates(bench, found.shares)
-    rows = sensitivities(lambda u: bench.predict(u, [wanted, *possible]), found.shares)
-    gradient, covariance = rows[0], found.covariance
+    possible = candidates(bench, properties_fit.shares)
+    rows = sensitivities(lambda u: bench.predict(u, [wanted, *possible]), properties_fit.shares)
+    gradient, covariance = rows[0], properties_fit.covariance
     left = [
         Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
         for m, row in zip(possible, rows[1:], strict=True)
     ]
-    trial = bench.trial(found.shares)
+    trial = bench.trial(properties_fit.shares)
     predicted = bench.predict(whole.shares, [*measured.measurements, wanted], trial)
     return Identified(
         measured,
-        found,
+        properties_fit,
         ends,
-        calibrated(measured, found, ends),
+        calibrated(measured, properties_fit, ends),
         predicted[:-1],
         float(predicted[-1]),
         error_of(covariance, gradient),
@@ -135,25 +135,25 @@ def identify(measured: Measured) -> Identified:
     )
 
 
-def stacked(measurements: Sequence[Asked]) -> tuple[Array, Array]:
-    """All values and their standard errors."""
+def stacked(measurements: Sequence[AnyRopeMeasurement]) -> tuple[Array, Array]:
+    """Stack all values and their standard errors, each (m,)."""
     values = [value for m in measurements for value in m.values]
     return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
 
 
-def residuals_of(bench: Bench, measurements: Sequence[Asked], values: Array, sigmas: Array) -> Residuals:
-    """Predictions of the measurements less these values, in standard errors."""
+def residuals_of(bench: Bench, measurements: Sequence[AnyRopeMeasurement], values: Array, sigmas: Array) -> Residuals:
+    """Return the function (shares) -> (predictions - values) / sigmas, (m,)."""
     return lambda shares: np.asarray((bench.predict(shares, measurements) - values) / sigmas)
 
 
-def calibrated(measured: Measured, found: Fit, ends: Array) -> dict[str, Datum]:
-    """The intervals found for ranges, where they are narrower than what was known.
+def calibrated(measured: Measured, properties_fit: Fit, ends: Array) -> dict[str, Datum]:
+    """Replace ranges by the calibrated intervals where these are narrower.
 
     Of measurements that contradict the model no interval is known: the ranges stand, and the status says so.
     """
     data, source = measured.bench.data, measured.path.name
-    for name, reach, interval in zip(measured.bench.names, found.reaches, ends, strict=True):
-        if reach < OPEN and found.contradicted:
+    for name, reach, interval in zip(measured.bench.names, properties_fit.reaches, ends, strict=True):
+        if reach < OPEN and properties_fit.contradicted:
             data[name] = replace(data[name], status="contradicted", source=source)
         elif reach < OPEN:
             low, high = (data[name].at(float(share)) for share in interval)
@@ -161,7 +161,7 @@ def calibrated(measured: Measured, found: Fit, ends: Array) -> dict[str, Datum]:
     return data
 
 
-def candidates(bench: Bench, shares: Array) -> list[Measurement]:
+def candidates(bench: Bench, shares: Array) -> list[RopeMeasurement]:
     """List possible next measurements, each with its usual error [assumed]."""
     trial = bench.trial(shares)
     data = trial.scene.rope

@@ -24,8 +24,8 @@ DEFAULT_HOIST = "rope-120"
 
 
 @dataclass(frozen=True)
-class Tail:
-    """One balance rope, or a number of equal ones: where it hangs, its break, and its own values by FMI name."""
+class BalanceRopeData:
+    """One balance rope, or several equal ones: its place, its break, and its own values by FMI name."""
 
     name: str
     values: Mapping[str, Given]
@@ -37,7 +37,7 @@ class Tail:
 
     @property
     def parameters(self) -> dict[str, Value]:
-        """Values alone."""
+        """Values by FMI name, without status and source."""
         return plain(self.values)
 
 
@@ -50,7 +50,7 @@ class Case:
     winding: Winding
     gains: Gains
     host: Mapping[str, Given]  # all that is stated of controller, hoist.*, winding.* and others, and what follows
-    tails: tuple[Tail, ...]
+    tails: tuple[BalanceRopeData, ...]
     rope: Mapping[str, Value]  # parameters of the first rope by FMI name; the rest is the rope's own
     source: str = ""
     level: Level = "standard"
@@ -58,25 +58,25 @@ class Case:
     remarks: tuple[str, ...] = ()  # on values that are far from what hoists have
 
     @property
-    def ropes(self) -> tuple[Tail, ...]:
+    def ropes(self) -> tuple[BalanceRopeData, ...]:
         """Several ropes, or one with a place or a break; none where all are equal."""
         return self.tails if len(self.tails) > 1 or self.tails[0].place or self.tails[0].breaks else ()
 
     @property
     def values(self) -> dict[str, Given]:
-        """Values of the host, and of equal ropes."""
+        """Stated and derived values of the host and of equal ropes, by name."""
         return {**self.host, **({} if self.ropes else self.tails[0].values)}
 
     @property
     def given(self) -> dict[str, str]:
-        """Status of each of them."""
+        """Status of each value by name."""
         return statuses(self.values)
 
     @property
     def sources(self) -> dict[str, str]:
-        """Source of each that has one."""
+        """Source of each value that states one, by name."""
         return {key: one.source for key, one in self.values.items() if one.source}
 
-    def alone(self, tail: Tail) -> Case:
+    def alone(self, tail: BalanceRopeData) -> Case:
         """Return the hoist with one of its ropes."""
-        return replace(self, tails=(Tail(tail.name, tail.values),), rope=tail.parameters)
+        return replace(self, tails=(BalanceRopeData(tail.name, tail.values),), rope=tail.parameters)

@@ -49,9 +49,9 @@ _log = logging.getLogger(__name__)
 Progress = Callable[[float, float], bool]
 
 
-KEPT_EVERY = 5.0  #: Simulated time from one state that is kept to the next [s].
-LOADING = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
-LOADED_EVERY = 0.1  #: Time between two changes of a payload that is being loaded [s].
+SAVE_INTERVAL = 5.0  #: Simulated time from one state that is kept to the next [s].
+LOADING_PARTS = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
+LOADING_INTERVAL = 0.1  #: Time between two changes of a payload that is being loaded [s].
 
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
@@ -60,7 +60,7 @@ _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
 
 class Host:
-    """Marries a drive and a rope for one trip."""
+    """Co-simulates a drive and a rope over one trip."""
 
     def __init__(
         self,
@@ -90,10 +90,12 @@ class Host:
         self.coupling = Coupling() if coupling is None else coupling
         if after is not None:
             self.coupling = replace(self.coupling, start=after.t)
-        times = KEPT_EVERY, LOADED_EVERY
-        self._kept_every, self._loaded_every = (max(1, round(t / self.coupling.period)) for t in times)  # in samples
+        times = SAVE_INTERVAL, LOADING_INTERVAL
+        self._save_interval, self._loading_interval = (
+            max(1, round(t / self.coupling.period)) for t in times
+        )  # in samples
         self.scheme = find_scheme(self.coupling.scheme) if scheme is None else scheme
-        self._after = None if after is None else after.books_closed()
+        self._after = None if after is None else after.with_zeroed_totals()
         self._next_hoist = next_hoist
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
@@ -113,7 +115,7 @@ class Host:
 
     @property
     def samples(self) -> int:
-        """Recorded instants of the whole run, less one."""
+        """Number of the controller's samples in the whole run, the first not counted."""
         return math.ceil((self.trajectory.duration + self.winding.settle) / self.coupling.period - 1e-9)
 
     @property
@@ -159,7 +161,7 @@ class Host:
         return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
     def _start(self) -> RunState | str:
-        """A run at rest, or behind another trip; the cause when the rope does not hang."""
+        """Return the run at rest, or behind another trip; a cause if the rope does not hang."""
         start, heights, after = self.coupling.start, self.start_heights, self._after
         read = self.rope.reader(ROPE_FORCES)
         if after is None:
@@ -183,10 +185,10 @@ class Host:
         return RunState(drive, pair, memory, rest.x.item(0), self._recorder(), self._course)
 
     def _checkpoint(self, run: RunState, cause: str) -> Checkpoint | None:
-        """The state that is kept, with why the run stopped; None when nothing is kept."""
-        if run.kept is None:
+        """Return the saved state with the cause of the stop; None if no state was saved."""
+        if run.saved is None:
             return None
-        k, ((plant, acting), snapshot), controller, memory = run.kept
+        k, ((plant, acting), snapshot), controller, memory = run.saved
         rope, t = b"", self.coupling.start + k * self.coupling.period
         if snapshot is not None:
             try:
@@ -214,10 +216,10 @@ class Host:
         while k <= last:
             t = start + k * T
             stopped = run.first < k < last and progress is not None and not progress(k / last, t)
-            if stopped or (k - run.first) % self._kept_every == 0:
-                run.kept = None  # frees the memory of the state before
+            if stopped or (k - run.first) % self._save_interval == 0:
+                run.saved = None  # frees the memory of the state before
                 # the controller may change what it is handed
-                run.kept = k, run.pair.save(), deepcopy(run.controller), run.memory
+                run.saved = k, run.pair.save(), deepcopy(run.controller), run.memory
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
             if compiled is not None and k < last and not self._loads(k):
@@ -248,12 +250,16 @@ class Host:
         return ""
 
     def _looked_at(self, run: RunState, k: int) -> int:
-        """The sample behind k at which a state is kept or a payload changes."""
-        kept = k + self._kept_every - (k - run.first) % self._kept_every
-        return kept if self._next_hoist is None else min(kept, k + self._loaded_every - k % self._loaded_every)
+        """Return the next sample behind k at which a state is saved or a payload changes."""
+        next_save = k + self._save_interval - (k - run.first) % self._save_interval
+        return (
+            next_save
+            if self._next_hoist is None
+            else min(next_save, k + self._loading_interval - k % self._loading_interval)
+        )
 
     def _compiled(self, run: RunState) -> CompiledTrip | None:
-        """The trip in C; None for what only this host winds."""
+        """Return the trip in C; None for a run that only this host winds."""
         rope, scheme = self.rope, self.scheme
         # a rope of another class may do more in its steps than its library
         library = rope.library() if type(rope) is FmuRope or type(rope) is InProcessRope else None
@@ -261,7 +267,7 @@ class Host:
         compiled = run.drive.plant.holding.kernels.library is not None
         if library is None or not (plain and compiled) or self.hoist.lining is not None:
             return None
-        gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._kept_every
+        gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._save_interval
         try:
             return CompiledTrip(run, library, self.hoist, gains, self.coupling, self._start_height, clocks, most)
         except (OSError, RuntimeError, CalledProcessError) as error:
@@ -269,7 +275,7 @@ class Host:
             return None
 
     def _heeding(self, run: RunState, t: float, signals: Array) -> Course:
-        """The course after what the safety circuit sees at t [s]: an emergency stop from its first sample on."""
+        """Return the course at t [s], with an emergency stop if the safety circuit opens."""
         course, start, T, least = run.course, self.coupling.start, self.coupling.period, self.hoist.slack_tension
         if least is not None and min(run.drive.outputs[_PULLS]) < least:
             course = course.stopped(t - start)
@@ -283,14 +289,14 @@ class Host:
         return Course(self.trajectory, self.winding)
 
     def _sample(self, run: RunState, controller: Controller, t: float, signals: Array) -> Command:
-        """The controller's command at t [s]; it and all signals are recorded."""
+        """Record all signals at t [s] and return the controller's command."""
         point = run.course.trajectory.at(t - self.coupling.start)
         command = self._command(controller, point, run.drive.outputs, run.controller)
         run.recorder.add(*drive_row(t, point, command, run.drive, run.memory), signals)
         return command
 
     def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
-        """The controller's answer to what the hoist shows, OUTPUTS of the drive."""
+        """Ask the controller for its command, by the reference and the OUTPUTS of the drive."""
         travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
         if not isinstance(command, Command):
@@ -310,7 +316,7 @@ class Host:
         return next_command
 
     def _exchange(self, run: RunState, k: int, command: Command) -> str:
-        """Drive and rope from sample k to the next under the command; the cause when they do not get there."""
+        """Advance drive and rope from sample k to the next under the command; "" or the cause of a failure."""
         if not (math.isfinite(command.torque) and math.isfinite(command.brake)):
             t = self.coupling.start + k * self.coupling.period
             numbers = f"torque = {command.torque:g} N m and brake = {command.brake:g}"
@@ -323,7 +329,7 @@ class Host:
         return self._steps(run, k)
 
     def _steps(self, run: RunState, k: int) -> str:
-        """The steps that are left to the sample behind k; the cause when they do not get there."""
+        """Do the communication steps left before sample k + 1; return the cause of a failure, else ""."""
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
         while run.steps < (k + 1) * per_sample:
             t = start + run.steps * H
@@ -338,16 +344,16 @@ class Host:
         return ""
 
     def _loads(self, k: int) -> bool:
-        """Whether a payload may change at a sample."""
-        return self._next_hoist is not None and k % self._loaded_every == 0
+        """Return True if a payload may change at sample k."""
+        return self._next_hoist is not None and k % self._loading_interval == 0
 
     def _load(self, plant: HoistPlant, k: int) -> None:
-        """The payloads at sample k of a trip during the dwell of which they change; in stairs of LOADED_EVERY."""
+        """Change the payloads at sample k of the dwell, in stairs of LOADING_INTERVAL."""
         if self._next_hoist is None or not self._loads(k):
             return
         dwelt = k * self.coupling.period - self.trajectory.duration
-        if dwelt > LOADING[0] * self.winding.settle:
-            first, last = (part * self.winding.settle for part in LOADING)
+        if dwelt > LOADING_PARTS[0] * self.winding.settle:
+            first, last = (part * self.winding.settle for part in LOADING_PARTS)
             part, now, then = min((dwelt - first) / (last - first), 1.0), self.hoist, self._next_hoist
             left = now.payload_left + part * (then.payload_left - now.payload_left)
             right = now.payload_right + part * (then.payload_right - now.payload_right)
@@ -373,7 +379,7 @@ class Host:
 
 
 def _made(make: Callable[[Hoist, float], Controller], hoist: Hoist, holding_torque: float) -> Controller:
-    """The controller of a run; ValueError where there is nothing to make it, or it gives no commands."""
+    """Make the controller of a run; ValueError if ``make`` is no class or function, or it gives no commands."""
     if not callable(make):
         raise ValueError(
             f"controller must be a class, or a function of hoist and holding torque, not a {type(make).__name__} made "

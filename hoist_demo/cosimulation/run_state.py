@@ -28,15 +28,17 @@ class TripEnd:
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
     memory: Memory
 
-    def books_closed(self) -> TripEnd:
+    def with_zeroed_totals(self) -> TripEnd:
         """Return the state with work and exchanges counted anew."""
-        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=self.plant.slide._replace(way=0.0))
+        plant = self.plant._replace(
+            works=np.zeros_like(self.plant.works), slide=self.plant.slide._replace(slid_distance=0.0)
+        )
         return replace(self, plant=plant, memory=self.memory._replace(exchanges=0, taken_back=0, residual=0.0))
 
 
 @dataclass
 class RunState:
-    """Everything at the latest communication point, and at the latest sample that is kept."""
+    """States at the latest communication point, and at the latest sample that was saved."""
 
     drive: HoistPartner
     pair: Pair  # drive and rope, for the scheme
@@ -49,7 +51,7 @@ class RunState:
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
     #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
-    kept: tuple[int, tuple[Any, Any], Any, Memory] | None = None
+    saved: tuple[int, tuple[Any, Any], Any, Memory] | None = None
 
 
 @dataclass(frozen=True)

@@ -97,12 +97,12 @@ def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearM
 
 def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
     """Return the linear model of a rope alone, at rest between these ends, whose accelerations are the inputs."""
-    tail = _Tail(_rope(scene))
-    return _assembled(0.0, [(tail, _hung(tail.rope, left, right))], _Hoist.none())
+    tail = LinearTail(_rope(scene))
+    return _assembled(0.0, [(tail, _hung(tail.rope, left, right))], LinearHoist.none())
 
 
-class _Tail(NamedTuple):
-    """One balance rope, or a number of equal ones."""
+class LinearTail(NamedTuple):
+    """One balance rope, or several equal ones."""
 
     rope: RopeSimulator
     number: int = 1
@@ -110,17 +110,17 @@ class _Tail(NamedTuple):
     place: Place = Place()
 
 
-def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[_Tail]:
-    """Return the ropes of a hoist."""
+def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[LinearTail]:
+    """Return the balance ropes of a hoist, ready to hang."""
     if not case.ropes:
         scene = rope_data({**case.rope, **_swivels(swivels)}, level)
-        return [_Tail(_rope(scene), case.hoist.tail_rope_number)]
-    found = []
+        return [LinearTail(_rope(scene), case.hoist.tail_rope_number)]
+    tails = []
     for tail in case.ropes:
         place = Place(**tail.place)
         scene = rope_data({**tail.parameters, **_swivels(swivels)}, level, place)
-        found.append(_Tail(_rope(scene), tail.number, tail.name, place))
-    return found
+        tails.append(LinearTail(_rope(scene), tail.number, tail.name, place))
+    return tails
 
 
 def _swivels(wanted: Swivels) -> dict[str, int]:
@@ -154,8 +154,8 @@ def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
 
 
 @dataclass(frozen=True)
-class _Hoist:
-    """The hoist's part: `coordinates` first, what lags behind. Matrices are dense, (coordinates + lags) square."""
+class LinearHoist:
+    """Linear model of the hoist: `coordinates` first, then `lags`. Matrices are dense, (coordinates + lags) square."""
 
     coordinates: tuple[str, ...]
     lags: tuple[str, ...]
@@ -169,10 +169,10 @@ class _Hoist:
     rest_outputs: Array
 
     @staticmethod
-    def none() -> _Hoist:
-        """Nothing, for a rope alone."""
+    def none() -> LinearHoist:
+        """Return an empty model, for a rope alone."""
         empty = np.zeros((0, 0))
-        return _Hoist((), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0))
+        return LinearHoist((), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0))
 
 
 @cache
@@ -190,7 +190,7 @@ def _derivatives(parts: Hoist) -> Any:
 
 def _linear_hoist(
     hoist: Hoist, heights: tuple[float, float], forces: tuple[float, float], held_by: HeldBy, speed: float
-) -> _Hoist:
+) -> LinearHoist:
     """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
     plant = HoistPlant(hoist, "portable")
     state = plant.equilibrium(*heights, *forces) if held_by == "motor" else plant.hanging_state(*heights, *forces)
@@ -244,19 +244,19 @@ def _linear_hoist(
     seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
     C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
-    return _Hoist(
+    return LinearHoist(
         coordinates, tuple(names[k] for k in lag), (M, D, K), (*given, "torque", "force_left", "force_right"), B,
         (*_TENSIONS, *_SHOWN), (C, C_v, C_a), np.zeros((len(seen), B.shape[1])),
         np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]), values[seen].ravel(),
     )  # fmt: skip
 
 
-_Hung = Sequence[tuple[_Tail, LinearRope]]
+_Hung = Sequence[tuple[LinearTail, LinearRope]]
 
 
 def _parts(
-    hoist: Hoist, tails: Iterable[_Tail], at: float, held_by: HeldBy, speed: float = 0.0
-) -> tuple[_Hung, _Hoist]:
+    hoist: Hoist, tails: Iterable[LinearTail], at: float, held_by: HeldBy, speed: float = 0.0
+) -> tuple[_Hung, LinearHoist]:
     """Return ropes and hoist at this part of the travel."""
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
@@ -277,13 +277,13 @@ def _end_coordinates(rope: LinearRope) -> dict[str, int]:
     return {f"{side}.{name}": firsts[side] + k for side in SIDES for name, k in _END.items()}
 
 
-def _is_moved(tail: _Tail, rope: LinearRope, name: str) -> bool:
+def _is_moved(tail: LinearTail, rope: LinearRope, name: str) -> bool:
     """Return True if a conveyance that moves so takes the rope's end along."""
-    side, _, way = name.partition(".")
-    return not rope.free[_end_coordinates(rope)[name]] or (way == "yaw" and any(tail.place.at(side)))
+    side, _, direction = name.partition(".")
+    return not rope.free[_end_coordinates(rope)[name]] or (direction == "yaw" and any(tail.place.at(side)))
 
 
-def _carried(tail: _Tail, rope: LinearRope, first: int, shared: Mapping[str, int], total: int) -> sp.csc_matrix:
+def _carried(tail: LinearTail, rope: LinearRope, first: int, shared: Mapping[str, int], total: int) -> sp.csc_matrix:
     """Return a rope's coordinates by those of the model: its own from `first` on, its ends' by the `shared` ones."""
     ends = _end_coordinates(rope)
     entries = [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())]
@@ -302,7 +302,7 @@ def _carried(tail: _Tail, rope: LinearRope, first: int, shared: Mapping[str, int
     return sp.csc_matrix((values, (rows, columns)), shape=(rope.free.size, total))
 
 
-def _assembled(at: float, hung: _Hung, hoist: _Hoist) -> LinearModel:
+def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     """Return hoist and ropes, joined at the heights of the ends."""
     drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
     heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}

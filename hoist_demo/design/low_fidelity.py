@@ -43,7 +43,7 @@ class LowFidelityModel:
 
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
-    """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
+    """Return the closed loop for a trip that begins at rest with the conveyances at these heights [m]."""
     hoist = replace(hoist, head_rope_modes=0, drive_shaft=None, brake=None, lining=None, power_limit=None)
     hoist = replace(hoist, guides=None, play=None, jam_left=None, jam_right=None)
     plant, R = HoistPlant(hoist), hoist.sheave_radius
@@ -101,5 +101,5 @@ def _mass_and_load(hoist: Hoist) -> Any:
 
 
 def _legs(hoist: Hoist, y_left: Any, y_right: Any) -> tuple[Any, Any]:
-    """Lengths of a balance rope's legs [m]."""
+    """Return the lengths of a balance rope's legs [m]."""
     return (hoist.tail_rope_length + y_left - y_right) / 2, (hoist.tail_rope_length - y_left + y_right) / 2

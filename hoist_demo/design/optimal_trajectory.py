@@ -95,8 +95,11 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOpt
         raise RuntimeError(
             f"trajectory optimisation: IPOPT ended with {status}: change trajectory.intervals or relax the limits"
         ) from error
-    duration, found = float(solution.value(T)), winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
-    return chain(winding.start_delay, rest(0.0), found.tolist(), [duration / N] * N, end=winding.travel)
+    duration, optimal_jerks = (
+        float(solution.value(T)),
+        winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel(),
+    )
+    return chain(winding.start_delay, rest(0.0), optimal_jerks.tolist(), [duration / N] * N, end=winding.travel)
 
 
 def require_no_creep(winding: Winding) -> None:
@@ -123,5 +126,5 @@ def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
     step = ca.Function("step", [x, j, h], [z, squares])
     T, jerks = ca.MX.sym("T"), ca.MX.sym("jerks", 1, N)
     rest = ca.DM.zeros(1, N_hold)
-    _, found = step.mapaccum(N + N_hold)(model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold))
-    return ca.Function("swing", [T, jerks], [ca.sum2(found[N:]) / N_hold])
+    _, squared_speeds = step.mapaccum(N + N_hold)(model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold))
+    return ca.Function("swing", [T, jerks], [ca.sum2(squared_speeds[N:]) / N_hold])

@@ -21,7 +21,7 @@ class Hold:
     when: str
     ratio: float  # of the tensions of both sides
     safety: float  # friction that there is over friction asked for
-    asked: float
+    required: float  # safety
 
 
 def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float, float]:
@@ -30,12 +30,12 @@ def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float
     `height` is that of the left conveyance [m], `acceleration` its own, upwards [m/s^2]; the balance ropes hang in two
     legs, whose lengths differ by twice the conveyances' distance from the middle.
     """
-    found = []
+    tensions = []
     for mass, y, sign in ((hoist.mass_left, height, 1.0), (hoist.mass_right, hoist.shaft_travel - height, -1.0)):
         leg = 0.5 * (hoist.tail_rope_length + 2.0 * y - hoist.shaft_travel)
         moved = mass + hoist.rope_mass * (hoist.sheave_height - y) + hoist.tail_rope_number * hoist.tail_rope_mass * leg
-        found.append(moved * (GRAVITY + sign * acceleration))
-    return found[0], found[1]
+        tensions.append(moved * (GRAVITY + sign * acceleration))
+    return tensions[0], tensions[1]
 
 
 def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
@@ -43,9 +43,9 @@ def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
 
     The conveyances are rigidly hung: swing of the head ropes, which jerk excites, lowers what a winding shows.
     """
-    found = []
+    instants = []
     up = 1.0 if winding.travel > 0.0 else -1.0
-    for when, acceleration, asked in (
+    for when, acceleration, required in (
         ("at rest", 0.0, AT_REST),
         ("speeding up", up * winding.acceleration, MOVING),
         ("slowing down", -up * winding.acceleration, MOVING),
@@ -57,8 +57,8 @@ def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
             left, right = pulls(hoist, height, acceleration)
             ratios.append(max(left, right) / min(left, right) if min(left, right) > 0.0 else np.inf)
         ratio = max(ratios)
-        found.append(Hold(when, ratio, hoist.slip_safety(ratio), asked))
-    return found
+        instants.append(Hold(when, ratio, hoist.slip_safety(ratio), required))
+    return instants
 
 
 def at_rest(rope: BalanceRope, hoist: Hoist, heights: Sequence[float]) -> Iterator[tuple[float, Mapping[str, float]]]:

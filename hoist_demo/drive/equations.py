@@ -84,7 +84,9 @@ class Equations:
     rates: Any  # (x, u, l0, p) -> dx/dt
     powers: Any  # the same arguments -> W, in the order of WORK_NAMES and LOSS_NAMES
     outputs: Any  # the same arguments -> OUTPUTS
-    mobility: Any  # the same arguments -> change of the conveyances' accelerations per force on either, (2, 2) [1/kg]
+    accelerance: (
+        Any  # the same arguments -> change of the conveyances' accelerations per force on either, (2, 2) [1/kg]
+    )
     hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
     lagrange: Any  # (x, a, u, l0, p) -> mass matrix times accelerations less forces, tensions; of ropes that hold
 
@@ -106,7 +108,7 @@ class Coordinates:
 
 @cache
 def equations(parts: Hoist) -> Equations:
-    """The equations of motion of all hoists with these parts, `Hoist.parts` of one of them."""
+    """Return the equations of motion of all hoists with these parts (`Hoist.parts`)."""
     at, p = Coordinates(parts), ca.SX.sym("p", len(parts.numbers))
     hoist = with_numbers(parts, ca.vertsplit(p))
     q, v, R = at.q, at.v, hoist.sheave_radius
@@ -171,13 +173,13 @@ def equations(parts: Hoist) -> Equations:
         rate + twist_rate, brake.force, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
         *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
     )  # fmt: skip
-    mobility = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
+    accelerance = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
     arguments, given_a = [x, u, l0, p], ca.SX.sym("a", len(at.names))
     return Equations(
         rates=_function("rates", arguments, rates),
         powers=_function("powers", arguments, powers),
         outputs=_function("outputs", arguments, shown),
-        mobility=_function("mobility", arguments, mobility),
+        accelerance=_function("accelerance", arguments, accelerance),
         hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
         lagrange=_function(
             "lagrange", [x, given_a, *arguments[1:]], ca.vertcat(mass_matrix @ given_a - forces, *tensions(given_a))
@@ -219,13 +221,13 @@ def _rotation(hoist: Hoist, at: Coordinates) -> tuple[Any, Any, Any]:
     return kinetic, shaft.stiffness * twist**2 / 2, damping * twist_rate**2 / 2
 
 
-def _brake_friction(hoist: Hoist, asked: Any, rim_speed: Any) -> Friction:
-    """Torque of the brake [N m]."""
+def _brake_friction(hoist: Hoist, command: Any, rim_speed: Any) -> Friction:
+    """Return the brake's friction, its torque in N m."""
     if (brake := hoist.brake) is None:
         return Friction()
     pressure, z = ca.SX.sym("brake_pressure"), ca.SX.sym("brake_deflection")
     rates = (
-        (ca.fmin(ca.fmax(asked, 0.0), 1.0) - pressure) / brake.lag,
+        (ca.fmin(ca.fmax(command, 0.0), 1.0) - pressure) / brake.lag,
         rim_speed - ca.fabs(rim_speed) * z / brake.travel,
     )
     return Friction(brake.torque * pressure * z / brake.travel, (pressure, z), rates)

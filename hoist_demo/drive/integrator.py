@@ -41,7 +41,7 @@ from rope_model.numerics.kernels import Kernel, KernelForm, build_library, cache
 Vector = NDArray[np.float64]
 Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 #: Where steps have ended: all that `advance` gives there, size of the next one, s.
-Reached = tuple[Vector, float, float]
+IntegratorResult = tuple[Vector, float, float]
 
 SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
@@ -85,7 +85,7 @@ def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: An
 
 
 def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
-    """Weighted sum of the stages, without those of no weight."""
+    """Return the weighted sum of the stages, without those of no weight."""
     terms = [weight * stage for weight, stage in zip(weights, stages, strict=True) if weight]
     return sum(terms[1:], terms[0])
 
@@ -98,7 +98,7 @@ class DriveKernels:
     given: dict[str, slice]
     result: dict[str, slice]
     advance: Any
-    mobility: Any  # of the equations
+    accelerance: Any  # of the equations
     hold: Any  # likewise
     library: Path | None  # that has `advance` compiled
 
@@ -111,19 +111,21 @@ def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
     given = _slices({"x": len(names), "works": WORKS, "s": 1, "h": 1, **held})
     shown = {"error": 1, "acting": len(drive.INPUT_NAMES), "shown": len(OUTPUTS)}
     result = _slices({"x": len(names), "works": WORKS, **shown})
-    functions = [_advance(of, given), of.mobility]
+    functions = [_advance(of, given), of.accelerance]
     made: list[Path] = []
 
     def build(compiler: Sequence[str]) -> Path:
         made.append(build_library(functions, compiler, cache_folder(), "hoist_drive"))
         return made[0]
 
-    (advance, mobility), found = prepare(functions, build, form)
-    return DriveKernels(names, given, result, advance, mobility, of.hold, made[0] if found == "compiled" else None)
+    (advance, accelerance), form_found = prepare(functions, build, form)
+    return DriveKernels(
+        names, given, result, advance, accelerance, of.hold, made[0] if form_found == "compiled" else None
+    )
 
 
 def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
-    """(one vector) -> one vector."""
+    """Return `advance` as a CasADi function of one vector that gives one vector."""
     n, held_from = given["x"].stop, given["H"].start
     numbers = given["p"].stop - held_from
     slope = _slope(of, n, numbers)
@@ -141,7 +143,7 @@ def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
 
 
 def _slope(of: drive.Equations, states: int, numbers: int) -> Any:
-    """(y, s, held) -> dy/ds."""
+    """Return the CasADi function (y, s, held) -> dy/ds."""
     y, s = ca.SX.sym("y", states + WORKS), ca.SX.sym("s")
     x = y[:states]
     held, H, u, l0, p = _symbols(of, numbers, x, s)
@@ -150,7 +152,7 @@ def _slope(of: drive.Equations, states: int, numbers: int) -> Any:
 
 
 def _loads_and_outputs(of: drive.Equations, states: int, numbers: int) -> Any:
-    """(x, s, held) -> input that acts, outputs."""
+    """Return the CasADi function (x, s, held) -> input that acts, outputs."""
     x, s = ca.SX.sym("x", states), ca.SX.sym("s")
     held, _, u, l0, p = _symbols(of, numbers, x, s)
     return ca.Function("loads_and_outputs", [x, s, held], ca.cse([u, of.outputs(x, u, l0, p)]))
@@ -165,9 +167,9 @@ def _symbols(of: drive.Equations, numbers: int, x: Any, s: Any) -> tuple[Any, An
 
 
 def _acting(of: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
-    """The input with its forces less the added masses times the accelerations that come out."""
+    """Return the input with its forces less the added masses times the accelerations that come out."""
     a = of.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
-    B = of.mobility(x, u, l0, p)
+    B = of.accelerance(x, u, l0, p)
     given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
     acting = ca.SX(u)
     for k, place in enumerate(drive.FORCES):
@@ -176,11 +178,11 @@ def _acting(of: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: An
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:
-    found, start = {}, 0
+    places, start = {}, 0
     for name, size in sizes.items():
-        found[name] = slice(start, start + size)
+        places[name] = slice(start, start + size)
         start += size
-    return found
+    return places
 
 
 class Integrator:
@@ -193,7 +195,7 @@ class Integrator:
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
         self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
         self.given = {name: self.z[place] for name, place in kernels.given.items()}
-        self._hold, self._mobility = kernels.hold, Kernel(kernels.mobility, [(2, 2)])
+        self._hold, self._accelerance = kernels.hold, Kernel(kernels.accelerance, [(2, 2)])
         self.evaluations = 0  # of `advance` with a step, so far
         self.give(p=hoist.numbers)
 
@@ -206,23 +208,25 @@ class Integrator:
         """Return the motor's torque that holds the state at rest [N m]."""
         return float(self._hold(x, lengths, self.given["p"]))
 
-    def mobility(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
-        """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
-        (columns,) = self._mobility(x, u, np.array(lengths), self.given["p"])
+    def accelerance(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
+        """Return the change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
+        (columns,) = self._accelerance(x, u, np.array(lengths), self.given["p"])
         return columns.T
 
-    def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> Reached | None:
+    def integrate(
+        self, h: float, size: float, s: float, end: float, watch: Watch | None = None
+    ) -> IntegratorResult | None:
         """Integrate to the end, or to where the watched function becomes positive; None on failure.
 
         Begins with steps of this size, a share of h [s].
         """
-        growth = GROWS
+        largest_factor = GROWS
         while size * h > SHORTEST:
             steps = max(1, math.ceil((end - s) / size - 1e-9))
             used = (end - s) / steps
             y = self.evaluate(s, used)
             error = y.item(self._error)
-            size = min(used * _change(error), size * growth)
+            size = min(used * _change(error), size * largest_factor)
             if error <= 1.0:
                 if watch is not None and watch(y) > 0.0:
                     y, used = self._first(y, s, used, h, watch)
@@ -232,18 +236,18 @@ class Integrator:
                 self.z[self._reached] = y[self._reached]
                 s += used
             else:
-                growth = 1.0
+                largest_factor = 1.0
         return None
 
     def evaluate(self, s: float, used: float = 0.0) -> Vector:
-        """All that `advance` gives after a step of the size used from the state given, at s; 0: in that state."""
+        """Return all that `advance` gives after a step of the size `used` from s; 0: in the state given."""
         self.give(s=s, h=used)
         self._advance.evaluate()
         self.evaluations += used > 0.0
         return self.y.copy()
 
     def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:
-        """The result where what is watched has just become positive, and the size of the steps to there."""
+        """Locate where what is watched has just become positive; return the result there and the size of the step."""
         low = 0.0
         while (used - low) * h > LOCATED:
             middle = (low + used) / 2.0

@@ -52,7 +52,7 @@ class Friction(NamedTuple):
 
 @dataclass(frozen=True)
 class Leg:
-    """One side's share of the equations; forces are generalised, one per coordinate."""
+    """Energies and forces of one side; forces are generalised, one per coordinate."""
 
     kinetic: Any
     potential: Any
@@ -142,7 +142,7 @@ class _Lateral(NamedTuple):
 
 
 def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _Lateral:
-    """Energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
+    """Return the energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
     if (play := hoist.play) is None:
         return _Lateral()
     k, c, arm = play.stiffness, play.clearance, play.arm
@@ -164,7 +164,7 @@ def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _L
 
 
 def _jam_friction(jam: Jam | None, side: str, y: Any, vy: Any) -> Friction:
-    """Force along the guides [N] in the narrow place of one side."""
+    """Return the force along the guides [N] in the narrow place of one side."""
     if jam is None:
         return Friction()
     z = ca.SX.sym(f"jam_deflection_{side}")

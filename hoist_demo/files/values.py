@@ -58,12 +58,12 @@ class Given:
 
 
 def plain(values: Mapping[str, Given]) -> dict[str, Value]:
-    """Return the values alone."""
+    """Return the values without status and source, by name."""
     return {key: one.value for key, one in values.items()}
 
 
 def statuses(values: Mapping[str, Given]) -> dict[str, str]:
-    """Return where each value comes from."""
+    """Return the status of each value by name."""
     return {key: one.status for key, one in values.items()}
 
 
@@ -108,13 +108,13 @@ def _given(parameter: Parameter, facts: Facts) -> Given:
 def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
     """Return a plain value in the parameter's unit, which may stand behind the number: "22 t"."""
     if isinstance(content, str) and not parameter.choices and parameter.numeric:
-        found = _WITH_UNIT.fullmatch(content)
-        if found is None:
+        match = _WITH_UNIT.fullmatch(content)
+        if match is None:
             raise ValueError(
                 f"{parameter.name} = {content[:LONGEST_TEXT]!r} must be a finite number, with a unit behind it or in "
                 f"{parameter.unit_words}: correct it"
             )
-        return parameter.read(_converted(parameter, found[1], found[2] or unit))
+        return parameter.read(_converted(parameter, match[1], match[2] or unit))
     if unit and isinstance(content, int | float) and not isinstance(content, bool):
         content = _converted(parameter, content, unit)
     return parameter.read(content)

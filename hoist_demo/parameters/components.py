@@ -44,7 +44,7 @@ class Brake(Stated, of="brake."):
 
 @dataclass(frozen=True)
 class Lining(Stated, of="lining."):
-    """The sheave's lining as that on which the head ropes may slide; all values [assumed]."""
+    """Lining of the sheave, on which the head ropes may slide; all values [assumed]."""
 
     sliding: float = quantity(0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold", SHARE)
 

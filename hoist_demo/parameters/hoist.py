@@ -1,4 +1,4 @@
-"""Data of the hoist.
+"""Parameters of the hoist, and the quantities that follow from them.
 
 All numbers of the hoist are ours [assumed]: plausible for a friction hoist of 90 m travel with 10 t conveyances and
 5 t payload over the 120 m balance rope of 8 kg/m, and taken from no particular installation.
@@ -101,12 +101,12 @@ class Hoist(Stated):
 
     @property
     def parts(self) -> "Hoist":
-        """The hoist with all its numbers 0 but the count of modes: what it shares with those of the same equations."""
+        """Hoist with all numbers 0 but the count of modes: equal for hoists that share their equations."""
         return with_numbers(self, repeat(0.0))
 
     @property
     def numbers(self) -> list[float]:
-        """The numbers that `parts` leaves out, those of the parts in their places."""
+        """Numbers that `parts` leaves out, those of the components in their places."""
         return list(_numbers(self))
 
     @property
@@ -142,7 +142,7 @@ class Hoist(Stated):
 
     @property
     def moving_mass(self) -> float:
-        """All moving masses referred to the rope [kg], the balance ropes' included."""
+        """Sum of the moving masses referred to the rope [kg], the balance ropes' included."""
         ropes = self.rope_mass * (self.shaft_travel + 2.0 * self.head_rope_length_up)
         tail = self.tail_mass * self.tail_rope_length
         return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
@@ -171,8 +171,10 @@ class Hoist(Stated):
         `ratio` is a number or an array.
         """
         excess = np.asarray(ratio - 1.0)
-        found = np.divide(self.tension_ratio_limit - 1.0, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)
-        return found if found.ndim else float(found)
+        safety = np.divide(
+            self.tension_ratio_limit - 1.0, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0
+        )
+        return safety if safety.ndim else float(safety)
 
     def torque_available(self, rate: Any) -> Any:
         """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power; also of symbols."""
@@ -205,7 +207,7 @@ def _items(data: Any) -> list[tuple[str, Any]]:
 
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
-    """The hoist whose balance ropes are a group's, each of a mass per length [kg/m] and a length [m].
+    """Return the hoist with several balance ropes as one, each of a mass per length [kg/m] and a length [m].
 
     The drive takes all of them for one rope, of their mass per length and of the length that gives their whole mass.
     """

@@ -44,12 +44,12 @@ SHARE = Bounds(0.0, 1.0, True, "give a fraction")
 
 
 def quantity(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
-    """A field with its unit, "-" of a pure number, with what it means beyond its name, and with its bounds."""
+    """Return a field with its unit ("-" of a pure number), its meaning beyond its name, and its bounds."""
     return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
 
 def fmi_unit(unit: str) -> str:
-    """The unit as FMI writes it: `N s/m`, `N*s/m` and `N.s/m` are one, `m/s^2` is `m/s2`, none is `1`."""
+    """Return the unit as FMI writes it: `N s/m`, `N*s/m` and `N.s/m` are one, `m/s^2` is `m/s2`, none is `1`."""
     text = re.sub(r"[\s*·]+", ".", unit.strip()).replace("^", "")
     return "1" if text in ("", "-") else text
 
@@ -58,7 +58,7 @@ Value = float | int | bool | str
 
 
 def word_of(choices: Iterable[str], value: object) -> str | None:
-    """The choice that a text is, whatever its case; None where it is none."""
+    """Return the choice that a text names, whatever its case; None if it is none."""
     return next((word for word in choices if isinstance(value, str) and word.lower() == value.lower()), None)
 
 
@@ -75,7 +75,7 @@ class Parameter:
     meaning: str = ""
 
     def read(self, value: object) -> Value:
-        """The value in the parameter's type; a `ValueError` names key, value and cure."""
+        """Return the value in the parameter's type; a `ValueError` names key, value and cure."""
         bad = f"{self.name} = {value!r}"
         if self.kind == "Boolean":
             if not isinstance(value, bool):
@@ -99,26 +99,26 @@ class Parameter:
         return float(value) if self.kind == "Real" else round(value)
 
     def _code(self, value: object) -> object:
-        """The code of a choice, given by code or by word."""
+        """Return the code of a choice, given by code or by word."""
         code = self.choices.index(word) if (word := word_of(self.choices, value)) else value
         if isinstance(code, bool) or code not in range(len(self.choices)):
-            known = ", ".join(f"{k} ({word})" for k, word in enumerate(self.choices))
-            raise ValueError(f"{self.name} = {value!r} must be one of {known}: give code or word")
+            codes = ", ".join(f"{k} ({word})" for k, word in enumerate(self.choices))
+            raise ValueError(f"{self.name} = {value!r} must be one of {codes}: give code or word")
         return code
 
     @property
     def numeric(self) -> bool:
-        """True of numbers, and of choices that have codes."""
+        """True for numbers, and for choices that have codes."""
         return self.kind in ("Real", "Integer")
 
     @property
     def unit_words(self) -> str:
-        """Unit, in a sentence."""
+        """Unit as words of a sentence."""
         return "plain numbers" if self.unit == "1" else self.unit
 
     @property
     def about(self) -> str:
-        """Meaning with its unit."""
+        """Meaning with its unit in brackets."""
         return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"
 
 

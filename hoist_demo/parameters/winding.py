@@ -67,8 +67,8 @@ class Arrival(Stated):
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
     """Reject a trip longer than the shaft, and a law of emergency stops for a brake that is not there or too weak."""
-    way, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"
-    require(way, abs(way) <= hoist.shaft_travel, "travel", bound, "shorten the trip")
+    travel, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"
+    require(travel, abs(travel) <= hoist.shaft_travel, "travel", bound, "shorten the trip")
     if winding.emergency_law == "drive":
         return
     if hoist.brake is None:

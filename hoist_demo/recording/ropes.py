@@ -10,7 +10,7 @@ from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import TIME, Recording
 
 
-def of_rope(recording: Recording, name: str) -> Recording:
+def rope_signals(recording: Recording, name: str) -> Recording:
     """Return a rope's signals under their own names, until it breaks."""
     own = _own(recording, name)
     if not name or "loop.y" not in own:

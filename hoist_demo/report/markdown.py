@@ -18,7 +18,7 @@ CAPTIONS = {
 
 
 def render_markdown(report: Report, figures: Sequence[Path]) -> str:
-    """The report as Markdown: verdict, figures by file name, and the rest."""
+    """Return the report as Markdown: verdict, figures by file name, and the rest."""
     verdict, changed, rows = report.verdict, report.changed, report.rows
     parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.words)}**"]
     parts += _table(COLUMNS, [row.cells for row in verdict.rows])
@@ -48,7 +48,7 @@ def _cell(text: str) -> str:
 
 
 def _inline(text: str) -> str:
-    """Text of which no browser makes an element."""
+    """Escape `<`, so that no browser makes an element of the text."""
     return text.replace("<", "&lt;")
 
 

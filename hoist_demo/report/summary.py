@@ -12,7 +12,7 @@ import numpy as np
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import SummaryRow
@@ -30,7 +30,7 @@ LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel
 
 
 def _largest(values: Array) -> float:
-    """Value of largest magnitude, without its sign."""
+    """Return the largest magnitude."""
     return float(np.nanmax(np.abs(values)))
 
 
@@ -43,7 +43,7 @@ def _last(values: Array) -> float:
 
 
 def _rough(values: Array) -> str:
-    """Value of largest magnitude of an error, in the two digits that it has."""
+    """Format the value of largest magnitude of an error, in the two digits that it has."""
     return number(float(values[np.nanargmax(np.abs(values))]), 2)
 
 
@@ -82,7 +82,7 @@ def summarize(
     names: Sequence[str] = ("",),
     arrival: Arrival | None = None,
 ) -> tuple[SummaryRow, ...]:
-    """All rows of a run, in reading order; `names` are those of its ropes."""
+    """Return all rows of a run, in reading order; `names` are those of its ropes."""
     rows: list[SummaryRow] = []
     if (recording := result.recording).signals:
         rows = _trip(recording, hoist, winding)
@@ -99,7 +99,7 @@ def summarize(
 
 
 def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
-    own = of_rope(recording, name)
+    own = rope_signals(recording, name)
     if name:
         count = len(own.time)
         share = (own["left.fy"] + own["right.fy"]) / (recording["left.fy"] + recording["right.fy"])[:count]
@@ -111,7 +111,7 @@ def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
 
 
 def _together(recording: Recording) -> Iterator[SummaryRow]:
-    """Yield the moments of several ropes."""
+    """Yield the moments of several ropes about the conveyances' centres."""
     for end in ("left", "right"):
         for name, words in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
             if bool(np.isfinite(recording[f"{end}.{name}"]).any()):
@@ -120,11 +120,11 @@ def _together(recording: Recording) -> Iterator[SummaryRow]:
 
 
 def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryRow]:
-    for group, quantity, names, factor, unit, told in (row for row in _ROWS if row[0] in groups):
-        found = [recording[name] for name in names if name in recording and loses(recording, name)]
+    for group, quantity, names, factor, unit, measure in (row for row in _ROWS if row[0] in groups):
+        recorded = [recording[name] for name in names if name in recording and loses(recording, name)]
         # what the fidelity leaves out is NaN throughout
-        if found and bool(np.isfinite(values := np.concatenate(found)).any()):
-            yield SummaryRow(group, quantity, told(factor * values), unit)
+        if recorded and bool(np.isfinite(values := np.concatenate(recorded)).any()):
+            yield SummaryRow(group, quantity, measure(factor * values), unit)
 
 
 def loses(recording: Recording, name: str) -> bool:
@@ -173,7 +173,7 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
 
 
 def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> list[SummaryRow]:
-    """Errors [mm] while the drive follows the reference; once the brake has tripped there is nothing to follow."""
+    """Return errors [mm] while the drive follows the reference, until the brake trips."""
     follows = elapsed <= winding.tracking_end
     last, until = "final position error", ""
     if not bool(follows.all()):

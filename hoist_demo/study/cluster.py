@@ -16,7 +16,7 @@ from pathlib import Path
 import dask
 from dask.distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
 
-from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.definition import Study, StudyRun
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.run import ERROR, Outcome, RunData, execute
 from hoist_demo.study.store import Store
@@ -40,7 +40,7 @@ _UNWATCHED = {
 
 
 class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
-    """Writes the FMU into the folder of every worker."""
+    """Plugin that writes the FMU into the folder of every worker."""
 
     idempotent = True  # a search hands it over before each of its rounds
 
@@ -49,7 +49,7 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
         self._hash, self._content = fmu_hash, content
 
     def setup(self, worker: Worker) -> None:
-        """Called by the worker when it joins."""
+        """Write the FMU; the worker calls this when it joins."""
         path = _fmu_of(Path(worker.local_directory), self._hash)
         draft = path.with_suffix(f".{os.getpid()}")
         draft.write_bytes(self._content)
@@ -58,7 +58,7 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
 
 @contextmanager
 def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
-    """A client of the given scheduler, or of a local cluster with one single-threaded process per core or worker."""
+    """Yield a client of the given scheduler, or of a local cluster with one single-threaded process per worker."""
     if scheduler is not None:
         try:
             client = Client(scheduler, timeout="20s")
@@ -78,7 +78,7 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
 
 
 def run_samples(
-    client: Client, study: Study, samples: Sequence[Sample], store: Store, finished: Finished = lambda *_: None
+    client: Client, study: Study, samples: Sequence[StudyRun], store: Store, finished: Finished = lambda *_: None
 ) -> list[str]:
     """Carry out what the store does not hold yet, and return the key of each sample."""
     keys = [sample.data.key(study.fmu_hash) for sample in samples]

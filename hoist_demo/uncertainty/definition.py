@@ -15,7 +15,7 @@ from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.provenance import Known, of_host, of_rope
+from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import BEARINGS, Datum, KnownRope
 
@@ -23,7 +23,7 @@ MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
 
 
 class UncertainHead(LevelHead):
-    """Head of the file."""
+    """Table [uncertain] at the head of the file."""
 
     samples: int = Field(64, ge=8, description="a power of two")
     seed: int = Field(1, ge=0)
@@ -39,21 +39,21 @@ class UncertainHead(LevelHead):
 
 
 class Uncertain(RopeQuestion, RunFile):
-    """A checked file."""
+    """Schema of a TOML file that asks how uncertain a winding is."""
 
     head: UncertainHead = Field({}, alias="uncertain", validate_default=True)
 
     @cached_property
     def known_rope(self) -> KnownRope:
-        """Ranges of the rope, which is as long as the hoist's where the file says nothing."""
-        found, hoist = self.catalogue_rope, find_case(self.head.hoist).hoist
-        return found if "length" in self.asked else replace(found, length=hoist.tail_rope_length)
+        """Rope with its ranges, as long as the hoist's unless the file states a length."""
+        rope, hoist = self.catalogue_rope, find_case(self.head.hoist).hoist
+        return rope if "length" in self.catalogue_arguments else replace(rope, length=hoist.tail_rope_length)
 
     @property
     def data(self) -> dict[str, Datum]:
         """Data that vary, by name."""
-        found = {name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low}
-        return found | (BEARINGS[self.head.bearing] if self.head.bearing else {})
+        ranges = {name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low}
+        return ranges | (BEARINGS[self.head.bearing] if self.head.bearing else {})
 
     @model_validator(mode="after")
     def _varies(self) -> Self:
@@ -62,21 +62,23 @@ class Uncertain(RopeQuestion, RunFile):
         self.provenance()
         return self
 
-    def provenance(self) -> list[Known]:
-        """Sources of the numbers; of a property that varies, its range has the status."""
+    def provenance(self) -> list[SourcedValue]:
+        """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
         run = self.run({name: datum.middle for name, datum in data.items()})
-        known = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
-        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(known)}
-        if "length" in self.asked:
+        property_statuses = {
+            name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()
+        }
+        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(property_statuses)}
+        if "length" in self.catalogue_arguments:
             given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.head.bearing:
             given |= {f"{side}.swivel.{name}": VARIED for side in ENDS for name in ("mu_kinetic", "mu_static")}
         rope = scene_parameters(rope_data(run.fmu, self.level))
-        return [*of_host(run, given), *of_rope(find_case(self.head.hoist), rope, given)]
+        return [*host_provenance(run, given), *rope_provenance(find_case(self.head.hoist), rope, given)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
-        """The winding with these values of what varies; the drive takes the rope for what it is."""
+        """Return the data of a winding with these values of what varies; the drive knows the rope as it is."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
         drawn: dict[str, Value | Given] = {

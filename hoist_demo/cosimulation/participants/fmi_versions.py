@@ -52,7 +52,7 @@ class Buffer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FmuState:
-    """A state in the FMU's memory, for as long as somebody has it."""
+    """State in the FMU's memory, freed with its last reference."""
 
     handle: Any
 
@@ -66,7 +66,7 @@ def _load(fmpy_class: Callable[..., Any], directory: Path, guid: str, identifier
 
 
 class Instance(ABC):
-    """One instance for co-simulation. After `close` each call but that one raises RuntimeError."""
+    """Instance for co-simulation. After `close` each call but that one raises RuntimeError."""
 
     _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
     _fmpy_module: Any
@@ -121,8 +121,8 @@ class Instance(ABC):
         """Return a reusable buffer for all elements of variables of one type."""
         names = [name for v in variables for name in v.elements]
         type_ = self._enumeration if variables[0].type == "Enumeration" else variables[0].type
-        kept = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
-        values = np.zeros((rows, len(names)), kept)
+        dtype = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
+        values = np.zeros((rows, len(names)), dtype)
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
         function, rope = self._function(f"{what}{type_}"), self.fmpy.component
         call = self._access(f"{what}{type_}", references, values.ctypes.data_as(c_void_p), len(names))
@@ -135,7 +135,7 @@ class Instance(ABC):
         return Buffer(names, call, values, access(self._standard, function, rope, references, values))
 
     def text(self, variable: Variable) -> Callable[[], str]:
-        """A function that reads a String."""
+        """Return a function that reads a String variable."""
         values = (c_char_p * 1)()
         call = self._access("GetString", (c_uint32 * 1)(variable.reference), values, 1)
 
@@ -147,11 +147,11 @@ class Instance(ABC):
 
     @property
     def stepping(self) -> Access:
-        """The function that steps."""
+        """Access to the function DoStep."""
         return access(self._standard, self._function("DoStep"), self.fmpy.component, (c_uint32 * 0)(), np.zeros((0, 0)))
 
     def name_in_c(self, name: str) -> str:
-        """Name of a function in its library."""
+        """Return the name of a function in the FMU's library."""
         return self._prefix + name
 
     def _function(self, name: str) -> Any:
@@ -183,19 +183,19 @@ class Instance(ABC):
         getattr(self.fmpy, f"set{type_}")([variable.reference], values)
 
     def save(self) -> FmuState:
-        """The state."""
+        """Return a handle of the FMU's present state."""
         return self._held(self.fmpy.getFMUState())
 
     def restore(self, state: FmuState) -> None:
-        """Go back to a state."""
+        """Restore a state that `save` or `from_bytes` returned."""
         self.fmpy.setFMUState(state.handle)
 
     def to_bytes(self, state: FmuState) -> bytes:
-        """A state as bytes."""
+        """Serialize a state."""
         return bytes(self.fmpy.serializeFMUState(state.handle))
 
     def from_bytes(self, data: bytes) -> FmuState:
-        """The state in bytes."""
+        """Deserialize a state into the FMU's memory."""
         return self._held(self.fmpy.deserializeFMUState(data))
 
     def _held(self, handle: Any) -> FmuState:
@@ -205,7 +205,7 @@ class Instance(ABC):
         return state
 
     def _give_back(self, handle: Any) -> None:
-        """Give a state back that nobody has any more."""
+        """Free the memory of a state that nobody refers to any more."""
         with suppress(CallError):
             self.fmpy.freeFMUState(handle)
 
@@ -251,8 +251,8 @@ class _Instance3(Instance):
     def _instantiate(self) -> None:
         self.fmpy.instantiate(loggingOn=True, logMessage=self._pass_on)
         self._ended = c_bool()
-        told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
-        self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *told)
+        flags = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
+        self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *flags)
 
     def enter_initialization(self, t0: float) -> None:
         self.fmpy.enterInitializationMode(startTime=t0)

@@ -68,7 +68,7 @@ def _variable(stated: Any) -> Variable:
 
 
 def _kind(declared: str) -> str:
-    """FMI 2.0's word for a type of either version."""
+    """Return FMI 2.0's word for a type of either version."""
     if declared.startswith("Float"):
         return "Real"
     return "Integer" if declared.startswith(("Int", "UInt")) else declared
@@ -91,7 +91,7 @@ def unpacked(path: Path, changed: int, size: int) -> Path:
 
 
 def read_parameters(path: Path) -> dict[str, Parameter]:
-    """All parameters of the FMU by name."""
+    """Return the parameters of an FMU by name."""
     return read_fmu(path).parameters
 
 
@@ -109,12 +109,12 @@ class Fmu:
 
     @cached_property
     def named(self) -> dict[str, Variable]:
-        """The variable of each name, that of an array by each of its elements."""
+        """Variable of each name; an array has one for each of its elements."""
         return {name: v for v in self.variables for name in v.elements}
 
     @cached_property
     def parameters(self) -> dict[str, Parameter]:
-        """All parameters by name, each element of an array on its own."""
+        """Parameters by name, each element of an array on its own."""
         return {
             name: Parameter(
                 name,

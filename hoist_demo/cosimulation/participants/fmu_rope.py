@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
 from hoist_demo.cosimulation.participants.fmu_description import NUMBERS, Variable, read_fmu, unpacked, version_of
-from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, codes_of
+from hoist_demo.cosimulation.participants.library_calls import TEXT, OutputTable, RopeLibrary, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
 from hoist_demo.parameters.quantity import Value
@@ -83,7 +83,7 @@ class FmuRope:
             return self._failure_status(error)
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        """One doStep(t, h) with the motions of its end."""
+        """Step from t to t + h with the ends' motions of t + h."""
         try:
             self._set_motions(left, right)
             self._fmu.step(t, h)
@@ -108,27 +108,27 @@ class FmuRope:
         valid = None if self._valid is None else self._valid.access
         return RopeLibrary(self._fmu.stepping, self._motions.access, self._table, self._status_of, valid)
 
-    def _table(self, names: Sequence[str], rows: int) -> Table:
+    def _table(self, names: Sequence[str], rows: int) -> OutputTable:
         buffers, values = self._outputs(names, rows)
-        return Table([buffer.access for buffer in buffers], values)
+        return OutputTable([buffer.access for buffer in buffers], values)
 
     def _outputs(self, names: Sequence[str], rows: int) -> tuple[list[Buffer], Callable[[int], NDArray[np.float64]]]:
         """Buffers of outputs by type, and a function that puts their first rows in the order of the names."""
-        asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
-        known = [v for v in asked if v.kind in NUMBERS or v.name == FIDELITY]
+        variables = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
+        readable = [v for v in variables if v.kind in NUMBERS or v.name == FIDELITY]
         parts = []
-        for type_ in dict.fromkeys(v.type for v in known):
-            buffer = self._fmu.buffer("Get", [v for v in known if v.type == type_], rows)
+        for type_ in dict.fromkeys(v.type for v in readable):
+            buffer = self._fmu.buffer("Get", [v for v in readable if v.type == type_], rows)
             places = {name: k for k, name in enumerate(buffer.names)}
             there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
             parts.append((buffer, there, here))
 
         def values(count: int) -> NDArray[np.float64]:
-            found = np.full((count, len(names)), np.nan)
+            table = np.full((count, len(names)), np.nan)
             for buffer, there, here in parts:
-                kept = buffer.values[:count, there]
-                found[:, here] = codes_of(kept) if kept.dtype == TEXT else kept
-            return found
+                part = buffer.values[:count, there]
+                table[:, here] = codes_of(part) if part.dtype == TEXT else part
+            return table
 
         return [buffer for buffer, _, _ in parts], values
 
@@ -199,7 +199,7 @@ class FmuRope:
         self._fmu.close()
 
     def _parameters(self) -> dict[str, Value]:
-        """All parameters with the values they were given."""
+        """Return all parameters by name with the values in use."""
         return {name: self._chosen.get(name, p.start) for name, p in self._described.items()}
 
     def _variable(self, name: str) -> Variable:
@@ -228,7 +228,7 @@ class FmuRope:
         return _VALID if self._valid.values[0, 0] else Status(False, self._text("status.message"))
 
     def _text(self, name: str) -> str:
-        """A String output; "" where there is none."""
+        """Return a String output; "" if the FMU lacks it."""
         return self._fmu.text(self._variables[name])() if name in self._variables else ""
 
     @property
@@ -237,7 +237,7 @@ class FmuRope:
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
     def _failure_status(self, error: CallError) -> Status:
-        """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
+        """Return the status of a failed call, in the FMU's own words if it still speaks."""
         self._started, message = False, ""
         with suppress(CallError):
             message = self._text("status.message")
@@ -245,7 +245,7 @@ class FmuRope:
 
     @contextmanager
     def _translate_failures(self) -> Iterator[None]:
-        """A failed call as RuntimeError, so that nobody else needs FMPy."""
+        """Raise a failed call as RuntimeError, so that nobody else needs FMPy."""
         try:
             yield
         except CallError as error:
@@ -253,8 +253,8 @@ class FmuRope:
 
     def _explanation(self, error: Exception) -> str:
         """Return the cause of a failed call, with the FMU's messages."""
-        said, self._errors = "; ".join(dict.fromkeys(self._errors)), []
-        return f"{error} {said}" if said else str(error)
+        messages, self._errors = "; ".join(dict.fromkeys(self._errors)), []
+        return f"{error} {messages}" if messages else str(error)
 
     def _hear(self, status: int, text: str) -> None:
         """Log the FMU's warnings, each once; keep its errors for the call that fails."""
@@ -275,7 +275,7 @@ def _digest(path: Path, changed: int, size: int) -> str:
 
 
 def _typed(variable: Variable, value: Value) -> Value:
-    """The value as its FMI type has it, an enumeration's item by its number."""
+    """Convert a value to the variable's FMI type, an enumeration's item to its number."""
     if variable.kind == "Enumeration" and isinstance(value, str):
         if value not in variable.items:
             raise ValueError(

@@ -24,7 +24,7 @@ NextCommand = Callable[[int, float, Vector], tuple[float, float]]
 
 
 class HoistPartner:
-    """The hoist as a coupling's drive; `command` is to be given between steps."""
+    """Hoist as a coupling's drive; `command` is to be given between steps."""
 
     def __init__(self, plant: HoistPlant, state: PlantState, held: Vector, clock: Stopwatch) -> None:
         """`held` is the input that acts at the start, in the order of INPUT_NAMES."""
@@ -45,7 +45,7 @@ class HoistPartner:
         self._done = None
 
     def step(self, t: float, h: float, load: Load) -> str:
-        """One step under the load; a constant one is held to the bit."""
+        """Advance the hoist by one step under the load; a constant load is held to the bit."""
         with self._clock:
             moved = self._moved(t, h, load)
             if not moved.valid:
@@ -55,7 +55,7 @@ class HoistPartner:
         return ""
 
     def _moved(self, t: float, h: float, load: Load) -> PlantStep:
-        """The step under its commands, the first again where it is repeated."""
+        """Advance the plant under the step's commands, from the first again where the step is repeated."""
         number, path, added = self.per_step, self._under(load), load.added_mass
         path[_TORQUE], path[_BRAKE] = self._first
         moved = self.plant.advance(self.state, h, path, added, 0.0, 1.0 / number)
@@ -68,7 +68,7 @@ class HoistPartner:
 
     @property
     def outputs(self) -> Vector:
-        """Return the present OUTPUTS."""
+        """Present OUTPUTS of the drive."""
         if self._shown is None:
             path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
             _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
@@ -84,8 +84,8 @@ class HoistPartner:
             _, shown = self.plant.loads_and_outputs(self.state, self._under(load), load.added_mass, s)
         return _motion(shown)
 
-    def mobility(self) -> Vector:
-        return self.plant.mobility(self.state)
+    def accelerance(self) -> Vector:
+        return self.plant.accelerance(self.state)
 
     def work(self) -> float:
         """Work of one balance rope's forces on the hoist [J]."""

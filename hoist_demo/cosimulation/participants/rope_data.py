@@ -20,12 +20,12 @@ _TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURV
 
 
 def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:
-    """A rope's state behind a line with the parameters that it belongs to."""
+    """Prepend a line with the parameters that a rope's state belongs to."""
     return json.dumps(dict(parameters), sort_keys=True).encode() + b"\n" + state
 
 
 def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
-    """The state that `stamp` was given; ValueError where it belongs to other parameters."""
+    """Return the state that `stamp` was given; ValueError if it belongs to other parameters."""
     stamp, _, state = data.partition(b"\n")
     try:
         there = json.loads(stamp)
@@ -75,7 +75,7 @@ class RopeData:
         return tuple(end for end in ("left", "right") if self.parameters.get(f"{end}.swivel.mode") == locked)
 
     def display(self, name: str) -> Value:
-        """A parameter's value, a code with its word."""
+        """Return a parameter's value, a code with its word."""
         value, words = self.parameters[name], choices_of(name)
         return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
 

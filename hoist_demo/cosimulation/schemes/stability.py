@@ -32,23 +32,23 @@ MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope
 class StabilityEstimate:
     """Predicted stability of a scheme."""
 
-    growth: float  # of a disturbance, per communication step
+    growth_per_step: float  # factor of a disturbance in one communication step
     added_mass: float  # kg, of the rope's end over one step
     mass: float  # kg, that it acts on
 
     @property
     def stable(self) -> bool:
         """True if disturbances are expected to die out."""
-        return self.growth < MARGIN
+        return self.growth_per_step < MARGIN
 
     def warning(self, name: str, H: float) -> str:
         """Return the warning to the user; "" if all is well."""
         if self.stable:
             return ""
         return (
-            f"coupling {name} with H = {H:g} s: disturbances are expected to grow {self.growth:.3g} times per step "
-            f"(the rope's added mass {self.added_mass:.4g} kg, the conveyance's {self.mass:.4g} kg, and waves in the "
-            "rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
+            f"coupling {name} with H = {H:g} s: disturbances are expected to grow {self.growth_per_step:.3g} times per "
+            f"step (the rope's added mass {self.added_mass:.4g} kg, the conveyance's {self.mass:.4g} kg, and waves in "
+            "the rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
         )
 
 
@@ -71,8 +71,8 @@ def predict_stability(scheme: Scheme, name: str, pair: Pair, t: float, H: float)
         _log.info("the coupling's stability is not known: %s", cause)
         return None
     # the worst end and the smallest mass: either end of the rope may become the long leg in the course of a trip
-    mass = 1.0 / float(np.max(np.diag(pair.drive.mobility())))
-    worst = max((growth(scheme, end, mass) for end in answer.T), default=math.nan)
+    mass = 1.0 / float(np.max(np.diag(pair.drive.accelerance())))
+    worst = max((growth_per_step(scheme, end, mass) for end in answer.T), default=math.nan)
     seen = StabilityEstimate(worst, float(np.max(answer[0])), mass)
     if warning := seen.warning(name, H):
         _log.warning("%s", warning)
@@ -95,12 +95,14 @@ def measure_response(pair: Pair, t: float, H: float) -> tuple[Vector, str]:
 
 
 def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forces: Vector) -> str:
-    """Put into `forces` what a rope answers to a pulse; the cause where it fails."""
+    """Fill `forces` with the rope's answer to a pulse; return the cause of a failure, else ""."""
     snapshot = pair.rope.save()
     try:
         for k in range(MEMORY):
-            way = pulse * H * H * (k + 0.5)
-            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest + way, pulse * H, pulse * (k == 0))):
+            displacement = pulse * H * H * (k + 0.5)
+            if cause := pair.step_rope(
+                t + k * H, H, InterfaceMotion(at_rest + displacement, pulse * H, pulse * (k == 0))
+            ):
                 return cause
             forces[k] = pair.forces()[0]
             if k == STILL[0] and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL[1], atol=0.0):
@@ -111,7 +113,7 @@ def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forc
         pair.restore_rope(snapshot)
 
 
-def growth(scheme: Scheme, answer: Vector, mass: float) -> float:
+def growth_per_step(scheme: Scheme, answer: Vector, mass: float) -> float:
     """Largest root of the recursion for one end, `answer` (MEMORY,) in kg; 0 for schemes that use no past forces."""
     w = np.array(scheme.weights)
     if not w.size:

@@ -48,18 +48,18 @@ def thin(values: Array, most: int) -> Array:
     if len(values) <= most:
         return values
     width = interval(len(values), most)
-    kept: list[float] = []
+    extremes: list[float] = []
     for start in range(0, len(values), width):
         part = values[start : start + width]
         if np.isnan(part).all():
-            kept += [math.nan, math.nan]
+            extremes += [math.nan, math.nan]
         else:
-            kept += [float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))]
-    return np.array(kept)
+            extremes += [float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))]
+    return np.array(extremes)
 
 
 def thin_times(times: Array, most: int) -> Array:
-    """Instants that belong to thin(): the first quarter and the third quarter of each interval."""
+    """Return the instants of thin(): the first quarter and the third quarter of each interval."""
     if len(times) <= most:
         return times
     width = interval(len(times), most)
@@ -70,12 +70,12 @@ def thin_times(times: Array, most: int) -> Array:
 
 
 def interval(count: int, most: int) -> int:
-    """Number of values that share a pair."""
+    """Return the number of values that share a pair."""
     return math.ceil(count / (most // 2))
 
 
 def frames(count: int, most: int) -> list[int]:
-    """Rows at even distances, at most `most`, the last one included."""
+    """Return rows at even distances, at most `most`, the last one included."""
     stride = max(1, math.ceil((count - 1) / max(1, most - 1)))
     rows = list(range(0, count, stride))
     return rows if not rows or rows[-1] == count - 1 else [*rows, count - 1]
@@ -113,15 +113,15 @@ def along(recording: Recording, name: str) -> dict[str, object]:
             continue
         picture = factor * over_length(values[rows], places, length)
         titled = f"{title}, {name}" if name else title
-        kept = {"id": quantity, "title": titled, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
-        maps.append(kept | {"values": pack(picture, "u8")})
+        entry = {"id": quantity, "title": titled, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
+        maps.append(entry | {"values": pack(picture, "u8")})
     note = MISSING.format(" and ".join(missing)) if missing else ""
     size = {"length": length, "rows": ROPE_ROWS, "columns": len(rows), "span": recording.time[[0, -1]].tolist()}
     return {"maps": [one | size for one in maps], "note": note}
 
 
 def over_length(values: Array, places: list[Array], length: float) -> Array:
-    """The largest of the values (frames, n) in each of ROPE_ROWS equal parts of the length, (ROPE_ROWS, frames).
+    """Return the largest value (frames, n) in each of ROPE_ROWS equal parts of the length, (ROPE_ROWS, frames).
 
     The largest, because the loop of a long rope is shorter than such a part. A frame without values has none.
     """

@@ -11,7 +11,7 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip
 from hoist_demo.recording.passages import FAR
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import TIME, Array, Recording, is_along
 from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
@@ -35,46 +35,48 @@ def run_report(
     `ropes` have the shaft that is drawn. Same run, same bytes but the clock's.
     """
     numbers = "".join(
-        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in found])
+        page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in found])
         for group in dict.fromkeys(row.group for row in report.rows)
         for found in ([row for row in report.rows if row.group == group],)
     )
-    body = page.fill("run.html", numbers=numbers, given="".join(page.table(*table) for table in report.given))
+    body = page.fill("run.html", numbers=numbers, given="".join(page.titled_table(*table) for table in report.given))
     data = _data(result, hoist, ropes)
     data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
-    return page.write(path, page.render("run", report.title, body, _verdict(report.verdict, report.changed), scripts))
+    return page.write_html(
+        path, page.render_page("run", report.title, body, _verdict(report.verdict, report.changed), scripts)
+    )
 
 
 _NO = '<td class="tripped">NO</td>'
 
 
-def _verdict(verdict: Verdict, changed: parameter_tables.Table) -> str:
+def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     kind = "note good" if verdict.good else "note stopped"
     parts = [f'<p class="{kind}"><strong>{html_text(verdict.words)}</strong></p>']
     if verdict.rows:
-        rows = page.grid(COLUMNS, [row.cells for row in verdict.rows])
+        rows = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
         parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
     parts += [f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>' for text in verdict.remarks]
     if changed[1]:
         parts.append(
-            f"<details open><summary>{html_text(changed[0])}</summary>{page.grid(CHANGED, changed[1])}</details>"
+            f"<details open><summary>{html_text(changed[0])}</summary>{page.plain_table(CHANGED, changed[1])}</details>"
         )
     return "".join(parts)
 
 
 def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, object]:
-    """All that the scripts read; a run without a recorded row leaves the numbers of its end only."""
+    """Return the data for the scripts; a run without a recorded row has no time."""
     recording, of_ropes = result.recording, [rope.name for rope in ropes]
     if not recording.signals:
         return {"time": None}
     start, extra = float(recording.time[0]), panels.derived_signals(recording, hoist)
-    known = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
-    names = [name for name in known if name != TIME and not is_along(name)]
+    finite = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
+    names = [name for name in finite if name != TIME and not is_along(name)]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
     shown = panels.panels(recording, hoist, of_ropes)
-    drawn = [(rope, own) for rope in ropes if _drawn(own := of_rope(recording, rope.name))]
+    drawn = [(rope, own) for rope in ropes if _drawn(own := rope_signals(recording, rope.name))]
     return {
         "time": packing.pack_to(packing.thin_times(recording.time, MOST_TIMES), 1e-4),
         # a run that stopped at once has one row, and an axis needs a length
@@ -104,7 +106,7 @@ def _drawn(own: Recording) -> bool:
 
 
 def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
-    """The rope's curve at its frames, in the shaft, and where its ends are from the conveyances' centres."""
+    """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
     rows = packing.frames(len(own.time), MOST_FRAMES)
     curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.place.origin
     return {
