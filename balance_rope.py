@@ -13,7 +13,7 @@ from pathlib import Path
 from shutil import copyfile
 from typing import TYPE_CHECKING, Any, get_args
 
-try:  # NumPy and CasADi take a second to load, in which a user may change his mind
+try:  # Ctrl-C during the slow imports must not print a traceback
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
@@ -88,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_identify(commands)
     add_uncertain(commands)
     add_linear(commands)
-    # -v is understood behind the command as well, one of which has two names
+    # accept -v after the command too; `wind` and `demo` share one parser
     for command in dict.fromkeys(commands.choices.values()):
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
@@ -101,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = options.run(options)
         sys.stdout.flush()
         return code
-    except BrokenPipeError:  # who reads has seen enough, as `| head`
+    except BrokenPipeError:  # the reader closed the pipe, e.g. `| head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:
@@ -270,7 +270,7 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
         raise ValueError(f"--rope and --set are for one rope: give their values to a [[rope]] of {options.hoist}")
     if case.ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
-    # what winds loads slowly
+    # slow imports
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build_trip
 

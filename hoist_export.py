@@ -24,13 +24,16 @@ if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
     from hoist_demo.ropes.definition import OneRope
 
-DRIVE, ROPE = "drive", "rope"  #: Names of the drive, and of the rope of a hoist with one, in a system.
+DRIVE = "drive"  #: Name of the drive in a system.
+ROPE = "rope"  #: Name of the rope in a system with one.
 #: What a system can leave out, by name: of hoist and trip, and of ropes.
 WITHOUT = (*OMISSIONS, "break", "guard", "touching")
-#: Where drive and ropes step at the same time, each hears of the other a step late, and that feeds the axial waves of a
-#: rope in proportion to its mass over the conveyance's. Measured over whole trips: steps of 10 ms let them grow at
-#: installed sizes, with ropes of 0.36 and more of the conveyance, to a quarter of the end force; 6.7 ms do not.
-HEAVY, LIGHT_STEP, HEAVY_STEP = 0.25, 0.01, 0.005
+# Where drive and ropes step at the same time, each hears of the other a step late, and that feeds the axial waves of a
+# rope in proportion to its mass over the conveyance's. Measured over whole trips: steps of 10 ms let them grow at
+# installed sizes, with ropes of 0.36 and more of the conveyance, to a quarter of the end force; 6.7 ms do not.
+HEAVY_ROPE_RATIO = 0.25  #: Mass of the balance ropes over the lighter conveyance's, above which they are heavy.
+LIGHT_STEP = 0.01  #: Communication step with light ropes [s].
+HEAVY_STEP = 0.005  #: Communication step with heavy ropes [s].
 _TOGETHER = {"inputs_at_step_end": False}
 _GUARDS = tuple(f"guard.{name}" for name in ("rise", "window", "clearance", "turns", "torque"))
 
@@ -98,7 +101,7 @@ def export_hoist(
         The trip asked for, without the wait before it; None: the winding's S-curve.
     step
         Communication step of the system [s], at most 0.02; the controller samples at each. None: LIGHT_STEP, or
-        HEAVY_STEP where the balance ropes weigh more than HEAVY of the lighter conveyance.
+        HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the lighter conveyance.
     version
         Of SSP.
     data
@@ -130,7 +133,7 @@ def export_hoist(
 def step_of(case: Case) -> float:
     """Return a communication step at which drive and ropes may step at the same time [s]."""
     hoist = case.hoist
-    heavy = hoist.tail_mass * hoist.tail_rope_length > HEAVY * min(hoist.mass_left, hoist.mass_right)
+    heavy = hoist.tail_mass * hoist.tail_rope_length > HEAVY_ROPE_RATIO * min(hoist.mass_left, hoist.mass_right)
     return HEAVY_STEP if heavy else LIGHT_STEP
 
 

@@ -26,28 +26,17 @@ from scipy.optimize import least_squares
 from scipy.special import chdtrc, ndtri  # of scipy.stats, which is slow to load
 
 Array = NDArray[np.float64]
-#: of shares (n,): prediction less measurement in standard errors (m,)
-Residuals = Callable[[Array], Array]
-
-#: of all shares before anything is measured
-MIDDLE = 0.5
-#: of a number of which only the range is known, in shares of it
-RANGE_VARIANCE = 1 / 12
-#: of the intervals that are stated
-CONFIDENCE = 0.9
-#: standard errors to either side of it
-REACH = float(ndtri(0.5 + 0.5 * CONFIDENCE))
-#: shares by which the sensitivities are taken
-DIFFERENCE = 5e-3
-#: tolerance of an interval's ends, in parts of its half width
-END_TOLERANCE = 0.02
+Residuals = Callable[[Array], Array]  #: (shares (n,)) -> prediction less measurement in standard errors (m,).
+MIDDLE = 0.5  #: Value of all shares before anything is measured.
+RANGE_VARIANCE = 1 / 12  #: Variance of a share of which only the range is known.
+CONFIDENCE = 0.9  #: Confidence of the intervals.
+REACH = float(ndtri(0.5 + 0.5 * CONFIDENCE))  #: Half width of an interval in standard errors.
+DIFFERENCE = 5e-3  #: Change of a share by which the sensitivities are taken.
+END_TOLERANCE = 0.02  #: Tolerance of an interval's ends, in parts of its half width.
 END_TRIALS = 6  #: Most trials for each end of an interval.
-#: corrections of the other shares in each trial
-CORRECTIONS = 2
-#: standard errors per share by which the first fit holds all shares at the middle of their ranges
-PULL = 0.1
-#: probability below which the measurements are said to contradict the model
-SIGNIFICANCE = 0.01
+CORRECTIONS = 2  #: Corrections of the other shares in each trial.
+PULL = 0.1  #: Standard errors per share by which the first fit holds all shares at the middle of their ranges.
+SIGNIFICANCE = 0.01  #: p-value below which the measurements contradict the model.
 
 
 @dataclass(frozen=True)

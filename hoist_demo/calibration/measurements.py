@@ -35,12 +35,10 @@ from rope_model.simulation.outputs.modal import natural_modes
 
 Array = NDArray[np.float64]
 
-#: s: longer than any swing after a trip lasts, and a track takes its time to compute
-LONGEST = 3600.0
-#: s: communication step of a track, and between two values of which a largest and a smallest are taken
-COMMUNICATION, SAMPLE = 0.02, 0.1
-#: modes among which those of one plane are looked for
-MODES = 14
+LONGEST = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
+COMMUNICATION = 0.02  #: Communication step of a track [s].
+SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are taken [s].
+MODES = 14  #: Modes among which those of one plane are looked for.
 
 
 class Trial:
@@ -295,12 +293,10 @@ class Track(InShaft):
         """Return the signal at the times [s] of each value, to the millisecond; each trip is wound once."""
         trips = self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
         rounded = [[round(t, 3) for t in some] for some in times]
-        times_by_trip: dict[tuple[float, ...], set[float]] = {}
+        by_trip: dict[tuple[float, ...], set[float]] = {}
         for trip, some in zip(trips, rounded, strict=True):
-            times_by_trip.setdefault(trip, set()).update(some)
-        runs = {
-            trip: trial.track(self.signal, sorted(t), trip[0], trip[1], trip[2:]) for trip, t in times_by_trip.items()
-        }
+            by_trip.setdefault(trip, set()).update(some)
+        runs = {trip: trial.track(self.signal, sorted(t), trip[0], trip[1], trip[2:]) for trip, t in by_trip.items()}
         return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
 
     @model_validator(mode="after")

@@ -24,9 +24,8 @@ def summary(result: Identified) -> list[SummaryRow]:
     rows += [SummaryRow("Determined only together", *row) for row in _pairs(result)]
     group = "Best next measurement, and its remaining error"
     unit = _wanted_unit(result)
-    rows.append(
-        SummaryRow(group, f"now: {result.measured.wanted.signal}, {number(result.wanted)} {unit}", _error(result))
-    )
+    now = f"now: {result.measured.wanted.signal}, {number(result.wanted)} {unit}"
+    rows.append(SummaryRow(group, now, _error(result)))
     rows += [SummaryRow(group, c.measurement.name, c.error, unit) for c in result.candidates[:3]]
     rows += [SummaryRow("As found, the rope says", "warning", text) for text in result.warnings]
     return [*rows, *status_rows(result.provenance())]

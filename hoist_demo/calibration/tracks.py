@@ -38,17 +38,15 @@ from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.ends.paths import SIDES
 
 Array = NDArray[np.float64]
-#: samples before the file begins, at rest in the mean of its first ones
-REST, FIRST = 25, 5
-#: standard errors from which on a residual counts for less
-ROBUST = 3.0
-#: frames from one with both ends within which the next follows: over longer gaps splines mistake the way of the ends
-GAP = 6
-#: samples of the running median, and standard errors from it that are a leap
-MEDIAN, LEAP = 5, 8.0
-#: steps of the ends' way to where a file begins, their standard error in parts of the rope's slack, and how many of
-#: these a range has
-STEPS, SLACK, ERRORS = 2, 0.2, 8.0
+REST = 25  #: Samples at rest that are put before the file.
+FIRST = 5  #: First samples of the file, in the mean of which the ends rest.
+ROBUST = 3.0  #: Standard errors from which on a residual counts for less.
+GAP = 6  #: Most frames from one with both ends to the next: over longer gaps splines mistake the ends' paths.
+MEDIAN = 5  #: Samples of the running median.
+LEAP = 8.0  #: Standard errors from the running median that are a leap.
+STEPS = 2  #: Steps of the ends' path to where a file begins.
+SLACK = 0.2  #: Standard error of such a step, in parts of the rope's slack.
+ERRORS = 8.0  #: Width of a step's range, in its standard errors.
 
 
 @dataclass(frozen=True)
@@ -172,12 +170,11 @@ class Markers(Table):
 
     def predict(self, trial: Any, *start: float) -> Array:
         """Residuals (m) on the scene of a measurements.Trial, and shares that tell its start; squares are the loss."""
-        start_errors, labelled = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5), len(self.places)
-        t, seen, (x, v, along) = (
-            self._t[-len(self._places) :],
-            np.isfinite(self._places),
-            self.wind(trial.scene, start_errors),
-        )
+        start_errors = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5)
+        labelled = len(self.places)
+        t = self._t[-len(self._places) :]
+        seen = np.isfinite(self._places)
+        x, v, along = self.wind(trial.scene, start_errors)
         motion = CubicHermiteSpline(t, x[:, :labelled], v[:, :labelled])
 
         def residuals(b: Array) -> Array:
@@ -201,35 +198,33 @@ def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
     return np.asarray(s)
 
 
-def _read(path: Path, markers: Markers) -> _Frames:
+def _read(path: Path, track: Markers) -> _Frames:
     """Read the columns of a CSV file; a ValueError names one that is missing."""
     try:
         columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
-        raise ValueError(
-            f"{markers.file} is no table of numbers ({error}): give a CSV file, names in line 1"
-        ) from error
+        raise ValueError(f"{track.file} is no table of numbers ({error}): give a CSV file, names in line 1") from error
     names = columns.dtype.names or ()
 
     def vectors(of: Sequence[str], axis: str = "", unit: float = 1.0) -> Array:
         wanted = [f"{name}.{axis}{k}" for name in of for k in "xyz"]
         if missing := [one for one in wanted if one not in names]:
-            raise ValueError(f"{markers.file} has no column {missing[0]}: its columns are {', '.join(names)}")
+            raise ValueError(f"{track.file} has no column {missing[0]}: its columns are {', '.join(names)}")
         return unit * np.array([columns[one] for one in wanted]).T.reshape(-1, len(of), 3)
 
-    if taken := [side for side in SIDES if side in markers.places]:
+    if taken := [side for side in SIDES if side in track.places]:
         raise ValueError(f"places.{taken[0]} has the name of an end of the rope: give the marker another name")
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
-        raise ValueError(f"{markers.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
-    if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and markers.ends != "clamped":
-        raise ValueError(f'{markers.file} has directions, and ends = "{markers.ends}" must be "clamped" to take them')
-    unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[markers.unit]
+        raise ValueError(f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
+    if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and track.ends != "clamped":
+        raise ValueError(f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them')
+    unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[track.unit]
     directions = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
-    return _Frames(t, vectors(SIDES, unit=unit), directions, vectors([*markers.places, *markers.unlabelled], unit=unit))
+    return _Frames(t, vectors(SIDES, unit=unit), directions, vectors([*track.places, *track.unlabelled], unit=unit))
 
 
-def _checked(frames: _Frames, markers: Markers) -> _Frames:
+def _checked(frames: _Frames, track: Markers) -> _Frames:
     """Return the frames from the first with both ends to the last; ValueError names where too much is lost."""
     t = frames.t
     with np.errstate(over="ignore"):
@@ -238,26 +233,24 @@ def _checked(frames: _Frames, markers: Markers) -> _Frames:
         where = ", ".join(f"{SIDES[side]}.d{axis}" for axis in "xyz")
         is_none = f"{', '.join(f'{x:g}' for x in frames.directions[k, side])} is no direction"
         cure = "give a vector of finite length, or empty fields for a lost one"
-        raise ValueError(f"{markers.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}")
+        raise ValueError(f"{track.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}")
     if (both := np.flatnonzero(frames.whole)).size < 2 * FIRST:
-        raise ValueError(f"{markers.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
+        raise ValueError(f"{track.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
     if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
         lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
         raise ValueError(
-            f"{markers.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
+            f"{track.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
         )
     between = slice(both[0], both[-1] + 1)
     return _Frames(t[between] - t[0], frames.ends[between], frames.directions[between], frames.markers[between])
 
 
-def _turned(frames: _Frames, markers: Markers) -> tuple[float, Array, Array]:
+def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
     """Spacing of the ends at the start (m), their places and leans (n, 2, 5), and the markers in the rope's axes."""
     start, end = frames.ends[frames.whole][:FIRST].mean(axis=0)
-    if not np.linalg.norm(np.cross(markers.up, end - start)) > 0.0:
-        raise ValueError(
-            f"{markers.file}: the ends hang above each other with up = {markers.up}: give the direction of up"
-        )
-    axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [markers.up, end - start], weights=[np.inf, 1.0])
+    if not np.linalg.norm(np.cross(track.up, end - start)) > 0.0:
+        raise ValueError(f"{track.file}: the ends hang above each other with up = {track.up}: give the direction of up")
+    axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [track.up, end - start], weights=[np.inf, 1.0])
     matrix, middle, spacing = axes.as_matrix().T, 0.5 * (start + end), float(axes.apply(end - start)[0])
     ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     directions = frames.directions @ matrix if frames.directions.size else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)

@@ -79,9 +79,8 @@ def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **hea
         deep = abs(float(host["winding.travel"].value))
         host["hoist.shaft_travel"] = Given(deep, DERIVED, "winding.travel")
     sections = data_of(plain(host))
-    length = Given(
-        LENGTH.value(RuleInputs(sections["hoist"], sections["winding"], Hoist())), DERIVED, LENGTH.words, follows=True
-    )
+    inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
+    length = Given(LENGTH.value(inputs), DERIVED, LENGTH.words, follows=True)
     filled = list[BalanceRopeData]()
     with Problems() as problems:
         for k, tail in enumerate(tails, 1):

@@ -82,16 +82,13 @@ def _duty(options: argparse.Namespace) -> int:
         return 130
     exposed = together([gather(row) for row in table_rows(trips)]) if "station.s[1]" in trips else None
     run = schedule.pattern[0]
-    provenance = [
-        *host_provenance(run, schedule.given),
-        *rope_provenance(find_case(run.case), rope.data(), schedule.given),
-    ]
-    written = [*_write(trips, exposed, out), write_data(provenance, out / "data.csv")]
+    data = host_provenance(run, schedule.given) + rope_provenance(find_case(run.case), rope.data(), schedule.given)
+    written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
     print(f"{schedule.head.title}: hoist {schedule.head.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
     recording = _as_it_is(rope) if last is None else last.result.recording
     warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording)))]
-    print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(provenance)]))
+    print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():

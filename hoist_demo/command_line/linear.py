@@ -100,11 +100,9 @@ def _modes(options: argparse.Namespace) -> int:
     rows, modes = list[list[float]](), list[Modes]()
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
-        modes.append(model_modes := model.modes(band))
-        felt = telling(model.selected(*_CHANNELS), model_modes, band)
-        table = np.column_stack(
-            (np.full(felt.size, model.at), model_modes.frequencies, model_modes.damping, felt, model_modes.shares.T)
-        )
+        modes.append(own := model.modes(band))
+        felt = telling(model.selected(*_CHANNELS), own, band)
+        table = np.column_stack((np.full(felt.size, model.at), own.frequencies, own.damping, felt, own.shares.T))
         rows += table.tolist()
         for j in np.sort(np.argsort(-felt)[: options.count]):
             print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])), flush=True)

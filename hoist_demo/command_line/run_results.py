@@ -68,10 +68,8 @@ class WoundRun:
             warnings = drop_duplicates_of_remark(warnings, self.own(rope))
         names = [rope.name for rope in self.ropes]
         rows = summarize(self.result, run.hoist, run.winding, run.coupling, names, run.arrival)
-        rows += (
-            *(row for exposed in self.exposed.items() for row in exposure_rows(*exposed)),
-            *status_rows(self.provenance),
-        )
+        rows += tuple(row for exposed in self.exposed.items() for row in exposure_rows(*exposed))
+        rows += tuple(status_rows(self.provenance))
         parts = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
         given = parameter_tables(parts, status)
         for rope in self.ropes:
@@ -143,9 +141,8 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
             if (spectra := spectra_table(own))["frequency"].size:
                 write_csv(spectra, add("spectra.csv", rope))
     hoist_file = directory / "hoist.toml"
-    hoist_file.write_text(
-        complete_file(find_case(wound.run.case), wound.run, wound.ropes, wound.provenance), encoding="utf-8"
-    )
+    text = complete_file(find_case(wound.run.case), wound.run, wound.ropes, wound.provenance)
+    hoist_file.write_text(text, encoding="utf-8")
     report = directory / "report.md"
     report.write_text(render_markdown(wound.report, pictures), encoding="utf-8")
     page = run_report(result, hoist, wound.report, directory / REPORT, wound.ropes)

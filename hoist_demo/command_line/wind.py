@@ -139,9 +139,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     run = replace(run, winding=result.winding)
     provenance = [*host_provenance(run, statuses), *of_ropes]
     title = _title(case.name or options.hoist, run.winding)
-    wound = WoundRun(
-        title, run, result, ropes, hung.pairs(result.recording), provenance, [*remarked, *warnings], values
-    )
+    pairs = hung.pairs(result.recording)
+    wound = WoundRun(title, run, result, ropes, pairs, provenance, [*remarked, *warnings], values)
     # the report of an earlier run is worth more than that of one that failed
     spared = not result.completed and (options.out / REPORT).exists()
     out = results_folder(options.out / STOPPED) if spared else options.out

@@ -185,9 +185,8 @@ class CompiledTrip:
         run, trip, places = self._run, self._trip, self._drive.result
         x, works, acting, shown = (self._drive.y[places[name]].copy() for name in ("x", "works", "acting", "shown"))
         run.drive.arrive(run.drive.state._replace(x=x, works=works, step_next=trip.step_next), acting, shown)
-        samples = tuple(
-            Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in self._samples[: trip.sample_count].copy()
-        )
+        rows = self._samples[: trip.sample_count].copy()
+        samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)
         run.memory = run.memory._replace(samples=samples, exchanges=int(trip.exchanges), residual=trip.residual)
         run.controller, run.steps = ControllerState(trip.integral), trip.steps
         run.commands = [Command(trip.torque, False, run.controller)]

@@ -72,20 +72,9 @@ def drive_row(
     t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, memory: Memory
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
-    state, (position, speed, acceleration, jerk, _) = drive.state, reference
-    slide = state.slide
-    numbers = (
-        t,
-        position,
-        speed,
-        acceleration,
-        jerk,
-        command.torque,
-        command.limited,
-        slide.slid_distance,
-        slide.speed,
-    )
-    return (*numbers, memory.residual, memory.exchanges), drive.outputs, state.works
+    slide = drive.state.slide
+    numbers = (t, *reference[:4], command.torque, command.limited, slide.slid_distance, slide.speed)
+    return (*numbers, memory.residual, memory.exchanges), drive.outputs, drive.state.works
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:

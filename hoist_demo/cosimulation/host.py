@@ -90,10 +90,8 @@ class Host:
         self.coupling = Coupling() if coupling is None else coupling
         if after is not None:
             self.coupling = replace(self.coupling, start=after.t)
-        times = SAVE_INTERVAL, LOADING_INTERVAL
-        self._save_interval, self._loading_interval = (
-            max(1, round(t / self.coupling.period)) for t in times
-        )  # in samples
+        self._save_interval = max(1, round(SAVE_INTERVAL / self.coupling.period))  # samples
+        self._loading_interval = max(1, round(LOADING_INTERVAL / self.coupling.period))  # samples
         self.scheme = find_scheme(self.coupling.scheme) if scheme is None else scheme
         self._after = None if after is None else after.with_zeroed_totals()
         self._next_hoist = next_hoist
@@ -252,11 +250,9 @@ class Host:
     def _looked_at(self, run: RunState, k: int) -> int:
         """Return the next sample behind k at which a state is saved or a payload changes."""
         next_save = k + self._save_interval - (k - run.first) % self._save_interval
-        return (
-            next_save
-            if self._next_hoist is None
-            else min(next_save, k + self._loading_interval - k % self._loading_interval)
-        )
+        if self._next_hoist is None:
+            return next_save
+        return min(next_save, k + self._loading_interval - k % self._loading_interval)
 
     def _compiled(self, run: RunState) -> CompiledTrip | None:
         """Return the trip in C; None for a run that only this host winds."""

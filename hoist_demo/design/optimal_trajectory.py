@@ -95,10 +95,8 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOpt
         raise RuntimeError(
             f"trajectory optimisation: IPOPT ended with {status}: change trajectory.intervals or relax the limits"
         ) from error
-    duration, optimal_jerks = (
-        float(solution.value(T)),
-        winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel(),
-    )
+    duration = float(solution.value(T))
+    optimal_jerks = winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
     return chain(winding.start_delay, rest(0.0), optimal_jerks.tolist(), [duration / N] * N, end=winding.travel)
 
 

@@ -43,9 +43,11 @@ ALPHA = 2 * np.pi * SLOWEST  #: 1/s.
 LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
 _FIT = 1e-2  #: Price of a change of C and D by the fit, over that of an error.
 _SHIFT = 0.3  #: Re s / 2 pi of the basis [Hz].
-_TURNS = (0.5, 0.447, 1.2)  #: Im s over the band: the first, from one to the next, and where they begin again.
+_FIRST_SHIFT = 0.5  #: Im s of the first shift, over the band.
+_SHIFT_STEP = 0.447  #: Im s from one shift to the next, over the band.
+_SHIFT_WRAP = 1.2  #: Im s at which the shifts begin again, over the band.
 _RANK_TOLERANCE = 1e-3  #: Least kinetic energy of a motion that is new to a basis, over all that are new.
-_RELATIVE_RANK_TOLERANCE = 1e-12  #: And over the energy of what it comes from.
+_RELATIVE_RANK_TOLERANCE = 1e-12  #: Least kinetic energy of the new motions, over that of what they come from.
 _LEAST = 1e-9  #: Of a channel's largest gain: less is no response.
 
 
@@ -257,7 +259,7 @@ def _krylov_bases(models: Sequence[LinearModel], band: float, count: int, others
     for k in range(count):
         if not (missing := count - bases[0].shape[1]):
             break
-        s = 2 * np.pi * complex(_SHIFT, band * ((_TURNS[0] + k * _TURNS[1]) % _TURNS[2]))
+        s = 2 * np.pi * complex(_SHIFT, band * ((_FIRST_SHIFT + k * _SHIFT_STEP) % _SHIFT_WRAP))
         news = [_answers(*of, s) for of in zip(models, masses, bases, pushes, strict=True)]
         T = _new_at_all([x.T @ (M @ x) for x, M in zip(news, masses, strict=True)], missing)
         if not T.size:
@@ -368,10 +370,8 @@ def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) 
     for i, row in enumerate(missing.swapaxes(0, 1)):
         size = np.abs(exact[:, i])
         weight = np.where(size > _LEAST * size.max(axis=0), 1.0 / np.maximum(size, 1e-300), 0.0)
-        left, right = (
-            np.moveaxis(regressors * weight[:, None, :], 1, 2).reshape(-1, regressors.shape[1]),
-            (row * weight).ravel(),
-        )
+        left = np.moveaxis(regressors * weight[:, None, :], 1, 2).reshape(-1, regressors.shape[1])
+        right = (row * weight).ravel()
         unit = np.linalg.norm(left, axis=0)
         unit[unit == 0.0] = 1.0  # a lag that no input moves
         both = np.vstack((left.real / unit, left.imag / unit, _FIT * np.eye(unit.size)))

@@ -8,10 +8,8 @@ import numpy as np
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 from rope_model import BalanceRope, EndMotion
 
-#: Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed].
-AT_REST, MOVING = 1.75, 1.25
-#: what is read of a rope at rest
-READ = ("left.fy", "right.fy", "left.my", "loop.yaw", "loop.y", "loop.turns", "stress.bending_max")
+AT_REST = 1.75  #: Slip safety that design rules require of a hoist at rest [assumed].
+MOVING = 1.25  #: Slip safety that design rules require in normal winding [assumed].
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FIRST_STEP, LAST_STEP = 0.2, 5e-3  #: Radii of the trust region at the start and at the end, in parts of the ranges.
+FIRST_STEP = 0.2  #: Radius of the trust region at the start, in parts of the ranges.
+LAST_STEP = 5e-3  #: Radius of the trust region at the end, in parts of the ranges.
 
 
 class Score(NamedTuple):

@@ -84,9 +84,7 @@ class Equations:
     rates: Any  # (x, u, l0, p) -> dx/dt
     powers: Any  # the same arguments -> W, in the order of WORK_NAMES and LOSS_NAMES
     outputs: Any  # the same arguments -> OUTPUTS
-    accelerance: (
-        Any  # the same arguments -> change of the conveyances' accelerations per force on either, (2, 2) [1/kg]
-    )
+    accelerance: Any  # the same arguments -> acceleration of each conveyance per force on either, (2, 2) [1/kg]
     hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
     lagrange: Any  # (x, a, u, l0, p) -> mass matrix times accelerations less forces, tensions; of ropes that hold
 

@@ -41,10 +41,12 @@ from rope_model.numerics.kernels import Kernel, KernelForm, build_library, cache
 Vector = NDArray[np.float64]
 Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 #: Where steps have ended: all that `advance` gives there, size of the next one, s.
-IntegratorResult = tuple[Vector, float, float]
+StepEnd = tuple[Vector, float, float]
 
 SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
-SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
+SAFETY = 0.9  #: Factor on the step that the error allows.
+SHRINKS = 0.5  #: Smallest factor from one step to the next.
+GROWS = 1.5  #: Largest factor from one step to the next.
 LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
 TOLERANCE = 1e-8  #: Of a step's error, relative and in SI units.
 
@@ -118,10 +120,8 @@ def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
         made.append(build_library(functions, compiler, cache_folder(), "hoist_drive"))
         return made[0]
 
-    (advance, accelerance), form_found = prepare(functions, build, form)
-    return DriveKernels(
-        names, given, result, advance, accelerance, of.hold, made[0] if form_found == "compiled" else None
-    )
+    (advance, accelerance), kind = prepare(functions, build, form)
+    return DriveKernels(names, given, result, advance, accelerance, of.hold, made[0] if kind == "compiled" else None)
 
 
 def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
@@ -213,9 +213,7 @@ class Integrator:
         (columns,) = self._accelerance(x, u, np.array(lengths), self.given["p"])
         return columns.T
 
-    def integrate(
-        self, h: float, size: float, s: float, end: float, watch: Watch | None = None
-    ) -> IntegratorResult | None:
+    def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> StepEnd | None:
         """Integrate to the end, or to where the watched function becomes positive; None on failure.
 
         Begins with steps of this size, a share of h [s].

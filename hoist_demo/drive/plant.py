@@ -31,7 +31,8 @@ from rope_model.numerics.kernels import KernelForm
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
 LEAST_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
 MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
-_TENSIONS, _RATE = (SHOWN["tension_left"], SHOWN["tension_right"]), STATE_NAMES.index("phi_rate")
+_TENSIONS = (SHOWN["tension_left"], SHOWN["tension_right"])
+_RATE = STATE_NAMES.index("phi_rate")
 
 
 class Slide(NamedTuple):
@@ -223,6 +224,5 @@ def _switched(state: PlantState, shown: Vector) -> PlantState:
     if slide.sense == 0.0:
         sense = 1.0 if shown[_TENSIONS[1]] > shown[_TENSIONS[0]] else -1.0
         return state._replace(slide=Slide(sense, slid_distance=slide.slid_distance))
-    return state._replace(
-        slide=Slide(slid_distance=slide.slid_distance), free_lengths=(left - slide.slip, right + slide.slip)
-    )
+    lengths = (left - slide.slip, right + slide.slip)
+    return state._replace(slide=Slide(slid_distance=slide.slid_distance), free_lengths=lengths)

@@ -32,15 +32,16 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, leaves
 from rope_model import Level
 
-PLACE, BREAK = ("x_left", "x_right", "z"), ("breaks_at", "breaks_s")
+PLACE = ("x_left", "x_right", "z")
+BREAK = ("breaks_at", "breaks_s")
 _BREAKS = (
     Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
     Parameter("rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"),
 )
-#: where a rope of several hangs and breaks
+#: Parameters of the place and break of one of several ropes, by name.
 PLACE_PARAMETERS = {p.name: p for p in (*leaves(Place, "rope."), *_BREAKS)}
-#: what decides another rope, and what of it the catalogue has not
-_DECIDES, _CATALOGUE_INPUTS = ("construction", "from"), ("rope.length", "rope.diameter")
+_DECIDES = ("construction", "from")  #: Keys that decide for another rope.
+_CATALOGUE_INPUTS = ("rope.length", "rope.diameter")  #: Parameters that the catalogue does not know.
 
 
 def _rope_parameters() -> list[Parameter]:

@@ -205,10 +205,8 @@ def _problems(names: Sequence[str], error: Any) -> list[str]:
     cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
     if "." in str(loc[-1]):
         cure = "leave out the quotation marks"
-    requirement, key = (
-        error["msg"].partition(" should ")[2] or error["msg"],
-        context.get("discriminator", "").strip("'"),
-    )
+    requirement = error["msg"].partition(" should ")[2] or error["msg"]
+    key = context.get("discriminator", "").strip("'")
     words = _WORDS.get(error["type"], "{place} = {short} must {requirement}: correct it")
     return [words.format(**context | facts, cure=cure, requirement=requirement, key=key)]
 

@@ -17,14 +17,15 @@ from rope_model.texts import printable
 
 LONGEST_TEXT = 200  #: Characters of a title, of a source, or of a name for people.
 
-#: statuses of what is set without one, of what follows by a rule, and of what differs between runs
-GIVEN, DERIVED, VARIED = "given", "derived", "varied"
+GIVEN = "given"  #: Status of a value that is set without one.
+DERIVED = "derived"  #: Status of a value that follows by a rule.
+VARIED = "varied"  #: Status of a value that differs between runs.
 STATUSES = tuple(dict.fromkeys((*get_args(DatumStatus), "data sheet", DERIVED, GIVEN)))
 Status = Literal[STATUSES]  # type: ignore[valid-type]
 #: letters with a small power, joined; pint alone would read past commas and figures
 _UNIT = re.compile(r"(?:1/)?[A-Za-z%µ°]+\^?-?\d?(?:\s*[ ./*·]\s*[A-Za-z%µ°]+\^?-?\d?)*")
-#: pure numbers may be percentages; a US ton is no tonne
-_SHARES, _UNCLEAR = {"%": Fraction(1, 100)}, ("ton", "tons")
+_SHARES = {"%": Fraction(1, 100)}  #: Units of pure numbers.
+_UNCLEAR = ("ton", "tons")  #: Units that are refused: a US ton is no tonne.
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 #: raised by pint and by the tokenizer that it takes
 _NO_UNIT = (ArithmeticError, AssertionError, AttributeError, LookupError, SyntaxError, TypeError, ValueError)

@@ -171,9 +171,8 @@ class Hoist(Stated):
         `ratio` is a number or an array.
         """
         excess = np.asarray(ratio - 1.0)
-        safety = np.divide(
-            self.tension_ratio_limit - 1.0, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0
-        )
+        limit = self.tension_ratio_limit - 1.0
+        safety = np.divide(limit, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)
         return safety if safety.ndim else float(safety)
 
     def torque_available(self, rate: Any) -> Any:

@@ -38,9 +38,10 @@ class Bounds(NamedTuple):
         return math.isfinite(value) and above and (self.high is None or value <= self.high)
 
 
-#: of most quantities, of those that may vanish, of those of either sign, and of a share
-POSITIVE, VANISHING, ANY = Bounds(0.0, opens=True), Bounds(0.0), Bounds()
-SHARE = Bounds(0.0, 1.0, True, "give a fraction")
+POSITIVE = Bounds(0.0, opens=True)  #: Bounds of most quantities.
+VANISHING = Bounds(0.0)  #: Bounds of quantities that may be 0.
+ANY = Bounds()  #: Bounds of quantities of either sign.
+SHARE = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
 
 
 def quantity(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:

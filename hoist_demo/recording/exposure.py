@@ -211,13 +211,8 @@ def _counted(name: str, values: Array) -> dict[str, Array]:
     if not np.isfinite(values).all():
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
     cycles = [[(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)] for column in values.T]
-    ranges = np.array([max((size for size, _ in station_cycles), default=0.0) for station_cycles in cycles])
+    ranges = np.array([max((size for size, _ in station), default=0.0) for station in cycles])
     least, edges = COUNTED * float(np.max(ranges)), (*BINS[name], np.inf)
-    counted = np.array(
-        [sum(count for size, count in station_cycles if size >= least > 0.0) for station_cycles in cycles]
-    )
-    binned = [
-        np.histogram([x for x, _ in station_cycles], edges, weights=[n for _, n in station_cycles])[0]
-        for station_cycles in cycles
-    ]
+    counted = np.array([sum(count for size, count in station if size >= least > 0.0) for station in cycles])
+    binned = [np.histogram([x for x, _ in station], edges, weights=[n for _, n in station])[0] for station in cycles]
     return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))

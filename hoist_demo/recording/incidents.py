@@ -52,9 +52,8 @@ def jams(recording: Recording) -> list[JamEvent]:
         stood = turned is not None and recording[name][k + turned] != 0.0
         last = turned if turned is not None and stood else int(held[-1]) - k
         distance = abs(float(y[last] - y[0])) if stood else None
-        events.append(
-            JamEvent(side, float(recording.time[k]), float(y[0]), distance, float(np.max(np.abs(ay[: last + 1]))))
-        )
+        hardest = float(np.max(np.abs(ay[: last + 1])))
+        events.append(JamEvent(side, float(recording.time[k]), float(y[0]), distance, hardest))
     return sorted(events, key=attrgetter("t"))
 
 
@@ -165,11 +164,8 @@ def incidents(recording: Recording) -> str:
     if (trip := guard_trip(recording)) is not None:
         sentences.append(f"its guard tripped at t = {trip.t:.4g} s ({trip.cause})")
     for jam in jams(recording):
-        course = (
-            "jammed"
-            if jam.stopping_distance is not None
-            else "was held by a narrow place of its guides, and went through,"
-        )
+        through = jam.stopping_distance is None
+        course = "was held by a narrow place of its guides, and went through," if through else "jammed"
         sentences.append(f"the {jam.side} conveyance {course} at t = {jam.t:.4g} s")
     sentences += [
         f"the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s on, by "

@@ -231,8 +231,8 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
         top.set_title(top.get_title(loc="left"), pad=6.0 + _LINE * len(lines))
 
 
-#: Width of a letter of a mark's name, as a share of the panel's, and height of a line of names in points.
-_LETTER, _LINE = 0.009, 9.0
+_LETTER = 0.009  #: Width of a letter of a mark's name, as a share of the panel's.
+_LINE = 9.0  #: Height of a line of names in points.
 
 
 def legend(ax: Axes) -> None:

@@ -15,8 +15,8 @@ OUTCOME = "Outcome"  #: Group of the rows that tell how a run went.
 
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
 
-#: Significant digits of a number in the summary, which is what the rope's standard accuracy leaves, and of a whole one.
-DIGITS, WHOLE = 4, 10
+DIGITS = 4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
+WHOLE = 10  #: Significant digits of a whole number.
 
 LONG = 40  #: Characters from which a text has lines of its own in the table.
 

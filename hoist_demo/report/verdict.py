@@ -27,7 +27,8 @@ HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turne
 
 NO_BOUND = "none asked"
 
-_STRIKES, _HANGS = "strikes", "above 0: a rope only pulls"
+_STRIKES = "strikes"
+_HANGS = "above 0: a rope only pulls"
 
 #: Signals whose largest size counts, in words, with unit and the guard whose bound it is.
 _SWINGS = (
@@ -187,11 +188,8 @@ def _rows(
     yield from _pulls(result.recording, hoist, ropes)
     yield from _head_ropes(result.recording, hoist)
     for stop in stops(result.recording, result.winding.emergency_at):
-        distance = (
-            f"{stop.stopping_distance:.2f} m in {stop.time:.2f} s"
-            if stop.time is not None
-            else f"{stop.stopping_distance:.2f} m, and goes on"
-        )
+        duration = f" in {stop.time:.2f} s" if stop.time is not None else ", and goes on"
+        distance = f"{stop.stopping_distance:.2f} m{duration}"
         yield VerdictRow(f"way of the {stop.side} conveyance in the emergency stop", distance)
     if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
         cycle = trip_metrics(result, result.winding, arrival).get("cycle_time")
@@ -322,9 +320,8 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
         clear, t, s, y = (rope.last(f"{near}.{key}") for key in ("clearance", "time", "s", "y"))
         where = f"t = {t:.2f} s, y = {y:.2f} m, {s:.1f} m along the rope"
         bound_text = f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0"
-        yield VerdictRow(
-            f"clearance from {words}", f"{rounded(clear, rope.length_error)} m", bound_text, clear > bound, where
-        )
+        text = f"{rounded(clear, rope.length_error)} m"
+        yield VerdictRow(f"clearance from {words}", text, bound_text, clear > bound, where)
 
 
 def _swivels(rope: _Rope) -> Iterator[VerdictRow]:

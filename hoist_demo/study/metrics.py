@@ -164,10 +164,8 @@ def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str
         "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.slid_distance,
     }
     if (ended := incidents.stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
-        metrics |= {
-            "stop_time": max(one.time or 0.0 for one in ended),
-            "stop_distance": max(one.stopping_distance for one in ended),
-        }
+        metrics["stop_time"] = max(stop.time or 0.0 for stop in ended)
+        metrics["stop_distance"] = max(stop.stopping_distance for stop in ended)
     if recording.has(*incidents.GUARD_SIGNALS):
         trip = incidents.guard_trip(recording)
         metrics["guard_tripped"] = float(trip is not None)

@@ -17,11 +17,13 @@ from hoist_demo.study.store import SEPARATOR, Store, kind_of
 from hoist_demo.study.trends import not_monotonic
 from hoist_demo.study.tuning import Range
 
-#: Columns where a study says what is best, each of all runs of a choice: the sum by which it is judged, the share of
-#: its runs that keep the bounds, and the largest excess over a bound as a part of it.
-JUDGED, WITHIN, EXCESS = "judged", "within", "excess"
-MOST = 3  #: Warnings that are told with the best choice.
-WARNINGS, MISSING = "warnings", "missing"  #: Columns with what a run has warned of, and why a metric is missing.
+# columns of a study with a goal; those of a choice are the same in all its runs
+JUDGED = "judged"  #: Column with the sum by which a choice is judged.
+WITHIN = "within"  #: Column with the share of a choice's runs that keep the bounds.
+EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of it.
+WARNINGS = "warnings"  #: Column with a run's warnings.
+MISSING = "missing"  #: Column with the reason why a metric is missing.
+MOST_WARNINGS = 3  #: Most warnings in the text on the best choice.
 
 #: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
 RunSamples = Callable[[Sequence[StudyRun]], list[str]]
@@ -191,8 +193,8 @@ def _best(
     # what all runs warn of says least about this choice
     common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
     warned = sorted(texts, key=lambda text: common[kind_of(text)])
-    sentence += "".join(f". Warning: {text}" for text in warned[:MOST])
-    sentence += f". {len(warned) - MOST} more warnings of its runs" if len(warned) > MOST else ""
+    sentence += "".join(f". Warning: {text}" for text in warned[:MOST_WARNINGS])
+    sentence += f". {len(warned) - MOST_WARNINGS} more warnings of its runs" if len(warned) > MOST_WARNINGS else ""
     return Best(runs, sentence, one.comparable)
 
 

@@ -109,16 +109,14 @@ def build(
     """
     hoist_case, varied = with_values(find_case(case), values), dict(varied or {})
     differing = {key: one.value if isinstance(one, Given) else one for key, one in varied.items()}
+    varied_statuses = {key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}
     host = {**plain(hoist_case.host), **differing}
     run = RunData(
         case=case,
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
         fmu={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
-        given={
-            **hoist_case.given,
-            **{key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()},
-        },
+        given={**hoist_case.given, **varied_statuses},
         **data_of(host),
     )
     run.require_possible()

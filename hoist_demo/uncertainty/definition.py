@@ -66,10 +66,8 @@ class Uncertain(RopeQuestion, RunFile):
         """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
         run = self.run({name: datum.middle for name, datum in data.items()})
-        property_statuses = {
-            name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()
-        }
-        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(property_statuses)}
+        status_of = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
+        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
         if "length" in self.catalogue_arguments:
             given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.head.bearing:

@@ -34,8 +34,8 @@ WindingResult = tuple[dict[str, float], tuple[str, ...]]
 QUANTILES = (0.05, 0.5, 0.95)
 #: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
 SPOILED = 1.1
-#: before the cause of a winding's stop, and before what its rope passed through: it then describes no real rope
-STOPPED, LEFT_OUT = "stopped: ", "left out: "
+STOPPED = "stopped: "  #: Prefix of the cause of a winding's stop.
+LEFT_OUT = "left out: "  #: Prefix of what a rope passed through: its winding describes no real rope.
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 

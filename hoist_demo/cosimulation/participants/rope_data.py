@@ -11,8 +11,8 @@ from rope_model import Level, Scene, at_level
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
 
-#: Parameters of a level of accuracy: their numbers, and these choices.
-_LEVEL, _CHOICES = ("mesh.", "solver.", "model."), ("mesh.kind", "model.fidelity")
+_LEVEL_GROUPS = ("mesh.", "solver.", "model.")  #: Groups of the numbers that a level of accuracy sets.
+_LEVEL_CHOICES = ("mesh.kind", "model.fidelity")  #: Choices that a level of accuracy sets.
 
 _FREE = "solver.kernels"  #: What may differ when a run goes on.
 
@@ -83,8 +83,8 @@ class RopeData:
     def level(self) -> str:
         """Name of the level whose mesh, solver and model these are, "" for none."""
         for level in get_args(Level):
-            numbers = [p for p in named_parameters(at_level(Scene(), level)) if p.name.startswith(_LEVEL)]
-            wanted = {p.name: p.value for p in numbers if isinstance(p.value, float) or p.name in _CHOICES}
+            numbers = [p for p in named_parameters(at_level(Scene(), level)) if p.name.startswith(_LEVEL_GROUPS)]
+            wanted = {p.name: p.value for p in numbers if isinstance(p.value, float) or p.name in _LEVEL_CHOICES}
             if all(self.parameters.get(name) == value for name, value in wanted.items()):
                 return str(level)
         return ""

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 from hoist_demo.cosimulation.schemes.interface import Advance, Memory, Pair, Scheme
 
-SAFETY, LARGEST_CHANGE = 0.8, 2.0
+SAFETY = 0.8  #: Factor on the step that the power allows.
+LARGEST_CHANGE = 2.0  #: Largest factor from one step to the next.
 
 
 @dataclass(frozen=True)

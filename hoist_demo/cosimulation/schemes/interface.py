@@ -249,11 +249,8 @@ class Pair:
         (force, mean), (work, place) = self.forces(), self._before
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
         made = self.drive.work() - work - float((mean * (self.drive.place() - place)).sum())
-        return memory._replace(
-            samples=(*memory.samples, sample)[-HISTORY:],
-            exchanges=memory.exchanges + 1,
-            residual=memory.residual + made,
-        )
+        samples = (*memory.samples, sample)[-HISTORY:]
+        return memory._replace(samples=samples, exchanges=memory.exchanges + 1, residual=memory.residual + made)
 
     def exchange(self, memory: Memory, t: float, h: float, load: Load) -> Advance:
         """Do the step under a load, drive first, and return the new memory."""

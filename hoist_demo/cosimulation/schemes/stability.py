@@ -24,7 +24,8 @@ _log = logging.getLogger(__name__)
 
 MEMORY = 48  #: Steps for which the rope's answer is followed.
 PULSE = 0.05  #: Acceleration of the trial [m/s^2].
-STILL = 4, 1e-7  #: Steps without a pulse in which a rope's forces change by less than this part: it hangs still.
+STILL_STEPS = 4  #: Steps without a pulse after which a rope may be found to hang still.
+STILL_CHANGE = 1e-7  #: Largest relative change of its forces until then.
 MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope's damping beyond its memory decides.
 
 
@@ -100,12 +101,11 @@ def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forc
     try:
         for k in range(MEMORY):
             displacement = pulse * H * H * (k + 0.5)
-            if cause := pair.step_rope(
-                t + k * H, H, InterfaceMotion(at_rest + displacement, pulse * H, pulse * (k == 0))
-            ):
+            acceleration = pulse if k == 0 else 0.0 * pulse
+            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest + displacement, pulse * H, acceleration)):
                 return cause
             forces[k] = pair.forces()[0]
-            if k == STILL[0] and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL[1], atol=0.0):
+            if k == STILL_STEPS and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL_CHANGE, atol=0.0):
                 forces[k:] = forces[k]
                 break
         return ""

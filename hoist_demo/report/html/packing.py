@@ -88,7 +88,8 @@ MAPS = (
     ("tension", "Tension along the rope", "kN", 1e-3),
 )
 
-MOST_COLUMNS, ROPE_ROWS = 240, 160  #: Size of each picture.
+MOST_COLUMNS = 240  #: Most instants in a picture.
+ROPE_ROWS = 160  #: Places along the rope in a picture.
 
 MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
 

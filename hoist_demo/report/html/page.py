@@ -107,8 +107,10 @@ def _finite(data: object) -> object:
     return data
 
 
-#: Of a picture: its width, a row's height, where the axis begins, and its length, in pixels.
-WIDTH, ROW, LABEL, AXIS = 760, 26, 290, 440
+WIDTH = 760  #: Width of a picture of bars in pixels.
+ROW = 26  #: Height of a row in pixels.
+LABEL = 290  #: Width of the labels left of the axis in pixels.
+AXIS = 440  #: Length of the axis in pixels.
 
 
 @dataclass(frozen=True)

@@ -43,9 +43,8 @@ def run_report(
     data = _data(result, hoist, ropes)
     data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
-    return page.write_html(
-        path, page.render_page("run", report.title, body, _verdict(report.verdict, report.changed), scripts)
-    )
+    note = _verdict(report.verdict, report.changed)
+    return page.write_html(path, page.render_page("run", report.title, body, note, scripts))
 
 
 _NO = '<td class="tripped">NO</td>'

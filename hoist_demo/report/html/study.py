@@ -18,14 +18,14 @@ from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import TitledRows
 from hoist_demo.study.goal import Goal
 from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
-from hoist_demo.study.perform import Performed
+from hoist_demo.study.perform import MISSING, WARNINGS, Performed
 from hoist_demo.study.store import SEPARATOR, kind_of
 from rope_model.texts import html_text
 
-STATUS, CAUSE = "status", "cause"
-WARNINGS, MISSING = "warnings", "missing"  # texts of runs, told by kind and no columns
-ROUNDING = 1e-9  # of a number, within which two are one
-RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
+STATUS = "status"
+CAUSE = "cause"
+_NO_COLUMNS = (STATUS, CAUSE, "run", "key", WARNINGS, MISSING)  #: Columns of the table that the page does not plot.
+ROUNDING = 1e-9  #: Relative difference within which two numbers are one.
 _OWN = ("title", "parameters")
 #: columns that are shown first behind what varies and what is judged
 _FIRST = ("judged", "within", "excess", "slip_safety", "clearance", "loop_turns", "rope_force_peak", "sway")
@@ -51,7 +51,7 @@ def study_report(
     values, units, factors = _in_engineering_units(
         {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
     )
-    names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY, WARNINGS, MISSING)]
+    names = [name for name in values if name not in _NO_COLUMNS]
     varied = {name for name in names if _differ(values[name])}
     fixed = [name for name in parameters if name in names and name not in varied]
     nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
