@@ -106,7 +106,7 @@ class Markers(Table):
 
     @property
     def starts(self) -> int:
-        """Number of fitted shares that describe the ends' way to where the file begins."""
+        """Number of fitted shares that describe the ends' path to where the file begins."""
         return 6 * STEPS if self.settle else 0
 
     @property

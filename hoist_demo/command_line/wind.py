@@ -241,7 +241,7 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mappin
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
     if fmu_part(chosen):
         Probe(options.fmu).require_start(run)
-    recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # of which those are dear
+    recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
     load = partial(FmuRope, options.fmu, {**kernels, **run.fmu}, recorded)
     return Ropes(case, run, (OneRope("", run.fmu, case.level, case, fmu=load),))
 

@@ -200,11 +200,12 @@ def _creep_profile(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ..
         v = float(brentq(lambda v: ramps(v) - between, c, winding.speed, xtol=1e-15, rtol=1e-15))
         v = max(c, v - 3e-15 * (1.0 + v))
 
-    held = [(c, first - stop)] * (first > 0.0) + [(v, between - ramps(v))] + [(c, last - stop)] * (last > 0.0)
+    departure = [(c, first - stop)] if first > 0.0 else []
+    arrival = [(c, last - stop)] if last > 0.0 else []
     signs: list[float] = []
     times: list[float] = []
     speed = 0.0
-    for following, distance in [*held, (0.0, 0.0)]:
+    for following, distance in [*departure, (v, between - ramps(v)), *arrival, (0.0, 0.0)]:
         t_jerk, t_constant = _ramp(abs(following - speed), a, j)
         up = math.copysign(1.0, following - speed)
         signs += [up, 0.0, -up, 0.0]

@@ -145,12 +145,13 @@ class CompiledTrip:
         trip.row = rows.ctypes.data
         stop = _STOPS[self._library.trip_samples(byref(trip), byref(reached), last)]
         self._rope.heard()
-        done = reached.value - first + (stop not in ("WELL", "LOOK"))
+        failed = stop not in ("WELL", "LOOK")
+        done = reached.value - first + (1 if failed else 0)
         rows[:done, len(ROW) :] = self._table.read(done)
         run.recorder.count += done
         if done:
             self._take()
-            t = self._coupling.start + (run.steps - (stop == "WELL")) * self._coupling.step
+            t = self._coupling.start + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
             cause = run.pair.rope_stepped(t, self._rope.status(stop, trip.status))
             return SampleReached(reached.value, cause, within=stop == "DRIVE")
         return SampleReached(first)

@@ -7,9 +7,9 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Memory, Vector
-from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
+from hoist_demo.drive.equations import LOSS_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import SHOWN, tension_ratio
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.time_series import TIME, Recording
 
 _REFERENCE = ("position", "speed", "acceleration", "jerk")

@@ -226,8 +226,9 @@ class Host:
                 cause = cause or (self._steps(run, reached) if within else "")
                 if cause:
                     return cause
-                if reached + within > k:
-                    k = reached + within
+                following = reached + 1 if within else reached
+                if following > k:
+                    k = following
                     continue
             with self.rope_clock:
                 signals = self._read_signals()

@@ -34,7 +34,7 @@ typedef struct {
     double *z, *y; /* what it is given and finds */
     double *given; /* to the law */
 
-    Access step, motions, valid, forces, sides, guard; /* of the rope; without a function what it has not got */
+    Access step, motions, valid, forces, sides, guard; /* of the rope; without a function where it lacks one */
     const Access *recorded;
     Function warning;
     char *warned, *text;
@@ -187,7 +187,7 @@ static double command(Trip *m, const double reference[4]) {
 static int exchange(Trip *m, double t, const double (*reference)[4]) {
     const double H = m->H, begun = now(), work_before = work(m), integral = m->integral, torque = m->torque,
                  size = m->step_next;
-    double *path = m->z + AT_PATH, *y = m->y, way[2], before[SIZE], left;
+    double *path = m->z + AT_PATH, *y = m->y, distance[2], before[SIZE], left;
     const Sample *last = m->samples + m->sample_count - 1;
     const double *force = (const double *)m->forces.values;
     Sample sample;
@@ -220,9 +220,9 @@ static int exchange(Trip *m, double t, const double (*reference)[4]) {
         sample.force[i] = force[i];
         sample.mean[i] = force[2 + i];
         sample.acceleration[i] = y[AT_SHOWN + A_LEFT + i];
-        way[i] = y[AT_SHOWN + Y_LEFT + i] - before[AT_SHOWN + Y_LEFT + i];
+        distance[i] = y[AT_SHOWN + Y_LEFT + i] - before[AT_SHOWN + Y_LEFT + i];
     }
-    m->residual += work(m) - work_before - (sample.mean[0] * way[0] + sample.mean[1] * way[1]);
+    m->residual += work(m) - work_before - (sample.mean[0] * distance[0] + sample.mean[1] * distance[1]);
     m->exchanges++;
     if (m->sample_count == HISTORY)
         memmove(m->samples, m->samples + 1, (HISTORY - 1) * sizeof sample);

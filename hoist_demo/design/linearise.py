@@ -23,10 +23,10 @@ import scipy.sparse as sp
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.design.linear_model import Array, LinearModel
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, extra_coordinates, state_names
+from hoist_demo.drive.equations import INPUT_NAMES, equations, extra_coordinates, state_names
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.place import Place
 from rope_model import EndMotion, Level, RopeSimulator, Scene
 from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope

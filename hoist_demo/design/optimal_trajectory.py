@@ -10,7 +10,7 @@ is again a chain of constant-jerk segments, which the host samples like any S-cu
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -20,7 +20,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, chain, rest, s_curve
 from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, low_fidelity
 from hoist_demo.parameters import Hoist, Winding, start_heights
-from hoist_demo.parameters.quantity import Bounds, Stated, quantity
+from hoist_demo.parameters.trip_design import TrajectoryOptions
 
 _INSIDE = 0.9  # 1, share of the limits that the first guess uses
 _SUBSTEP = 0.05  # s, at most a sixth of the period of the swings that matter
@@ -32,16 +32,6 @@ _IPOPT: dict[str, Any] = {
     "hessian_approximation": "limited-memory",
 }
 _SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
-
-
-@dataclass(frozen=True)
-class TrajectoryOptions(Stated):
-    """Options of the optimisation, with defaults of ours [assumed]."""
-
-    swing_speed: float = quantity(0.01, "m/s", "of the conveyances after arrival, that is worth swing_price")
-    swing_price: float = quantity(1.0, "s")
-    hold: float = quantity(1.5, "s", "after arrival, over which the swing counts")
-    intervals: int = quantity(120, "1", "of the trip", Bounds(20, 2000, cure="take about 8 per second"))
 
 
 def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Trajectory:

@@ -32,12 +32,11 @@ import casadi as ca
 import numpy as np
 
 from hoist_demo.drive.legs import Friction, Leg, make_leg
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
 STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")  #: First entries of every state.
 
-SIDES = ("left", "right")
 INPUT_NAMES = (
     *("torque_command", "force_left", "force_right", "brake"),
     *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
@@ -65,7 +64,7 @@ def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
 def state_names(hoist: Hoist) -> tuple[str, ...]:
     """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections.
 
-    Ropes that slide have the way slip [m] that they have slid, positive as the sheave's rotation, and their sense.
+    Ropes that slide have the distance slip [m] that they have slid, positive as the sheave's rotation, and their sense.
     """
     extra = extra_coordinates(hoist)
     brake = ("brake_pressure", "brake_deflection") if hoist.brake is not None else ()
@@ -97,7 +96,7 @@ class Coordinates:
         self.q, self.v = ca.SX.sym("q", len(self.names)), ca.SX.sym("v", len(self.names))
 
     def __call__(self, name: str) -> tuple[Any, Any]:
-        """Coordinate and its rate; zeros where the hoist has not got it."""
+        """Coordinate and its rate; zeros where the hoist lacks it."""
         if name not in self.names:
             return 0.0, 0.0
         k = self.names.index(name)

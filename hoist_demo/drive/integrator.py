@@ -241,7 +241,7 @@ class Integrator:
         """Return all that `advance` gives after a step of the size `used` from s; 0: in the state given."""
         self.give(s=s, h=used)
         self._advance.evaluate()
-        self.evaluations += used > 0.0
+        self.evaluations += 1 if used > 0.0 else 0
         return self.y.copy()
 
     def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam
 
-At = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where the hoist has not got it.
+At = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where the hoist lacks it.
 
 
 class Friction(NamedTuple):

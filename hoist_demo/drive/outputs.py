@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.parameters import SIDES
+
 Array = NDArray[np.float64]
 
 _AXES = ("x", "z", "yaw")
@@ -24,7 +26,7 @@ OUTPUTS = (
     # each with its rate and second derivative
     *(
         f"{name.format(axis)}_{side}"
-        for side in ("left", "right")
+        for side in SIDES
         for axis in _AXES
         for name in (_TURNING if axis == "yaw" else _LATERAL)
     ),

@@ -21,10 +21,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, STATE_NAMES
+from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
 from hoist_demo.drive.integrator import SHORTEST, WORKS, Integrator, Vector, Watch
 from hoist_demo.drive.outputs import SHOWN
-from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.parameters import GRAVITY, SIDES, Hoist
 from rope_model.numerics.kernels import KernelForm
 
 #: The rope's signals that act on conveyances with play.
@@ -118,7 +118,7 @@ class HoistPlant:
         for j in range(1, hoist.head_rope_modes + 1):
             k = j * math.pi
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
-            for side, length in zip(("left", "right"), lengths, strict=True):
+            for side, length in zip(SIDES, lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
         x[0] = self.holding.holding_torque(x, lengths)
         if hoist.drive_shaft is not None:

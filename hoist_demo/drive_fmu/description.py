@@ -7,20 +7,13 @@ from importlib.resources import files
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import Trajectory, s_curve
-from hoist_demo.drive_fmu.interface import (
-    START_PULLS,
-    DriveTail,
-    Variable,
-    force_inputs,
-    holding,
-    plant_outputs,
-    variables,
-)
+from hoist_demo.drive_fmu.interface import START_PULLS, DriveTail, force_inputs, holding, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
 from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
 from hoist_demo.parameters.problems import Problems
 from rope_model import Inputs
+from rope_model.scene_names import Variable
 from rope_model.texts import html_text
 
 NAME = "HoistDrive"
@@ -53,7 +46,7 @@ def drive_model(case: Case, tails: Sequence[DriveTail] = (), trajectory: Traject
     """Hoist and trip of ``case`` as C; the trip is part of the export.
 
     ``tails`` are its balance ropes where they differ; the hoist of the case has them as one.  ``trajectory`` as for
-    duration.  The brake is left out: it is for emergency stops, which an exported trip has not got; ValueError names
+    duration.  The brake is left out: it is for emergency stops, which an exported trip lacks; ValueError names
     what else an exported drive cannot hold.
     """
     Problems(obstacles(case)).refuse()

@@ -15,16 +15,15 @@ from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
-from hoist_demo.parameters import GRAVITY, Hoist, start_heights
+from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
 from hoist_demo.parameters.place import MOVED, Place
 from hoist_demo.parameters.quantity import leaves
 from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
-from rope_model.scene_names import Variable as Variable
+from rope_model.scene_names import Variable
 
-_SIDES = ("left", "right")
-INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
-START_PULLS = tuple(f"{side}.fy_start" for side in _SIDES)
+INPUTS = tuple(f"{side}.fy_mean" for side in SIDES)
+START_PULLS = tuple(f"{side}.fy_start" for side in SIDES)
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
 #: Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side.
 _LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
@@ -85,7 +84,7 @@ def holding(tails: Sequence[DriveTail]) -> dict[str, tuple[str, ...]]:
     names = (*force_inputs(tails), *START_PULLS)
     return {
         **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), names),
-        **{f"drive.tension_{side}": names[k::2] for k, side in enumerate(_SIDES)},
+        **{f"drive.tension_{side}": names[k::2] for k, side in enumerate(SIDES)},
     }
 
 
@@ -100,9 +99,9 @@ def rest_forces(case: Case, tail: DriveTail | None = None) -> tuple[float, float
 
 def motions(hoist: Hoist) -> dict[str, str]:
     """Outputs that a balance rope at the conveyances' centres takes in, and their names in OUTPUTS."""
-    names = {f"{side}.{name}": f"{field}_{side}" for side in _SIDES for name, field in _UPRIGHT.items()}
+    names = {f"{side}.{name}": f"{field}_{side}" for side in SIDES for name, field in _UPRIGHT.items()}
     if hoist.play is not None:
-        names |= {f"{side}.{name}": f"{name}_{side}" for side in _SIDES for name in _LATERAL}
+        names |= {f"{side}.{name}": f"{name}_{side}" for side in SIDES for name in _LATERAL}
     return names
 
 
@@ -115,7 +114,7 @@ def side_forces(hoist: Hoist, tails: Sequence[DriveTail]) -> tuple[str, ...]:
 
 def placed_motions(hoist: Hoist, tails: Sequence[DriveTail]) -> list[str]:
     """Outputs that the ropes beside the centres take in, by rope and end MOVED: there a conveyance's yaw counts."""
-    return [f"{tail.name}.{side}.{name}" for tail in placed(hoist, tails) for side in _SIDES for name in MOVED]
+    return [f"{tail.name}.{side}.{name}" for tail in placed(hoist, tails) for side in SIDES for name in MOVED]
 
 
 def placed(hoist: Hoist, tails: Sequence[DriveTail]) -> list[DriveTail]:
@@ -151,7 +150,7 @@ def _parameters(case: Case, step: float, tails: Sequence[DriveTail]) -> Iterator
     start, wait = case.winding.start_delay, "wait before the trip begins"
     yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
     pulls = np.sum([rest_forces(case, tail) for tail in tails or (None,)], axis=0)
-    for side, name, pull in zip(_SIDES, START_PULLS, pulls, strict=True):
+    for side, name, pull in zip(SIDES, START_PULLS, pulls, strict=True):
         text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
         yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
     text = "largest internal step, no longer than that of the export"

@@ -22,12 +22,12 @@ import numpy as np
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.kernel import ARGUMENTS, law_kernel
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations
+from hoist_demo.drive.equations import INPUT_NAMES, equations
 from hoist_demo.drive.integrator import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.drive_fmu.interface import DriveTail, placed, plant_outputs, shown_as, side_forces
-from hoist_demo.parameters import GRAVITY, Hoist, start_heights
+from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
 from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
 
 #: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.

@@ -12,12 +12,10 @@ from typing import Any
 from pydantic import Field, ValidationError, create_model
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.design.controllers import DESIGNS
-from hoist_demo.design.optimal_trajectory import TrajectoryOptions
-from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.reading import table_of
-from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
+from hoist_demo.parameters import SIDES, Arrival, Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value, leaves
+from hoist_demo.parameters.trip_design import CONTROLLERS, Shaper, TrajectoryOptions
 from rope_model import Scene
 from rope_model.scene_names import choices_of, named_parameters
 
@@ -30,7 +28,7 @@ SECTIONS: dict[str, type[Any]] = {
     "trajectory": TrajectoryOptions,
     "arrival": Arrival,
 }
-CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=tuple(DESIGNS))
+CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
 
 
 _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.items()})  # type: ignore[call-overload]
@@ -59,7 +57,7 @@ def rope_parameters() -> dict[str, Parameter]:
     return by_name
 
 
-SWIVELS, ENDS = "swivels", ("left", "right")
+SWIVELS = "swivels"  #: Table with parameters of both swivels.
 
 
 @cache
@@ -74,7 +72,7 @@ def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     expanded = dict[str, Any]()
     for key, one in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
         table, dot, name = key.partition(f"{SWIVELS}.")
-        expanded |= {key: one} if table or not dot else {f"{end}.swivel.{name}": one for end in ENDS}
+        expanded |= {key: one} if table or not dot else {f"{end}.swivel.{name}": one for end in SIDES}
     return expanded
 
 

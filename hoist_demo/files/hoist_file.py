@@ -16,17 +16,11 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.cases.case import FOLDER, NAMED, BalanceRopeData, Case
 from hoist_demo.cases.rules import completed
-from hoist_demo.files.catalogue import (
-    ENDS,
-    at_both_ends,
-    host_parameters,
-    rope_parameters,
-    run_fields,
-    swivel_parameters,
-)
+from hoist_demo.files.catalogue import at_both_ends, host_parameters, rope_parameters, run_fields, swivel_parameters
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, leaves
@@ -75,7 +69,7 @@ def _base(content: Any, info: ValidationInfo) -> HoistFile:
     return read(path, HoistFile, opened_by(info))
 
 
-_OF_ALL = {name: field for name, field in run_fields(given).items() if name not in ("rope", *ENDS)}
+_OF_ALL = {name: field for name, field in run_fields(given).items() if name not in ("rope", *SIDES)}
 
 
 class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: ignore[misc]

@@ -1,6 +1,6 @@
 """Parts of a hoist that a model may leave out: drive shaft, brake, lining, guides, play, a jam. SI units, checked here.
 
-A `Hoist` whose part is None has not the part's equations; there are no stiff or weak dummies.
+A `Hoist` whose part is None lacks the part's equations; there are no stiff or weak dummies.
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
 """
 

@@ -20,6 +20,7 @@ from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
 from rope_model.physics.elementary import larger
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
+SIDES = ("left", "right")  #: Sides of a hoist: its conveyances, and the ends of its balance ropes.
 
 #: Said wherever results are shown.
 ASSUMED_DATA = (

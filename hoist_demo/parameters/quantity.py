@@ -30,7 +30,8 @@ class Bounds(NamedTuple):
         if high is not None and low is not None and not self.opens:
             return f"within {low} and {high}"
         least = f"{'above' if self.opens else 'at least'} {low}" if low is not None else ""
-        return " and ".join(filter(None, (least, high and f"at most {high}"))) or "finite"
+        most = f"at most {high}" if high is not None else ""
+        return " and ".join(filter(None, (least, most))) or "finite"
 
     def hold(self, value: float) -> bool:
         """Return True if a number is finite and keeps them."""

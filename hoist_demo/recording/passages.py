@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.recording.time_series import Recording
-from rope_model import BODIES as BODIES
-from rope_model import FAR as FAR
+from rope_model import BODIES, FAR
 
 _DISSIPATED = "energy.dissipated_contact"
 

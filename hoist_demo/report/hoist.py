@@ -12,6 +12,7 @@ from hoist_demo.design.statics import at_rest, holds, pulls
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, Given
 from hoist_demo.files.writing import hoist_text
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
 from hoist_demo.ropes.definition import OneRope, ropes_of
@@ -123,7 +124,7 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
         for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):
             group = f"{whose}{_AT_REST} {height:g} m"
             yaws[rope.name] = max(yaws.get(rope.name, 0.0), signals["loop.yaw"], key=abs)
-            pull = [-1e-3 * signals[f"{end}.fy"] for end in ("left", "right")]
+            pull = [-1e-3 * signals[f"{end}.fy"] for end in SIDES]
             rows += [
                 SummaryRow(group, "its pull on the left and right conveyance", f"{pull[0]:.4g} and {pull[1]:.4g} kN"),
                 SummaryRow(group, "loop's lowest point", signals["loop.y"], "m"),

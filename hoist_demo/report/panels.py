@@ -14,14 +14,16 @@ import numpy as np
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
-from hoist_demo.recording.passages import BODIES
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import LOSSES, loses
 from hoist_demo.study.metrics import exchange_energy
+from rope_model import BODIES
 
-#: Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
-LEFT, RIGHT, REFERENCE, LIMIT = "left", "right", "asked", "limit"
+# Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
+LEFT = "left"  #: Style of the left end.
+RIGHT = "right"  #: Style of the right end.
+REFERENCE = "asked"  #: Style of a reference.
 
 _DEGREES = 180.0 / math.pi
 

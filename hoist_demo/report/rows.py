@@ -48,6 +48,14 @@ class Report:
     given: Sequence[TitledRows] = ()
 
 
+def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:
+    """Return the rows by their groups, both in reading order."""
+    groups = dict[str, list[SummaryRow]]()
+    for row in rows:
+        groups.setdefault(row.group, []).append(row)
+    return groups
+
+
 CHANGED = ("parameter", "value", "unit", "of the case")  #: Head of the table of settings that differ.
 
 

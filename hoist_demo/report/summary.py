@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
+from hoist_demo.parameters import SIDES, Arrival, Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
@@ -90,7 +90,8 @@ def summarize(
         rows += _signals(recording, (_DRIVE, _WORK))
         rows += _together(recording) if names[0] else ()
         for name in names:
-            rows += [replace(row, group=f"{row.group}{name and ', '}{name}") for row in _of_rope(recording, name)]
+            of_rope = f", {name}" if name else ""
+            rows += [replace(row, group=f"{row.group}{of_rope}") for row in _of_rope(recording, name)]
         if "energy.work_ends" in recording:
             defect = _rough(exchange_energy(recording, hoist))
             rows.append(SummaryRow(_WORK, "energy that the coupling's delay makes up, largest", defect, "J"))
@@ -112,7 +113,7 @@ def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
 
 def _together(recording: Recording) -> Iterator[SummaryRow]:
     """Yield the moments of several ropes about the conveyances' centres."""
-    for end in ("left", "right"):
+    for end in SIDES:
         for name, words in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
             if bool(np.isfinite(recording[f"{end}.{name}"]).any()):
                 group = f"All ropes on the {end} conveyance, about its centre"
@@ -146,7 +147,7 @@ _MOST = {
 
 def exposure_rows(rope: str, exposed: Recording) -> tuple[SummaryRow, ...]:
     """Return rows on the most loaded places of a rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
-    group = f"Places in the rope{rope and ' '}{rope}, from its left end"
+    group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []
     for name, (words, beside) in _MOST.items():
         if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
@@ -193,7 +194,7 @@ def _swing(recording: Recording, arrival: float, window: float) -> list[SummaryR
     if not bool(tail.any()):
         return []
     within = f"within {float(np.ptp(elapsed[tail])):.2g} s, peak to peak"
-    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])) for end in ("left", "right")}
+    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])) for end in SIDES}
     return [SummaryRow(_DRIVE, f"swing after arrival, {end}, {within}", swing, "mm") for end, swing in swings.items()]
 
 

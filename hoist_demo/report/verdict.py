@@ -12,16 +12,17 @@ import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Arrival, Hoist
+from hoist_demo.parameters import SIDES, Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
-from hoist_demo.recording.incidents import GUARD_CODES, SIDES, guard_trip, incidents, stops
+from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, incidents, stops
 from hoist_demo.recording.nearness import RopePair
-from hoist_demo.recording.passages import BODIES, FAR, PASSED, outcome_of, passages
+from hoist_demo.recording.passages import PASSED, outcome_of, passages
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
 from hoist_demo.study.metrics import trip_metrics
 from hoist_demo.study.slip import slip_safeties, slip_warnings
+from rope_model import BODIES, FAR
 
 HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turned over.
 
@@ -258,9 +259,9 @@ def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterat
     count = max(hoist.tail_rope_number, len(ropes))
     whose = "the rope" if count == 1 else f"all {count} ropes"
     kilo = 1e-3 * hoist.tail_rope_number
-    sizes = [np.nanmax(np.abs(recording[f"{end}.fy"])) for end in ("left", "right") if f"{end}.fy" in recording]
+    sizes = [np.nanmax(np.abs(recording[f"{end}.fy"])) for end in SIDES if f"{end}.fy" in recording]
     error = kilo * max(sizes, default=0.0) * max(rope.last("status.end_force_error") for rope in ropes)
-    for end in ("left", "right"):
+    for end in SIDES:
         if f"{end}.fy" in recording:
             pull = -kilo * recording[f"{end}.fy"]
             low, high = int(np.nanargmin(pull)), int(np.nanargmax(pull))
@@ -291,7 +292,7 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
         row = int(np.nanargmax(values))
         largest = float(values[row])
         text = f"{rounded(largest, rope.length_error)} m" if unit else number(largest, 2)
-        bound_text = f"below {bound:g}{unit and ' '}{unit}, its guard's" if bound > 0.0 else NO_BOUND
+        bound_text = f"below {bound:g} {unit}".rstrip() + ", its guard's" if bound > 0.0 else NO_BOUND
         holds = largest < bound if bound > 0.0 else None
         if name == "loop.turns" and not 0.0 < bound < HALF_TURN:
             bound_text, holds = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
@@ -326,7 +327,7 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
 
 def _swivels(rope: _Rope) -> Iterator[VerdictRow]:
     texts = {}
-    for end in ("left", "right"):
+    for end in SIDES:
         if rope.has_numbers(name := f"{end}.swivel.slipping"):
             slipped = float(np.sum(np.diff(rope.recording.time) * (rope.recording[name][:-1] > 0.0)))
             texts[end] = "locked" if end in rope.data.locked else f"{slipped:.2f} s" if slipped else "none"

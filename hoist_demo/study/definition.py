@@ -263,7 +263,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
         probe, samples, every = Probe(rope), list[StudyRun](), math.ceil(len(points) * len(variants) / MOST_TRIED)
         with Problems() as problems:
             for values, name in ((values, name) for values in progress(points) for name in variants):
-                with problems.at(name and f"variant {name}"):
+                with problems.at(f"variant {name}" if name else ""):
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
                         probe.require_start(samples[-1].data)

@@ -12,13 +12,12 @@ import numpy as np
 
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import fit_swing
-from hoist_demo.parameters import Arrival, Hoist, Winding
+from hoist_demo.parameters import SIDES, Arrival, Hoist, Winding
 from hoist_demo.recording import incidents
 from hoist_demo.recording.fidelity import FIDELITY
-from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
+from hoist_demo.recording.passages import PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
-
-ENDS = ("left", "right")
+from rope_model import BODIES, FAR
 
 _STOPPED = "swing_frequency: the run stopped before it arrived"
 
@@ -82,7 +81,7 @@ UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 ROPE_SIGNALS = frozenset(
     {
         f"{end}.{name}"
-        for end in ENDS
+        for end in SIDES
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
     | {
@@ -120,7 +119,7 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
     if "energy.work_ends" in recording:
         metrics["coupling_energy"] = _largest(exchange_energy(recording, hoist))
     metrics |= _drive(recording) | _rope(recording)
-    for end in ENDS:
+    for end in SIDES:
         metrics |= _swivel(recording, end)
     if not result.completed:
         return Measures(metrics, _STOPPED)
@@ -144,7 +143,7 @@ def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     place = recording["reference.position"][-1]
     outside = np.abs(travel - place) > arrival.position_band
-    for end in ENDS:
+    for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
     moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
@@ -185,7 +184,7 @@ def _drive(recording: Recording) -> dict[str, float]:
 
 
 def _rope(recording: Recording) -> dict[str, float]:
-    forces = [recording[f"{end}.fy"] for end in ENDS]
+    forces = [recording[f"{end}.fy"] for end in SIDES]
     metrics = {
         "rope_force_peak": max(float(np.max(-force)) for force in forces),
         "rope_force_range": max(float(np.ptp(force)) for force in forces),
@@ -230,7 +229,8 @@ def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival)
         return Measures({}, "swing_frequency: the record ends as the reference arrives: give winding.settle")
     # heights of the conveyances against their ropes' ends at the sheave
     rim = hoist.sheave_radius * recording["drive.angle"]
-    swings = {end: (recording[f"conveyance.{end}.y"] - s * rim)[tail] for end, s in zip(ENDS, (1.0, -1.0), strict=True)}
+    signs = zip(SIDES, (1.0, -1.0), strict=True)
+    swings = {end: (recording[f"conveyance.{end}.y"] - sign * rim)[tail] for end, sign in signs}
     metrics = {f"swing_{end}": float(np.ptp(swing)) for end, swing in swings.items()}
     if "loop.x" in recording:
         metrics["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))

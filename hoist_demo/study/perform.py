@@ -210,6 +210,6 @@ def _named(sample: StudyRun, varied: Sequence[str]) -> str:
     """Return the variant and the varied values in brackets; "" if there are none."""
     values = {name: sample.values[name] for name in varied if name in sample.values and name != "controller"}
     words = [f"{name} = {v:.4g}" if isinstance(v, float) else f"{name} = {v}" for name, v in values.items()]
-    words = [sample.variant or sample.data.controller * ("controller" in varied), *words]
-    text = ", ".join(word for word in words if word)
+    controller = sample.data.controller if "controller" in varied else ""
+    text = ", ".join(filter(None, [sample.variant or controller, *words]))
     return f" ({text})" if text else ""

@@ -71,7 +71,7 @@ def _rope_status(name: str, value: Value, case: Case, given: Mapping[str, str]) 
     if name in given:
         return given[name]
     parameter = rope_parameters().get(name)
-    own = case.rope.get(name, parameter and parameter.start)
+    own = case.rope.get(name, None if parameter is None else parameter.start)
     is_ours = parameter is not None and "[assumed]" in parameter.meaning
     is_datum = is_ours or name in case.given or (name in case.rope and name.startswith("rope."))
     if not _is_number(value) or not (is_datum or value != own):

@@ -58,7 +58,9 @@ def _along(goal: Goal | None, key: str, runs: RunLine) -> Iterator[tuple[str, st
     for what, happened in _events(goal):
         happens = [happened(outcome) for _, outcome in runs]
         # what happens at the lower end only is told, too: more is expected to be worse
-        if any(happens) and sum(a != b for a, b in pairwise(happens)) > 1 - (happens[0] and not happens[-1]):
+        changes = sum(before != after for before, after in pairwise(happens))
+        expected = 0 if happens[0] and not happens[-1] else 1
+        if any(happens) and changes > expected:
             yield what, f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}"
     for metric in goal.metrics if goal else _WATCHED:
         pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] == "completed"]

@@ -9,10 +9,10 @@ from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.files.catalogue import ENDS
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
@@ -71,7 +71,7 @@ class Uncertain(RopeQuestion, RunFile):
         if "length" in self.catalogue_arguments:
             given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.head.bearing:
-            given |= {f"{side}.swivel.{name}": VARIED for side in ENDS for name in ("mu_kinetic", "mu_static")}
+            given |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
         rope = scene_parameters(rope_data(run.fmu, self.level))
         return [*host_provenance(run, given), *rope_provenance(find_case(self.head.hoist), rope, given)]
 
@@ -85,7 +85,7 @@ class Uncertain(RopeQuestion, RunFile):
             "hoist.tail_rope_length": Given(rope.length, DERIVED),
         }
         if self.head.bearing:
-            for side in ENDS:
+            for side in SIDES:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
         return build_trip(self.head.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)

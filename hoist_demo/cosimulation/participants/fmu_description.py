@@ -140,7 +140,8 @@ class Fmu:
 def read_fmu(path: Path, hoist: str = "") -> Fmu:
     """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
     if not path.is_file():
-        command = f"balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}"
+        named = f"{hoist} " if hoist else ""
+        command = f"balance-rope export {named}--native --platform host --out {path}"
         raise ValueError(
             f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; without --native --platform host it "
             "needs none, and its rope is slower"

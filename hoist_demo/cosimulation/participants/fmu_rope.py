@@ -41,7 +41,7 @@ class FmuRope:
     ) -> None:
         """Load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
 
-        `recorded` are the outputs of which a run makes a record; None: all but the added masses, which are dear.
+        `recorded` are the outputs of which a run makes a record; None: all but the added masses, which are expensive.
         """
         self._started = False
         self._warned: set[str] = set()  # what has been in the log

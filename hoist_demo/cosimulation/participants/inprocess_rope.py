@@ -32,7 +32,7 @@ class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
     def __init__(self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = "") -> None:
-        """`read` are the outputs that a run records; None: all but the added masses, which are dear.
+        """`read` are the outputs that a run records; None: all but the added masses, which are expensive.
 
         `name` is that of one of several ropes, whose warnings begin with it.
         """
@@ -96,8 +96,8 @@ class InProcessRope:
             fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
             numbers = (c_int * len(places))(*([*rope_model.SIGNALS].index(names[k]) for k in places))
             values, texts = np.zeros((rows, len(places))), np.zeros((rows, len(fidelities)), TEXT)
-            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] * bool(places)
-            accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] * bool(fidelities)
+            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] if places else []
+            accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] if fidelities else []
 
             def read(count: int) -> NDArray[np.float64]:
                 outputs = np.full((count, len(names)), np.nan)

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import get_args
 
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level, Scene, at_level
@@ -72,7 +73,7 @@ class RopeData:
     def locked(self) -> tuple[str, ...]:
         """List the ends whose swivel is locked."""
         locked = choices_of("swivel.mode").index("locked")
-        return tuple(end for end in ("left", "right") if self.parameters.get(f"{end}.swivel.mode") == locked)
+        return tuple(end for end in SIDES if self.parameters.get(f"{end}.swivel.mode") == locked)
 
     def display(self, name: str) -> Value:
         """Return a parameter's value, a code with its word."""

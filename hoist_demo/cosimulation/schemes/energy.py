@@ -1,8 +1,8 @@
 """Step-size control by the power bond: what one partner gives and the other does not get.
 
-In each step the drive gets the work of its load, the rope gives its mean force times the way. Their difference over
-the step's length, a power, is kept below a bound: a step with more is taken back and repeated shorter, and the next
-step follows from what the last one had. Source: S. Sadjina, L. T. Kyllingstad, S. Skjong and E. Pedersen, Energy
+In each step the drive gets the work of its load, the rope gives its mean force times the distance. Their difference
+over the step's length, a power, is kept below a bound: a step with more is taken back and repeated shorter, and the
+next step follows from what the last one had. Source: S. Sadjina, L. T. Kyllingstad, S. Skjong and E. Pedersen, Energy
 conservation and power bonds in co-simulations, Engineering with Computers 33 (2017), with rollback added.
 """
 

@@ -244,7 +244,7 @@ class Pair:
     def exchanged(self, memory: Memory, t: float, load: Load) -> Memory:
         """Memory with the step that has ended at t, where the load acts, and with the energy that it made up.
 
-        That is the work that the drive got, less the rope's mean force times the way: its work to the third order in h.
+        That is the drive's work less the rope's mean force times the distance: its work to the third order in h.
         """
         (force, mean), (work, place) = self.forces(), self._before
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)

@@ -28,9 +28,8 @@ def rope_tables(rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
     parameters: list[Row] = [
-        (name, word(rope.display(name)), unit_text(unit), statuses.get(f"{rope.prefix}{name}", ""))
+        (name, word(rope.display(name)), unit_text(rope.units.get(name, "")), statuses.get(f"{rope.prefix}{name}", ""))
         for name in rope.parameters
-        for unit in (rope.units.get(name, ""),)
     ]
     return [(rope.whose("Balance rope"), head), (rope.whose("Parameters of the balance rope"), parameters)]
 

@@ -8,16 +8,16 @@ import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.incidents import guard_trip
-from hoist_demo.recording.passages import FAR
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import TIME, Array, Recording, is_along
 from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.packing import along
-from hoist_demo.report.rows import CHANGED, Report
+from hoist_demo.report.rows import CHANGED, Report, rows_by_group
 from hoist_demo.report.verdict import COLUMNS, Verdict
+from rope_model import FAR
 from rope_model.texts import html_text
 
 MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
@@ -35,9 +35,8 @@ def run_report(
     `ropes` have the shaft that is drawn. Same run, same bytes but the clock's.
     """
     numbers = "".join(
-        page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in found])
-        for group in dict.fromkeys(row.group for row in report.rows)
-        for found in ([row for row in report.rows if row.group == group],)
+        page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows])
+        for group, rows in rows_by_group(report.rows).items()
     )
     body = page.fill("run.html", numbers=numbers, given="".join(page.titled_table(*table) for table in report.given))
     data = _data(result, hoist, ropes)
@@ -84,8 +83,8 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
         "panels": [asdict(panel) | {"quiet": panels.quiet(recording, panel)} for panel in shown],
         "marks": [asdict(mark) for mark in panels.marks(result)],
         "transformations": panels.transformations(recording, of_ropes),
-        "slips": {end: panels.slips(recording, end, of_ropes) for end in ("left", "right")},
-        "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
+        "slips": {end: panels.slips(recording, end, of_ropes) for end in SIDES},
+        "swivels": {end: f"{end}.swivel.slipping" in names for end in SIDES},
         "locked": ropes[0].locked,
         "alike": hoist.tail_rope_number,
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
@@ -110,7 +109,7 @@ def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
     curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.place.origin
     return {
         "name": rope.name,
-        "places": [rope.place.at(end) for end in ("left", "right")],
+        "places": [rope.place.at(end) for end in SIDES],
         "points": curves.shape[1],
         "t": packing.pack_to(own.time[rows], 1e-4),
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},
