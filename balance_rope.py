@@ -242,7 +242,7 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
     own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
-    # what is wrong with the rope is told in its own names, not in the hoist's
+    # report errors of the rope in its own names, not in the hoist's
     rope_data({**case.rope, **plain(identified), **settings(texts, parameters())})
     return with_values(case, own)
 

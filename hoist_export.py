@@ -42,7 +42,7 @@ class HoistFiles(NamedTuple):
     """Files of an exported hoist."""
 
     system: Path  # the SSP
-    fmus: Mapping[str, Path]  # by their names in the system
+    fmus: Mapping[str, Path]  # FMUs by their names in the system
 
 
 def export_rope(

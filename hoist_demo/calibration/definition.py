@@ -17,8 +17,7 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum
 
-#: groups of parameters that may be looked for beside the properties
-SOUGHT = ("rope", "air")
+SOUGHT = ("rope", "air")  #: Groups of parameters that may be sought beside the properties.
 
 
 class Wanted(Table):

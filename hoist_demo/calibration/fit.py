@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.special import chdtrc, ndtri  # of scipy.stats, which is slow to load
+from scipy.special import chdtrc, ndtri  # scipy.stats is slow to load
 
 Array = NDArray[np.float64]
 Residuals = Callable[[Array], Array]  #: (shares (n,)) -> prediction less measurement in standard errors (m,).

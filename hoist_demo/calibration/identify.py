@@ -27,12 +27,9 @@ from hoist_demo.files.values import GIVEN
 from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
-#: half width of an interval, in shares, from which on the data are said not to tell: half that of a range
-OPEN = 0.25
-#: part of a direction that is named
-NAMED = 0.3
-#: correlations that are named
-STRONG = 0.7
+OPEN = 0.25  #: Half width of an interval in shares from which on a property is undetermined: half that of a range.
+NAMED = 0.3  #: Least part of a property in a direction that names it.
+STRONG = 0.7  #: Least correlation that is reported.
 
 
 @dataclass(frozen=True)
@@ -49,13 +46,13 @@ class Identified:
 
     measured: Measured
     fit: Fit
-    intervals: Array  # of the shares, (n, 2)
+    intervals: Array  # intervals of the shares, (n, 2)
     data: Mapping[str, Datum]
     predicted: Array
     wanted: float
     wanted_error: float
     candidates: tuple[Candidate, ...]  # best first
-    warnings: tuple[str, ...]  # of the rope at rest, as it was found
+    warnings: tuple[str, ...]  # warnings of the identified rope at rest
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -109,7 +106,7 @@ def identify(measured: Measured) -> Identified:
     whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
     properties_fit = whole.of_first_shares(count)
     ends = np.clip(properties_fit.shares[:, None] + np.outer(properties_fit.reaches, [-1.0, 1.0]), 0.0, 1.0)
-    if whole.shares.size == count:  # what follows a start is too bent for the few corrections of a profile
+    if whole.shares.size == count:  # with a start, residuals are too nonlinear for the few corrections of a profile
         ends = intervals(residuals, properties_fit)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)

@@ -126,14 +126,13 @@ Series = Annotated[
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0.0, le=LONGEST)]
-#: an output, docs/reference/variables.md
-Signal: Any = Literal[tuple(rope_model.SIGNALS)]
+Signal: Any = Literal[tuple(rope_model.SIGNALS)]  #: Name of an output, docs/reference/variables.md.
 
 
 class RopeMeasurement(Table):
     """Values with their standard error, and the circumstances; a number that varies has as many as there are values."""
 
-    UNIT: ClassVar[str] = ""  # that of the signal
+    UNIT: ClassVar[str] = ""  # "": the signal's
     name: Text = ""
     what: str
     values: Series[Finite] = Field(alias="value")

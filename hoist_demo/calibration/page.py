@@ -12,8 +12,7 @@ from hoist_demo.report.rows import SummaryRow, provenance_table, status_rows
 from rope_model import SIGNALS
 from rope_model.texts import printable, toml_string
 
-#: standard errors to either side that the picture of the residuals shows
-SIDE = 4.0
+SIDE = 4.0  #: Standard errors to either side in the picture of the residuals.
 
 
 def summary(result: Identified) -> list[SummaryRow]:

@@ -79,8 +79,8 @@ class Markers(Table):
     places: dict[str, float] = Field({})  # m along the rope from its left end, by marker
     unlabelled: tuple[Text, ...] = ()  # points anywhere on the rope
     ends: Attachment = "plumb"
-    unit: Literal["m", "cm", "mm"] = "m"  # of the file
-    up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # in the axes of the file
+    unit: Literal["m", "cm", "mm"] = "m"  # unit of length in the file
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # upward direction in the axes of the file
     skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
     settle: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from rest into the motion in which the file begins
     offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
@@ -268,20 +268,20 @@ def _smoothed(frames: _Frames, held: Array, settle: float) -> tuple[Array, Array
         times = np.concatenate((before, times))
         seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))
     smooth = np.zeros((3, t.size, 2, 5))
-    for k, x in enumerate(seen.T):  # by frames: the cross-validation seeks its parameter to 1e-5
+    for k, x in enumerate(seen.T):  # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
         spline = make_smoothing_spline(times / frame, x)
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     if settle:
         x, v, a = smooth[:, before.size]
         path = quintic.coefficients(t[before.size] - t[0], x, 0.0, 0.0, x, v, a)
         smooth[:, : before.size] = quintic.rates(path, (before - t[0])[:, None, None])
-    smooth[1:, 0] = 0.0  # at first the ends rest
+    smooth[1:, 0] = 0.0  # the ends rest at first
     return t, smooth
 
 
 def _masked(markers: Array, sigma: float) -> Array:
     """``markers`` (n, markers, 3) without those that leap away from their running median."""
-    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):  # of a marker that was long lost
+    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):  # markers that were long lost warn
         away = np.abs(markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror"))
         usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)  # a normal error's, from its median
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)

@@ -13,10 +13,8 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 
-#: files of the hoists that come with the project
-FOLDER = Path(str(files("hoist_demo"))) / "hoists"
-
-#: in the order in which they are told: hoists, and what goes wrong in some of them
+FOLDER = Path(str(files("hoist_demo"))) / "hoists"  #: Folder of the hoists that come with the project.
+# names of hoists, and of scenarios in which something goes wrong, in the order of help texts
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
 SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
 NAMED = (*HOISTS, *SCENARIOS)
@@ -32,7 +30,7 @@ class BalanceRopeData:
     number: int = 1
     place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
     breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
-    construction: str = ""  # of the catalogue, where it has the rope
+    construction: str = ""  # name in the catalogue, if it has the rope
     lay: str = "right-hand"
 
     @property
@@ -49,13 +47,13 @@ class Case:
     hoist: Hoist
     winding: Winding
     gains: Gains
-    host: Mapping[str, Given]  # all that is stated of controller, hoist.*, winding.* and others, and what follows
+    host: Mapping[str, Given]  # stated and derived values of controller, hoist.*, winding.* and others
     tails: tuple[BalanceRopeData, ...]
     rope: Mapping[str, Value]  # parameters of the first rope by FMI name; the rest is the rope's own
     source: str = ""
     level: Level = "standard"
     signals: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()  # on values that are far from what hoists have
+    remarks: tuple[str, ...] = ()  # sentences on values that are far from what hoists have
 
     @property
     def ropes(self) -> tuple[BalanceRopeData, ...]:

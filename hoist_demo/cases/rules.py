@@ -14,9 +14,8 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from rope_model import rope as catalogue_rope
 
-#: m [assumed]: length of a balance rope beyond the travel: loop, and sump below the lower landing
-TAIL_SPARE = 40.0
-#: m^2/s^2 [assumed]: EA of a head rope over its mass per length, a modulus of 110 GPa of the steel
+TAIL_SPARE = 40.0  #: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
+#: EA of a head rope over its mass per length [m^2/s^2, assumed], a modulus of 110 GPa of the steel.
 HEAD_ROPE_STIFFNESS = 1.3e7
 
 
@@ -26,7 +25,7 @@ class RuleInputs:
 
     hoist: Hoist
     winding: Winding
-    tail: Hoist  # of which number, mass and length of the balance ropes are known
+    tail: Hoist  # hoist with number, mass and length of the balance ropes alone
 
     @property
     def torque(self) -> float:
@@ -144,7 +143,7 @@ def _stated(values: Mapping[str, Given]) -> dict[str, Given]:
     return {key: one for key, one in values.items() if not one.follows}
 
 
-#: what hoists have: beyond it a value is remarked on, as one whose unit may be another
+#: Usual ranges: a value beyond draws a remark that its unit may be wrong.
 USUAL = {
     "hoist.payload_left": (200.0, 6e4),
     "hoist.payload_right": (200.0, 6e4),

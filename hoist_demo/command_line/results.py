@@ -42,7 +42,7 @@ def results_folder(out: Path) -> Path:
 def writable(out: Path) -> Path:
     """Return ``out``; ValueError, before anything is computed, if it cannot be made or written to."""
     try:
-        # a link to nowhere is there, too: no folder can be made of it
+        # a broken link counts as existing: no folder can be made of it
         there = next(path for path in (out, *out.absolute().parents) if path.exists() or path.is_symlink())
         with tempfile.TemporaryFile(dir=there):
             pass

@@ -45,7 +45,7 @@ class WoundRun:
     run: RunData
     result: Result
     ropes: Sequence[RopeData]
-    pairs: Sequence[RopePair]  # of ropes
+    pairs: Sequence[RopePair]
     provenance: Sequence[SourcedValue]
     warnings: Sequence[str]  # from host and rope
     set_names: Collection[str]  # names of the values that were set

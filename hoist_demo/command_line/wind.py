@@ -39,7 +39,7 @@ LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good sta
 
 STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
 
-#: Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is.
+#: Trip of --quick; scenarios keep their travel, as what goes wrong in them does so later.
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
 _DESCRIPTION = """\

@@ -196,7 +196,7 @@ def _creep_profile(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ..
     else:
         from scipy.optimize import brentq  # slow to load: for this case alone
 
-        # on the side on which the ramps fit, as their length is steep near c; the rounding that is left is run at v
+        # take the side on which the ramps fit, as their length is steep near c; v takes up the rounding that is left
         v = float(brentq(lambda v: ramps(v) - between, c, winding.speed, xtol=1e-15, rtol=1e-15))
         v = max(c, v - 3e-15 * (1.0 + v))
 

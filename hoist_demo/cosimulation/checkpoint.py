@@ -39,10 +39,10 @@ class Checkpoint:
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
     memory: Memory
     rope: bytes  # b"" when the rope cannot save its state
-    recording: Recording  # of the run until it stopped, as its recorder keeps it; it goes on behind this sample's row
-    data: str  # of the run, that must be the same to go on: see Host.data
-    cause: str  # for which the run stopped
-    hoist: str = ""  # its name or file, where that is known
+    recording: Recording  # rows of the run until it stopped; a resumed run goes on behind this sample's
+    data: str  # data that a resumed run must share: see Host.data
+    cause: str  # reason why the run stopped
+    hoist: str = ""  # name or file of the hoist, if known
 
     def write(self, path: Path) -> None:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""

@@ -81,7 +81,7 @@ class SampleReached(NamedTuple):
 
     sample: int  # that is to be recorded next
     cause: str = ""  # why the trip cannot go on
-    within: bool = False  # whether steps before that sample are still to be done
+    within: bool = False  # True if steps before that sample are still to be done
 
 
 class CompiledTrip:

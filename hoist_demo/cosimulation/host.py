@@ -84,7 +84,7 @@ class Host:
         one's dwell they change evenly from these.
         """
         self.rope = rope
-        self.name = ""  # of the hoist, or its file: by it a run is found that is gone on with
+        self.name = ""  # name or file of the hoist, which a checkpoint states
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
@@ -150,7 +150,7 @@ class Host:
             try:
                 checkpoint.write(save_to)
                 saved = save_to
-            except ValueError as error:  # the record of the run is worth more
+            except ValueError as error:  # keep the record of the run all the same
                 cause += f"; {save_to} is not written: {error}"
         if not cause and run.course == self._course:
             t, landing = self.coupling.start + self.samples * self.coupling.period, self.trajectory.points[-1].position
@@ -238,7 +238,7 @@ class Host:
                 return f"t = {t:.6g} s: the stop that the safety circuit asks for: {error}"
             command = self._sample(run, controller, t, signals)
             if k == run.first and save_to is not None:
-                encode(command.state, CONTROLLER, {})  # told now and not after a long run
+                encode(command.state, CONTROLLER, {})  # raise now and not after a long run
             if k < last:
                 if cause := self._exchange(run, k, command):
                     return cause
@@ -318,7 +318,7 @@ class Host:
             t = self.coupling.start + k * self.coupling.period
             numbers = f"torque = {command.torque:g} N m and brake = {command.brake:g}"
             return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
-        # what the rope does to conveyances that have play is held until the next sample
+        # the rope's forces on conveyances with play are held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
         self._load(run.drive.plant, k)
         run.commands = [command]

@@ -47,7 +47,7 @@ class LinearModel:
     at: float  # height of the left conveyance over the travel
     names: tuple[str, ...]
     held: int  # number of held coordinates
-    lags: int  # and of those that lag
+    lags: int  # number of coordinates that lag
     mass: sp.csc_matrix
     damping: sp.csc_matrix
     stiffness: sp.csc_matrix

@@ -106,7 +106,7 @@ class LinearTail(NamedTuple):
 
     rope: RopeSimulator
     number: int = 1
-    name: str = ""  # of ropes that differ
+    name: str = ""  # name of one of several ropes that differ
     place: Place = Place()
 
 

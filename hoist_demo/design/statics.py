@@ -17,7 +17,7 @@ class Hold:
     """Head ropes on the sheave, at one instant."""
 
     when: str
-    ratio: float  # of the tensions of both sides
+    ratio: float  # larger over smaller tension of both sides
     safety: float  # friction that there is over friction asked for
     required: float  # safety
 

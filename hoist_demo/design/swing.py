@@ -20,7 +20,7 @@ class SwingMode:
 
     frequency: float  # Hz, damped
     damping: float  # 1, ratio
-    amplitude: float  # of the record's unit, at its first instant
+    amplitude: float  # unit of the record, at its first instant
 
 
 def fit_swing(time: Array, x: Array) -> SwingMode | str:

@@ -57,7 +57,7 @@ class Plan:
     """Sizes of a search."""
 
     sample: int  # points of the hypercube
-    searches: int  # from the best of them
+    searches: int  # number of searches, from the best points
     steps: int  # points of each search at most
     seed: int
 
@@ -111,7 +111,7 @@ class _Walk:
 
     def __init__(self, evaluate: Evaluate, start: Array, judged: Score, sample: Sequence[Score]) -> None:
         costs = [point.cost for point in sample]
-        # of a run that failed: worse than any, but no cliff for the quadratic models
+        # a run that failed scores worse than any, but makes no cliff for the quadratic models
         self._failed = Score(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.excess))
         self._evaluate, self._start = evaluate, start
         self._seen = {start.tobytes(): judged}

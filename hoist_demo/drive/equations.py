@@ -129,7 +129,7 @@ def equations(parts: Hoist) -> Equations:
     play_damping = sum(leg.play_damping for leg in legs)
     D = shaft_damping + rope_damping + play_damping
 
-    # what acts from outside and the dry friction, as generalised forces
+    # generalised forces: what acts from outside, and dry friction
     rim = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
     brake = _brake_friction(hoist, given["brake"], rim_speed)
     outside = {"phi": motor - R * rim - brake.force, "twist": motor}

@@ -55,8 +55,7 @@ PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 
 ORDER = 5
 
-#: of the last stage, which is the result
-_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
+_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)  #: Weights b of the result, the last stage.
 _A = (
     (1 / 5,),
     (3 / 40, 9 / 40),
@@ -66,8 +65,7 @@ _A = (
     _B,
 )
 _C = (1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
-#: b - b*
-_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
+_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)  #: Weights b - b*.
 
 
 def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: Any) -> tuple[Any, Any, Any]:
@@ -96,12 +94,12 @@ def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
 class DriveKernels:
     """CasADi functions of hoists with the same parts, and places in the argument and in the result of `advance`."""
 
-    names: tuple[str, ...]  # of the states
+    names: tuple[str, ...]  # names of the states
     given: dict[str, slice]
     result: dict[str, slice]
     advance: Any
-    accelerance: Any  # of the equations
-    hold: Any  # likewise
+    accelerance: Any  # function of the equations
+    hold: Any  # function of the equations
     library: Path | None  # that has `advance` compiled
 
 
@@ -137,7 +135,7 @@ def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
     new, _, error = runge_kutta_step(lambda at, x: slope(x, at, held), s, y, k, h)
     error = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
     acting, shown = _loads_and_outputs(of, n, numbers)(new[:n], s + h, held)
-    # what is not finite anywhere passes as no step; a comparison with NaN is false
+    # a step with any value that is not finite fails; a comparison with NaN is false
     error = ca.if_else(ca.sumsqr(ca.vertcat(new, error, acting, shown)) < ca.inf, error, ca.inf)
     return ca.Function("advance", [z], [ca.vertcat(new[:n], z[given["works"]] + new[n:], error, acting, shown)])
 
@@ -196,7 +194,7 @@ class Integrator:
         self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
         self.given = {name: self.z[place] for name, place in kernels.given.items()}
         self._hold, self._accelerance = kernels.hold, Kernel(kernels.accelerance, [(2, 2)])
-        self.evaluations = 0  # of `advance` with a step, so far
+        self.evaluations = 0  # calls of `advance` with a step, so far
         self.give(p=hoist.numbers)
 
     def give(self, **values: Any) -> None:

@@ -58,7 +58,7 @@ class Leg:
     potential: Any
     rope_damping: Any  # dissipation function of the head ropes
     rope_power: Any  # W, that it takes
-    play_damping: Any  # of the conveyance's motion between its guides
+    play_damping: Any  # dissipation function of the conveyance between its guides
     friction: Any  # N, of the guides along y, the jam's included
     jam: Friction
     pull: Any  # N, of the head ropes on the conveyance, without their inertia
@@ -90,7 +90,7 @@ def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) ->
     potential -= mu * g * length * (height + slack) / 2
     potential += lateral.potential + EA * (stretched + slack - length) ** 2 / (2 * length)
 
-    # with the rate cut where damping reaches the elastic pull; fmax for a damping of 0
+    # damping cuts the rate where it reaches the elastic pull; fmax for a damping of 0
     c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
     stretching, most = w - vy, elastic / ca.fmax(c, 1.0)
     damped = ca.fmin(ca.fmax(stretching, -most), most)
@@ -116,7 +116,7 @@ def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) ->
         play_damping=lateral.damping,
         friction=friction,
         jam=jam,
-        pull=ca.fmax(elastic + c * damped, 0.0),  # of rounding
+        pull=ca.fmax(elastic + c * damped, 0.0),  # rounding could make it negative
         slack=slack,
         side_force=hoist.tail_rope_number * ca.vertcat(*pulls),
         static_tension=g * (mass + mu * length + hoist.tail_mass * hanging),

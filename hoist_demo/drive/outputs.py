@@ -22,7 +22,7 @@ OUTPUTS = (
     "motor_rate",  # rad/s
     "brake_torque",  # N m, on the sheave, positive against positive rotation
     *("static_tension_left", "static_tension_right"),  # N, at the sheave, were everything at rest here
-    # of a conveyance from the middle of its guides: x in the plane of the loop, z out of it, yaw about the vertical,
+    # place of a conveyance in its guides: x in the plane of the loop, z out of it, yaw about the vertical,
     # each with its rate and second derivative
     *(
         f"{name.format(axis)}_{side}"

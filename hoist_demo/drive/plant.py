@@ -51,7 +51,7 @@ class PlantState(NamedTuple):
     works: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
-    slide: Slide = Slide()  # of the head ropes on the sheave
+    slide: Slide = Slide()  # state of the head ropes on the sheave
 
 
 class PlantStep(NamedTuple):
@@ -69,7 +69,7 @@ class HoistPlant:
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
         self.hoist, self._form = hoist, form
-        self.holding = Integrator(_without_lining(hoist), form)  # of head ropes that hold on the sheave
+        self.holding = Integrator(_without_lining(hoist), form)  # for head ropes that hold on the sheave
         self.state_names = self.holding.names
 
     @cached_property

@@ -44,7 +44,7 @@ class Kernels:
 
     c: str
     states: int
-    inputs: int  # of the plant; torque command and the two forces come first
+    inputs: int  # number of the plant's inputs; torque command and the two forces come first
     step: float  # s, largest stable and accurate
     lowest_force: float  # N, the state at rest is known from here to 0
     work: tuple[int, int, int, int]  # sizes of arg, res, iw and w

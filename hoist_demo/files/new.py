@@ -13,14 +13,13 @@ from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
 
-#: Hz [assumed]: of the motor against the sheave
-_SHAFT = 12.0
+_SHAFT = 12.0  #: Frequency of the motor against the sheave [Hz, assumed].
 _ABOUT = """\
 Written by balance-rope new. Values are SI or { value, unit, status, source }, status: published, data sheet, measured,
 given, derived (by the rule behind it) or assumed. Replace what you know and say where it comes from; what you delete
 follows by a rule or is a default: balance-rope show FILE prints it all."""
 LAYS = ("right-hand", "left-hand", "alternate")
-#: what may be known of a new hoist; without a start it must be, but for the conveyance's mass
+#: Inputs for a new hoist; those without a start are required, but for the conveyance's mass.
 WISHES = (
     Parameter("depth", "m", "Real", "", Bounds(1.0, 4000.0), meaning="way between the landings"),
     Parameter("payload", "kg", "Real", "", Bounds(1.0), meaning="in the left conveyance"),

@@ -195,7 +195,7 @@ _WORDS = _MUST | {
 
 def _problems(names: Sequence[str], error: Any) -> list[str]:
     """Return the lines on one error of pydantic's, in a file that has these keys."""
-    # where a table may be of several kinds, its kind stands in the place, too, and is no key
+    # the place of a table of several kinds names its kind, too, which is no key
     keys = {part for name in names for part in name.split(".")} | {*error["loc"][-1:]}
     loc = [part for part in error["loc"] if isinstance(part, int) or part in keys]
     context, place, short = error.get("ctx", {}), _place_of(loc), repr(error["input"])
@@ -243,7 +243,7 @@ def cure_of(key: str, keys: Sequence[str]) -> str:
         return "it is of another kind of that table: leave it out"
     table, dot, last = key.rpartition(".")
     within = [name.removeprefix(table + dot) for name in keys if name.rpartition(".")[0] == table]
-    within = within or [*Facts.model_fields]  # of a value
+    within = within or [*Facts.model_fields]  # keys of a value
     lasts = {name: name.rpartition(".")[2] for name in keys}
     alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
     near = [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]

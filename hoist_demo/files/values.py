@@ -51,11 +51,11 @@ class Given:
     """A value with its source; `low` and `high` are how far it may be off, in the parameter's unit."""
 
     value: Value
-    status: str = GIVEN  # "" where it is that of the file
+    status: str = GIVEN  # "": the file's
     source: str = ""
     low: float | None = None
     high: float | None = None
-    follows: bool = False  # by a rule, from what is stated
+    follows: bool = False  # whether a rule derived it from stated values
 
 
 def plain(values: Mapping[str, Given]) -> dict[str, Value]:
@@ -78,8 +78,8 @@ class Facts(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     value: Any = None
-    unit: str = ""  # that of the parameter
-    status: Status = ""  # that of the file
+    unit: str = ""  # "": the parameter's
+    status: Status = ""  # "": the file's
     source: Text = ""
     low: Any = None
     high: Any = None
@@ -132,7 +132,7 @@ def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
     try:
         return float(Fraction(str(number)) * factor)
     except (ValueError, OverflowError):
-        return math.nan  # which the parameter refuses
+        return math.nan  # the parameter refuses it
 
 
 @cache

@@ -11,8 +11,7 @@ from functools import cache
 from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
-#: beyond it a number is none that could be computed with
-_MOST = 1e300
+_MOST = 1e300  #: Largest number that can be computed with.
 
 
 class Bounds(NamedTuple):
@@ -69,9 +68,9 @@ class Parameter:
     """A parameter by its name in files."""
 
     name: str
-    unit: str  # as FMI spells it, "1" where there is none
+    unit: str  # FMI's spelling, "1" for none
     kind: str  # Real, Integer, Boolean or String
-    start: Value = ""  # what it is where it is not set; of the host its data class knows
+    start: Value = ""  # value where it is not set; a data class of the host has its own
     bounds: Bounds = ANY
     choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
     meaning: str = ""

@@ -71,7 +71,7 @@ def strongest(spectrum: Spectra) -> tuple[Array, Array]:
 
 QUANTITIES = ("tension", "curvature", "torque")
 
-#: Outputs of the rope that are read for it.
+#: Outputs of the rope from which the exposure follows.
 STATION_SIGNALS = tuple(name for of in QUANTITIES for name in SIGNALS if name.startswith(f"station.{of}["))
 
 COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].

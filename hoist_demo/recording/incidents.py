@@ -88,11 +88,11 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
     return sorted(sides, key=attrgetter("t"))
 
 
-SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals that tell it.
+SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals from which slip follows.
 
 ALIKE = "make the two sides more alike in weight"  #: What gives friction more room.
 
-#: What is to be said of head ropes that hold where friction alone would not.
+#: Words on head ropes that hold where friction alone would not.
 IN_SPITE = (
     "the model lets them hold, so nothing after that instant is a prediction. Let them slip (hoist.lining.sliding = "
     f"0.8), brake or accelerate more gently (winding.emergency_deceleration, winding.acceleration), or {ALIKE}"
@@ -134,7 +134,7 @@ def largest_ratio(recording: Recording, limit: float) -> float:
     return largest if slip(recording) is None else max(largest, limit)
 
 
-GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope that tell it.
+GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope's guards.
 
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
 

@@ -91,5 +91,5 @@ def _shapes(recording: Recording, name: str, origin: tuple[float, float, float],
     """Return shapes of a rope (instants, points, 3) [m] until it breaks; x from between the conveyances' centres."""
     own = rope_signals(recording, name)
     shapes = np.array([own.shape_at(row) for row in range(0, len(own.time), every)], dtype=np.float64)
-    # what keeps to its plane has no place out of it
+    # a rope that its model keeps in a plane has no place out of it
     return np.asarray(shapes + origin + 0.0 * own["loop.z"][::every, None, None])

@@ -11,7 +11,7 @@ from rope_model import BODIES, FAR
 
 _DISSIPATED = "energy.dissipated_contact"
 
-#: Outputs of the rope that tell it.
+#: Outputs of the rope from which `passages` follow.
 PASSAGE_SIGNALS = frozenset(
     {"loop.crossings", "loop.crossed_at", "loop.crossed_y", "loop.overlap", "loop.touched_at", "loop.touched_y"}
     | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
@@ -32,7 +32,7 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
         for name, words in BODIES.items()
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0 or _pressed(recording, name)
     ]
-    # what presses for a moment between two rows leaves what it dissipated
+    # contact for a moment between two rows leaves its dissipated energy
     itself = _pressed(recording, "rope")
     dissipated = _DISSIPATED in recording and bool(np.any(_shows(recording, _DISSIPATED)))
     held = any(_pressed(recording, name) for name in BODIES) or (dissipated and not itself and bool(met))
@@ -59,7 +59,7 @@ def without_passages(warnings: Iterable[str]) -> list[str]:
     return [text for text in warnings if not any(phrase in text for phrase in _PASSAGE_WARNINGS)]
 
 
-#: In warnings of the rope that have no cure.
+#: Phrases in warnings that have no cure, which `passages` says, too.
 _PASSAGE_WARNINGS = ("the rope has struck", "the rope has passed into")
 
 

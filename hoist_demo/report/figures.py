@@ -208,7 +208,7 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
     """Draw marks as dashed lines in all panels, with their names over the first one, whose title makes room."""
     top = figure.axes[0]
     first, last = top.get_xlim()
-    lines: list[float] = []  # of names: where each is free from on, as a share of the panel's width
+    lines: list[float] = []  # end of the last name in each line of names, as a share of the panel's width
     for mark in marks:
         for ax in figure.axes:
             ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))

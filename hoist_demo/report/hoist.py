@@ -21,12 +21,10 @@ from hoist_demo.study.run import RunData, build_trip
 from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
 
-#: lowest modes of the rope that are told
-MODES = 4
+MODES = 4  #: Number of the rope's lowest modes in the table.
 _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
-#: most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s
-YAWS = 3.0
+YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
 Values = Mapping[str, Value]
 NOTHING: Values = MappingProxyType({})
 

@@ -77,7 +77,7 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
 
 def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> list[Panel]:
     """Return all panels of which a line can be drawn, with those lines only; `names` are those of the ropes."""
-    # what a fidelity leaves out is NaN throughout
+    # signals that a fidelity leaves out are NaN throughout
     shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
     drawable = {name for name in shown_at_all if loses(recording, name)} | set(derived_signals(recording, hoist))
     shown: list[Panel] = []
@@ -136,7 +136,7 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
     torque = Line("drive.torque_command", "command", REFERENCE, kilo), Line("drive.torque", "motor", "a", kilo)
     ratio = (Line("drive.tension_ratio", "larger / smaller", "b"),)
     clearances = {f"clearance.{kind}": words for kind, words in BODIES.items()}
-    # by group: title, unit, lines, and the further fields of Panel
+    # title, unit, lines and the further fields of Panel, by group
     groups: dict[str, list[tuple[Any, ...]]] = {
         "Winding": [
             ("Height in the shaft", "m", _followed("derived.reference_height", "y")),

@@ -11,10 +11,8 @@ from hoist_demo.report.html.parameter_tables import TitledRows
 from hoist_demo.report.verdict import COLUMNS, Verdict
 from hoist_demo.study.provenance import SETTING, STATUSES, SourcedValue
 
-OUTCOME = "Outcome"  #: Group of the rows that tell how a run went.
-
+OUTCOME = "Outcome"  #: Group of the rows on how a run went.
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
-
 DIGITS = 4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
 WHOLE = 10  #: Significant digits of a whole number.
 
@@ -88,8 +86,7 @@ def render_verdict(verdict: Verdict) -> str:
 
 
 TITLE = "Data that this rests on, by status"
-#: most names that are status_rows one by one
-NAMED = 8
+NAMED = 8  #: Most names that are listed one by one.
 
 
 def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:

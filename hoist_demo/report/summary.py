@@ -49,7 +49,7 @@ def _rough(values: Array) -> str:
 
 _DRIVE, _ROPE, _WORK, _ENERGY = "Drive", "Balance rope", "Energy of the drive", "Energy of one balance rope"
 
-#: Group and quantity, signals, factor and unit, and what is told of them.
+#: Group and quantity, signals, factor and unit, and the function that reduces the signals to a value.
 _ROWS: tuple[tuple[str, str, tuple[str, ...], float, str, Callable[[Array], float | str]], ...] = (
     (_DRIVE, "peak speed", ("conveyance.left.vy",), 1.0, "m/s", _largest),
     (_DRIVE, "peak motor torque", ("drive.torque",), 1e-3, "kN m", _largest),
@@ -123,7 +123,7 @@ def _together(recording: Recording) -> Iterator[SummaryRow]:
 def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryRow]:
     for group, quantity, names, factor, unit, measure in (row for row in _ROWS if row[0] in groups):
         recorded = [recording[name] for name in names if name in recording and loses(recording, name)]
-        # what the fidelity leaves out is NaN throughout
+        # signals that the fidelity leaves out are NaN throughout
         if recorded and bool(np.isfinite(values := np.concatenate(recorded)).any()):
             yield SummaryRow(group, quantity, measure(factor * values), unit)
 

@@ -74,7 +74,7 @@ class Verdict:
 class _Rope:
     """Recording and data of one rope."""
 
-    recording: Recording  # of its signals
+    recording: Recording  # record of its signals
     data: RopeData
 
     def parameter(self, name: str) -> float:
@@ -112,7 +112,7 @@ def judge(
     ropes = [_Rope(rope_signals(recording, one.name), one) for one in data] if recording.signals else []
     rows = tuple(_rows(result, hoist, ropes, pairs, arrival)) if ropes else ()
     broken = [row for row in rows if row.holds is False]
-    # the outcome tells of strikes, and clearances do
+    # the outcome already reports strikes, and so do clearances
     quantities = [row.quantity for row in broken if row.quantity != _STRIKES] or [row.quantity for row in broken]
     words = outcome(result.completed, recording, [one.name for one in data])
     words += f": {result.cause}" if result.cause else ""
@@ -222,7 +222,7 @@ def _of_each(ropes: Sequence[_Rope], rows_of: Callable[[_Rope], Iterator[Verdict
     rows = [(row.quantity, rope.data, row) for rope in ropes for row in rows_of(rope)]
     order = list(dict.fromkeys(quantity for quantity, *_ in rows))
     rows.sort(key=lambda row: order.index(row[0]))
-    # what is the same for all is said once
+    # rows that are the same for all ropes appear once
     alike = {
         q for q in order if len(own := [row for one, _, row in rows if one == q]) == len(ropes) and len({*own}) == 1
     }

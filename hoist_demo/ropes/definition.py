@@ -36,7 +36,7 @@ class OneRope:
     """One of the ropes: its data, its place, and its break."""
 
     name: str  # "" of the only one, or of equal ones
-    parameters: Mapping[str, Value]  # by FMI name; the rest is the level's
+    parameters: Mapping[str, Value]  # values by FMI name; the level has the rest
     level: Level
     case: Case  # the hoist with this rope alone
     place: Place = field(default_factory=Place)

@@ -28,7 +28,7 @@ from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.run import Probe, RunData, build_trip
 from hoist_demo.study.tuning import Range, grid, latin_hypercube, varied
 
-#: what a study without variants compares its choices over
+#: Disturbances over which a study without variants compares its choices.
 LOADS = ("hoist.payload_left", "hoist.payload_right")
 Count = Annotated[int, Field(ge=1, strict=True)]
 Seed = Annotated[int, Field(ge=0, strict=True)]
@@ -203,8 +203,8 @@ class Study:
     signals: tuple[str, ...]
     variants: Mapping[str, Mapping[str, Given]]  # fixed values of each variant
     varied: Mapping[str, Varied]
-    chosen: tuple[str, ...]  # of these, what tells one choice from another
-    plan: Plan | None  # of a search
+    chosen: tuple[str, ...]  # varied keys that distinguish choices
+    plan: Plan | None  # None without a search
     samples: tuple[StudyRun, ...] = ()  # all runs; for a search the corners of its ranges
 
     @property

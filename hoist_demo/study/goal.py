@@ -89,7 +89,7 @@ class Standing:
 class Goal:
     """Cost that is to be small, and bounds that every run must keep."""
 
-    weights: Mapping[str, float]  # of each metric; 1 / its unit
+    weights: Mapping[str, float]  # by metric, in 1 / its unit
     sense: float  # 1: the smallest sum is best, -1: the largest
     bounds: tuple[Bound, ...] = ()
     judge: Judge = "worst"

@@ -33,9 +33,9 @@ RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 class Best:
     """Best choice, or the nearest where none keeps the bounds."""
 
-    runs: tuple[int, ...]  # places of its runs in the table
+    runs: tuple[int, ...]  # rows of its runs in the table
     text: str  # a sentence, the worst of its runs and their warnings included
-    feasible: bool  # whether it keeps the bounds
+    feasible: bool  # True if it keeps the bounds
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,10 @@ class Performed:
 
     table: Path  # results.parquet
     runs: int
-    causes: Mapping[str, str]  # of the runs that did not complete, by number and name
-    passages: Mapping[str, str]  # what the rope passed through, likewise
+    causes: Mapping[str, str]  # causes of the runs that did not complete, by number and name
+    passages: Mapping[str, str]  # bodies that the rope struck or passed through, by number and name
     warnings: Mapping[str, list[str]]  # numbers and names of the runs, by the first text of each kind
-    remarks: Sequence[str]  # where a result is not monotonic in what varies
+    remarks: Sequence[str]  # sentences on results that are not monotonic in what varies
     choices: Sequence[int]  # number of each run's choice
     best: Best | None  # None where nothing says what is best, or no run can be compared
 
@@ -190,7 +190,7 @@ def _best(
         equal = sum(standings[k].rank == one.rank for k in finite)
         sentence = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
     texts = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
-    # what all runs warn of says least about this choice
+    # a warning of all runs says least about this choice
     common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
     warned = sorted(texts, key=lambda text: common[kind_of(text)])
     sentence += "".join(f". Warning: {text}" for text in warned[:MOST_WARNINGS])

@@ -22,10 +22,10 @@ from hoist_demo.study.run import CONTROLLER_OF, RunData
 from rope_model.texts import csv_cell
 
 SETTING = "setting"
-#: in the order in which they are told
+#: Statuses in the order of the reports.
 _FIRST = ("contradicted", VARIED, GIVEN, "data sheet", "measured", "calibrated", DERIVED, "published", "exported")
 STATUSES = (*_FIRST, "assumed", SETTING)
-#: of the host and of the rope, whose values are no data
+#: Groups of the host and of the rope whose values are no data.
 _SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
 
 

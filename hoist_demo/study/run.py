@@ -65,7 +65,7 @@ class RunData(Task):
     arrival: Arrival
     fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
-    given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # where values come from
+    given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
 
     def key(self, fmu_hash: str) -> str:
         """Return the name of the run, 24 hexadecimal digits."""
@@ -88,12 +88,12 @@ class Outcome:
     status: str  # completed, stopped or error
     cause: str
     metrics: Mapping[str, float]
-    signals: Mapping[str, list[float]]  # by name, those that were asked for, and their time
-    units: Mapping[str, str] = field(default_factory=dict)  # of the signals
-    fidelity: str = ""  # of the rope's model, that ran: why a metric may be missing
-    warnings: tuple[str, ...] = ()  # of hoist, coupling and rope
-    missing: str = ""  # why a metric is
-    passed: str = ""  # what the rope passed through
+    signals: Mapping[str, list[float]]  # requested time series by name, and their time
+    units: Mapping[str, str] = field(default_factory=dict)  # units of the signals
+    fidelity: str = ""  # models of the rope that ran, which may lack a metric
+    warnings: tuple[str, ...] = ()  # warnings of hoist, coupling and rope
+    missing: str = ""  # reason why a metric is missing
+    passed: str = ""  # bodies that the rope struck or passed through
 
 
 def build(
@@ -242,7 +242,7 @@ def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: 
     except ValueError as error:
         return str(error)
     try:
-        with warnings_of(FmuRope.__module__):  # the runs tell them again
+        with warnings_of(FmuRope.__module__):  # the runs warn again
             status = rope.initialize(0.0, left, right)
     finally:
         rope.close()

@@ -20,7 +20,7 @@ class SlipSafety(NamedTuple):
     safety: float
     t: float  # s
     required: float
-    rule: str  # where that comes from
+    rule: str  # origin of the requirement
     cure: str
 
     @property

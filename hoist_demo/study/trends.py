@@ -57,7 +57,7 @@ def _along(goal: Goal | None, key: str, runs: RunLine) -> Iterator[tuple[str, st
     """Yield each result that is not monotonic, and the words on it."""
     for what, happened in _events(goal):
         happens = [happened(outcome) for _, outcome in runs]
-        # what happens at the lower end only is told, too: more is expected to be worse
+        # an event at the lower end only counts, too: more is expected to be worse
         changes = sum(before != after for before, after in pairwise(happens))
         expected = 0 if happens[0] and not happens[-1] else 1
         if any(happens) and changes > expected:

@@ -28,7 +28,7 @@ class UncertainHead(LevelHead):
     samples: int = Field(64, ge=8, description="a power of two")
     seed: int = Field(1, ge=0)
     measures: tuple[Literal[tuple(UNITS)], ...] = Field(MEASURES, min_length=1)  # type: ignore[valid-type]
-    bearing: Literal["", *BEARINGS] = ""  # type: ignore[valid-type]  # of both swivels, whose friction then varies
+    bearing: Literal["", *BEARINGS] = ""  # type: ignore[valid-type]  # bearing of both swivels, whose friction then varies
 
     @field_validator("samples")
     @classmethod

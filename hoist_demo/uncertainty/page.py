@@ -9,8 +9,7 @@ from hoist_demo.report.rows import SummaryRow, in_display_unit, provenance_table
 from hoist_demo.study.metrics import METRICS, UNITS
 from hoist_demo.uncertainty.spread import QUANTILES, Spread
 
-#: share of a spread from which on a datum is named in the terminal
-NAMED = 0.05
+NAMED = 0.05  #: Share of a spread from which on a datum is named in the terminal.
 
 
 def summary(spread: Spread) -> list[SummaryRow]:

@@ -27,11 +27,9 @@ from hoist_demo.study.metrics import ROPE_SIGNALS, measure
 from hoist_demo.study.run import wind_run
 from hoist_demo.uncertainty.definition import Uncertain
 
-#: measures, and what is to be told
-WindingResult = tuple[dict[str, float], tuple[str, ...]]
+WindingResult = tuple[dict[str, float], tuple[str, ...]]  #: Measures by name, and remarks.
 
-#: of a distribution that is told
-QUANTILES = (0.05, 0.5, 0.95)
+QUANTILES = (0.05, 0.5, 0.95)  #: Quantiles of each measure in the results.
 #: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
 SPOILED = 1.1
 STOPPED = "stopped: "  #: Prefix of the cause of a winding's stop.
@@ -139,7 +137,7 @@ def wind_once(question: Uncertain, values: Mapping[str, float]) -> WindingResult
 
 def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:
     """Return remarks with the number of windings of each; numbers that differ between windings become ranges."""
-    numbers_by_words = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # by the words: by winding, the numbers
+    numbers_by_words = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # numbers by words and by winding
     for k, texts in enumerate(remarks):
         for text in texts:
             of_winding = numbers_by_words.setdefault(tuple(_NUMBER.split(text)), {})

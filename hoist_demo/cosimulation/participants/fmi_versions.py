@@ -80,8 +80,8 @@ class Instance(ABC):
         """Load from the FMU's files and instantiate; RuntimeError when that fails."""
         self._hear = hear
         self._loaded: Any = None  # FMPy's; None once it is freed
-        self._t, self._h = c_double(), c_double()  # of the next step
-        self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # those that somebody has, and their ends
+        self._t, self._h = c_double(), c_double()  # begin and length of the next step
+        self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # referenced states, and their finalizers
         identifier = description.coSimulation.modelIdentifier
         try:
             self._loaded = copy(_load(self._fmpy_class, directory, description.guid, identifier))

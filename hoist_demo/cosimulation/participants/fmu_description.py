@@ -34,14 +34,14 @@ class Variable:
     name: str
     reference: int
     causality: str
-    type: str  # as its version of FMI calls it
+    type: str  # name in its version of FMI
     kind: str  # Real, Integer, Enumeration, Boolean, String, or another that no rope has
-    unit: str  # as FMI spells it, "" where there is none
+    unit: str  # FMI's spelling, "" for none
     elements: tuple[str, ...]  # names of an array's elements; else its own name
-    starts: tuple[Value, ...]  # of the elements, or none
+    starts: tuple[Value, ...]  # start of each element, or none
     minimum: float | None
     maximum: float | None
-    items: Mapping[str, int]  # of an enumeration
+    items: Mapping[str, int]  # codes of an enumeration's items
 
 
 def _variable(stated: Any) -> Variable:

@@ -44,8 +44,8 @@ class FmuRope:
         `recorded` are the outputs of which a run makes a record; None: all but the added masses, which are expensive.
         """
         self._started = False
-        self._warned: set[str] = set()  # what has been in the log
-        self._errors: list[str] = []  # what the FMU has said of the call that fails
+        self._warned: set[str] = set()  # warnings that were logged
+        self._errors: list[str] = []  # the FMU's messages about the call that fails
         self._path = Path(path)
         fmu = read_fmu(self._path)
         self._description, self._described, self._variables = fmu.description, fmu.parameters, fmu.named
@@ -153,7 +153,7 @@ class FmuRope:
             "FMI version": str(description.fmiVersion),
         }
         units, reason = {name: p.unit for name, p in parameters.items()}, ""
-        with suppress(CallError):  # where the FMU still answers
+        with suppress(CallError):  # a failed FMU need not answer
             reason = self._text("status.fidelity_reason")
         return RopeData(model, self._parameters(), units, reason)
 

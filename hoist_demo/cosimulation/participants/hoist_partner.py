@@ -30,12 +30,12 @@ class HoistPartner:
         """`held` is the input that acts at the start, in the order of INPUT_NAMES."""
         self.plant, self.state = plant, state
         self.per_step = 1  # samples of the controller in a step
-        self.next_command: NextCommand | None = None  # where there are several
+        self.next_command: NextCommand | None = None  # None with one sample in a step
         self._first = held.item(_TORQUE), held.item(_BRAKE)  # command of a step, torque and brake
         self.input = held  # that acts now, forces included
-        self._path = np.concatenate([held, np.zeros(2 * held.size)])  # of the next step
+        self._path = np.concatenate([held, np.zeros(2 * held.size)])  # input over the next step
         self._clock = clock
-        self._shown: Vector | None = None  # under the input
+        self._shown: Vector | None = None  # OUTPUTS under the input
         self._done: tuple[Load, InterfaceMotion] | None = None  # load of the last step, and the motion at its end
 
     def command(self, torque: float, brake: float, sides: Vector) -> None:

@@ -52,9 +52,9 @@ class RopeLibrary:
     """Functions of a rope that trip.c calls."""
 
     step: Access  # the function alone
-    motions: Access  # of the ends, to be given
-    table: Callable[[Sequence[str], int], OutputTable]  # of outputs, with this many rows
-    status: Callable[[str, int], Status]  # of a step that has failed in one of CALLS, which has returned this
+    motions: Access  # motions of the ends, to be set
+    table: Callable[[Sequence[str], int], OutputTable]  # makes a table of outputs with this many rows
+    status: Callable[[str, int], Status]  # status of a step whose call, one of CALLS, has returned this
     valid: Access | None = None
     warning: Any = None  # rope_warning, where somebody must ask
     warned: Any = None  # a flag for each of the warnings, whether it was heard

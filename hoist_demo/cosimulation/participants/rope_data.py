@@ -47,13 +47,13 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
 class RopeData:
     """One rope of a run; parameters by FMI name."""
 
-    model: Mapping[str, str]  # what it is and where it comes from
+    model: Mapping[str, str]  # kind and origin
     parameters: Mapping[str, Value]
-    units: Mapping[str, str]  # as FMI spells them, "1" for a pure number
+    units: Mapping[str, str]  # FMI's spelling, "1" for a pure number
     fidelity_reason: str = ""  # why the fidelity runs that runs
-    name: str = ""  # of one of several; its signals begin with it
+    name: str = ""  # prefix of its signals where there are several ropes
     place: Place = field(default_factory=Place)
-    breaks: tuple[float, float] | None = None  # when, s, and where, m along the rope from its left end
+    breaks: tuple[float, float] | None = None  # time [s] and place of its break [m], along the rope from its left end
 
     @property
     def prefix(self) -> str:

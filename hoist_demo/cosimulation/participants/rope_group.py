@@ -60,9 +60,11 @@ class RopeGroup:
         if not names or len({*names}) < len(names):
             raise ValueError(f"the ropes' names {', '.join(names)} must be different: name each rope")
         self.members, self.neighbours = tuple(members), neighbours
-        self._last: _Ends = EndMotion(), EndMotion()  # of the conveyances
-        self._placed = list[_Ends]()  # where the ropes' ends are
-        self._means: list[NDArray[np.float64] | None] = [None] * len(names)  # of ropes whose step was halved
+        self._last: _Ends = EndMotion(), EndMotion()  # motions of the conveyances
+        self._placed = list[_Ends]()  # motions of the ropes' ends
+        self._means: list[NDArray[np.float64] | None] = [None] * len(
+            names
+        )  # mean forces of a halved step
         self._read_means = [] if neighbours is None else [member.rope.reader(MEANS) for member in members]
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:

@@ -22,7 +22,7 @@ class EnergyControlled:
     inner: Scheme
     bound: float = 20.0  # W
     smallest: float = 1e-4  # s
-    order: int = 2  # in h, of the power that `inner` makes up
+    order: int = 2  # order in h of the power that `inner` makes up
     needs_rollback: bool = True
 
     @property

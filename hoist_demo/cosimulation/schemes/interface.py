@@ -70,7 +70,7 @@ class Memory(NamedTuple):
     samples: tuple[Sample, ...]  # the last HISTORY, oldest first
     step_next: float = 0.0  # s, that the energy control would like; 0: not chosen yet
     exchanges: int = 0  # steps of the rope, those taken back included
-    taken_back: int = 0  # of them
+    taken_back: int = 0  # exchanges that were taken back
     residual: float = 0.0  # J, work that one partner gave and the other did not get, since the start
 
     @property
