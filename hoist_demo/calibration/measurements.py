@@ -34,7 +34,6 @@ from rope_model.scene_names import with_values
 from rope_model.simulation.outputs.modal import natural_modes
 
 Array = NDArray[np.float64]
-
 LONGEST = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
 COMMUNICATION = 0.02  #: Communication step of a track [s].
 SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are taken [s].

@@ -33,7 +33,6 @@ _DRAWN = {
     "left.swivel.": "swivels.png",
 }
 
-
 REPORT = "report.html"  #: Page of a run, in its folder.
 
 

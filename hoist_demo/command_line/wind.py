@@ -36,9 +36,7 @@ from hoist_demo.study.provenance import host_provenance
 from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
-
 STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
-
 #: Trip of --quick; scenarios keep their travel, as what goes wrong in them does so later.
 _QUICK = {"travel": 10.0, "settle": 2.0}
 

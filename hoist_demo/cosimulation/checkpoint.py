@@ -22,9 +22,7 @@ from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
-
 MOST_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
-
 CONTROLLER = "the controller's state"  #: What messages call it.
 
 

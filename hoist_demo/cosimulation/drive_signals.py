@@ -40,7 +40,6 @@ DRIVE_UNITS = {
     "coupling.exchanges": "1",
 }
 
-
 _MOTION = {"y": "y", "v": "vy", "a": "ay"}
 #: Signals that are numbers of OUTPUTS.
 _SHOWN_AS = {

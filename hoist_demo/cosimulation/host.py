@@ -44,15 +44,11 @@ from rope_model import EndMotion
 from rope_model.numerics.kernels import last_words
 
 _log = logging.getLogger(__name__)
-
 #: Called after every step with the fraction done and the time [s]; False stops the run.
 Progress = Callable[[float, float], bool]
-
-
 SAVE_INTERVAL = 5.0  #: Simulated time from one state that is kept to the next [s].
 LOADING_PARTS = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
 LOADING_INTERVAL = 0.1  #: Time between two changes of a payload that is being loaded [s].
-
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
 _PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]

@@ -33,7 +33,6 @@ from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_ro
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
 HeldBy = Literal["motor", "brake"]
-
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 #: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}

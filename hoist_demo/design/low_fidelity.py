@@ -29,7 +29,6 @@ from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
 
 Vector = NDArray[np.float64]
-
 STATES = 11
 
 

@@ -43,8 +43,6 @@ INPUT_NAMES = (
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
 LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
-
-
 FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)  #: Places of the two vertical forces in an input.
 #: Places of the two vertical accelerations in the rates.
 ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)

@@ -42,19 +42,15 @@ Vector = NDArray[np.float64]
 Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 #: Where steps have ended: all that `advance` gives there, size of the next one, s.
 StepEnd = tuple[Vector, float, float]
-
 SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY = 0.9  #: Factor on the step that the error allows.
 SHRINKS = 0.5  #: Smallest factor from one step to the next.
 GROWS = 1.5  #: Largest factor from one step to the next.
 LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
 TOLERANCE = 1e-8  #: Of a step's error, relative and in SI units.
-
 WORKS = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
 PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
-
 ORDER = 5
-
 _B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)  #: Weights b of the result, the last stage.
 _A = (
     (1 / 5,),

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import SIDES
 
 Array = NDArray[np.float64]
-
 _AXES = ("x", "z", "yaw")
 _LATERAL = ("{}", "v{}", "a{}")
 _TURNING = ("{}", "{}_rate", "{}_acceleration")

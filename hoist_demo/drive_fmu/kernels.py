@@ -32,9 +32,7 @@ from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
 
 #: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.
 LIMIT = 0.25
-
 DEGREE = 4
-
 _ONE = DriveTail("", 0.0, 0.0)  #: The rope of a hoist with one, or with equal ones.
 
 

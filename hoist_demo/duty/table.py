@@ -53,7 +53,6 @@ COLUMNS = {
 }
 
 UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1"}
-
 _SMALLEST_IS_WORST = ("clearance", "slip_safety")
 #: Columns of which the worst trip is told.
 JUDGED = (

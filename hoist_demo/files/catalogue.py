@@ -29,8 +29,6 @@ SECTIONS: dict[str, type[Any]] = {
     "arrival": Arrival,
 }
 CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
-
-
 _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.items()})  # type: ignore[call-overload]
 
 

@@ -176,8 +176,6 @@ def _place(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
 
 
 _END = (sys.maxsize, 0)  # the text ends too soon
-
-
 _ONE, _SEVERAL = "one table: write [{place}] above it", "a list: write [[{place}]] above each table, or [a, b]"
 _MUST = {
     **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _ONE),

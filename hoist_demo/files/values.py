@@ -16,7 +16,6 @@ from rope_model import DatumStatus
 from rope_model.texts import printable
 
 LONGEST_TEXT = 200  #: Characters of a title, of a source, or of a name for people.
-
 GIVEN = "given"  #: Status of a value that is set without one.
 DERIVED = "derived"  #: Status of a value that follows by a rule.
 VARIED = "varied"  #: Status of a value that differs between runs.

@@ -28,7 +28,6 @@ ASSUMED_DATA = (
     "belong to no installation: put in your own before you judge an installation by the numbers shown here."
 )
 
-
 #: bounds far beyond any hoist: what is out of them has another unit
 _MODES = Bounds(0, 20, cure="2 suit most studies, 0 leaves them out")
 _COUNT = Bounds(1, 20, cure="count the ropes")

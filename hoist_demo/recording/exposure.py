@@ -16,10 +16,8 @@ from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
 PERIODS = 2.0  #: Periods in half the record from which on it is a vibration [assumed].
-
 #: How many times as high as the valleys about it a peak is at least: that of a trip alone has waves [assumed].
 STANDS_OUT = 2.0
-
 SHORTEST = 16  #: Rows of the shortest record that has a spectrum.
 
 
@@ -70,16 +68,11 @@ def strongest(spectrum: Spectra) -> tuple[Array, Array]:
 
 
 QUANTITIES = ("tension", "curvature", "torque")
-
 #: Outputs of the rope from which the exposure follows.
 STATION_SIGNALS = tuple(name for of in QUANTITIES for name in SIGNALS if name.startswith(f"station.{of}["))
-
 COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].
-
 BENT = 0.5  #: Part of the sharpest curvature from which on a place is in a bend [assumed].
-
 VIBRATING = ("tension", "torque")  #: Quantities with spectra: what bends as it passes the loop does so once.
-
 #: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
 
@@ -119,7 +112,6 @@ def _units() -> dict[str, str]:
 
 
 UNITS = _units()  #: Unit of each column of the table.
-
 _PLACES = ("station", "s")
 
 

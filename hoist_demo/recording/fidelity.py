@@ -13,7 +13,6 @@ from hoist_demo.recording.time_series import Recording
 from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects, neglected_text
 
 FIDELITY = "status.fidelity"  #: Signal with the code of the fidelity that runs.
-
 #: Choices of the FMU's integer parameter `model.fidelity`, in the order of its codes.
 CODES = tuple(CHOICES["model.fidelity"])
 

@@ -89,7 +89,6 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
 
 
 SLIP_SIGNALS = frozenset({"drive.slip", "drive.slip_speed"})  #: Signals from which slip follows.
-
 ALIKE = "make the two sides more alike in weight"  #: What gives friction more room.
 
 #: Words on head ropes that hold where friction alone would not.
@@ -135,7 +134,6 @@ def largest_ratio(recording: Recording, limit: float) -> float:
 
 
 GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope's guards.
-
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
 
 

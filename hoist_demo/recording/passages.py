@@ -19,7 +19,6 @@ PASSAGE_SIGNALS = frozenset(
     | {_DISSIPATED}
 )
 
-
 PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
 
 

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
 TIME = "time"
 _ALONG = ("s", "tension", "bending", "torsion")
 

@@ -48,7 +48,6 @@ STYLE: dict[Any, Any] = {
     "axes.prop_cycle": cycler(color=(*ACCENTS, *COLOURS.values(), "black")),
 }
 
-
 #: Groups of panels by the name of their figure.
 _FIGURES = {
     "tracking": ("Winding",),

@@ -24,7 +24,6 @@ from rope_model import BODIES
 LEFT = "left"  #: Style of the left end.
 RIGHT = "right"  #: Style of the right end.
 REFERENCE = "asked"  #: Style of a reference.
-
 _DEGREES = 180.0 / math.pi
 
 

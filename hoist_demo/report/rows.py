@@ -15,7 +15,6 @@ OUTCOME = "Outcome"  #: Group of the rows on how a run went.
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
 DIGITS = 4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
 WHOLE = 10  #: Significant digits of a whole number.
-
 LONG = 40  #: Characters from which a text has lines of its own in the table.
 
 

@@ -25,9 +25,7 @@ from hoist_demo.study.slip import slip_safeties, slip_warnings
 from rope_model import BODIES, FAR
 
 HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turned over.
-
 NO_BOUND = "none asked"
-
 _STRIKES = "strikes"
 _HANGS = "above 0: a rope only pulls"
 

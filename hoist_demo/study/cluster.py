@@ -22,9 +22,7 @@ from hoist_demo.study.run import ERROR, Outcome, RunData, execute
 from hoist_demo.study.store import Store
 
 _log = logging.getLogger(__name__)
-
 Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
-
 BATCH = 0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
 AHEAD = 2  #: Batches per thread given before others have ended.
 FEWEST = 16  #: Threads that are counted at least: workers may join.

@@ -236,7 +236,6 @@ class Study:
 
 #: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
 MOST_TRIED = 200
-
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 

@@ -45,13 +45,9 @@ from rope_model import EndMotion
 #: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped")
 ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
-
-
 _VERSION = version("balance-rope")
-
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
 CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
-
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 

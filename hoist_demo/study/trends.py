@@ -19,7 +19,6 @@ from hoist_demo.study.metrics import UNITS
 PROMINENCE = 0.1  #: Least height of an extremum, in parts of the range of a result.
 NOISE = 0.01  #: Least height of an extremum, in parts of the largest size of a result.
 _WATCHED = ("slip_safety", "clearance", "loop_turns")  #: Metrics of a study that does not say what matters.
-
 OutcomeRecord = Mapping[str, Any]
 
 

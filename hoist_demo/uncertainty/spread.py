@@ -28,7 +28,6 @@ from hoist_demo.study.run import wind_run
 from hoist_demo.uncertainty.definition import Uncertain
 
 WindingResult = tuple[dict[str, float], tuple[str, ...]]  #: Measures by name, and remarks.
-
 QUANTILES = (0.05, 0.5, 0.95)  #: Quantiles of each measure in the results.
 #: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
 SPOILED = 1.1

@@ -27,17 +27,12 @@ from hoist_demo.cosimulation.participants.library_calls import TEXT, Access, acc
 from hoist_demo.parameters.quantity import Value
 
 CallError = FMICallException  #: A call that the FMU answers with discard, error or fatal.
-
 WARNING = 1  #: Status of a message that fails no call; those of errors are larger, in both versions.
-
 DISCARD = 2  #: Status of a step that is not done.
-
 _CLOSED = "the FMU is closed, its memory is gone: read from it before close(), or load it anew"
-
 #: What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
 #: several steps, and callers may by any number, so the FMU must be able to.
 _NO_STATE_PRIOR = False
-
 Hear = Callable[[int, str], None]  #: Takes the status and the text of a message of the FMU.
 
 

@@ -27,9 +27,7 @@ from hoist_demo.recording.fidelity import FIDELITY
 from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
-
 INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
-
 _VALID = Status(True)
 
 

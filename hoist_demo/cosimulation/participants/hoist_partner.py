@@ -17,8 +17,6 @@ from rope_model import EndMotion
 _PLACE, _SPEED, _ACCELERATION = (slice(SHOWN[f"{name}_left"], SHOWN[f"{name}_right"] + 1) for name in "yva")
 #: Places of the forces in a path of the drive's input.
 _START, _RISE, _BEND = (slice(k * len(INPUT_NAMES) + FORCES[0], k * len(INPUT_NAMES) + FORCES[1] + 1) for k in range(3))
-
-
 #: The controller's k-th command within a step, torque [N m] and brake: of k, time [s] and what the hoist shows then.
 NextCommand = Callable[[int, float, Vector], tuple[float, float]]
 

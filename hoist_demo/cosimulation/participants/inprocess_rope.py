@@ -24,7 +24,6 @@ from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model.scene_names import named_parameters, with_values
 
 _log = logging.getLogger(__name__)
-
 _TAG = b"rope in process\n"
 
 

@@ -14,9 +14,7 @@ from rope_model.scene_names import choices_of, named_parameters
 
 _LEVEL_GROUPS = ("mesh.", "solver.", "model.")  #: Groups of the numbers that a level of accuracy sets.
 _LEVEL_CHOICES = ("mesh.kind", "model.fidelity")  #: Choices that a level of accuracy sets.
-
 _FREE = "solver.kernels"  #: What may differ when a run goes on.
-
 _TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURVATURES))
 
 

@@ -62,9 +62,7 @@ class RopeGroup:
         self.members, self.neighbours = tuple(members), neighbours
         self._last: _Ends = EndMotion(), EndMotion()  # motions of the conveyances
         self._placed = list[_Ends]()  # motions of the ropes' ends
-        self._means: list[NDArray[np.float64] | None] = [None] * len(
-            names
-        )  # mean forces of a halved step
+        self._means: list[NDArray[np.float64] | None] = [None] * len(names)  # mean forces of a halved step
         self._read_means = [] if neighbours is None else [member.rope.reader(MEANS) for member in members]
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:

@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 from rope_model import EndMotion, Status
 
 Vector = NDArray[np.float64]
-
 ENDS = ("left", "right")
 #: The rope's signals: forces now, and their means over the last step; without them no loop can run.
 ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)
 ADDED_MASSES = tuple(f"{end}.added_mass" for end in ENDS)
-
 HISTORY = 3  #: Samples that are remembered: enough for a quadratic extrapolation.
 
 

@@ -24,7 +24,6 @@ from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pai
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
-
 MOST_EXCHANGES = 30  #: Tries of one step, after which it fails.
 
 

@@ -21,7 +21,6 @@ from hoist_demo.cosimulation.schemes.explicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Pair, Scheme, Vector
 
 _log = logging.getLogger(__name__)
-
 MEMORY = 48  #: Steps for which the rope's answer is followed.
 PULSE = 0.05  #: Acceleration of the trial [m/s^2].
 STILL_STEPS = 4  #: Steps without a pulse after which a rope may be found to hang still.

@@ -13,7 +13,6 @@ import numpy as np
 from hoist_demo.recording.time_series import Array, Recording
 
 Packed = dict[str, str | float]
-
 CODES = {"u8": 254, "u16": 65534}  #: Largest integer that stands for a number, per kind; the next one is NaN.
 
 
@@ -90,7 +89,6 @@ MAPS = (
 
 MOST_COLUMNS = 240  #: Most instants in a picture.
 ROPE_ROWS = 160  #: Places along the rope in a picture.
-
 MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
 
 

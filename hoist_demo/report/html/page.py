@@ -17,7 +17,6 @@ from hoist_demo.parameters import ASSUMED_DATA
 from rope_model.texts import html_text
 
 LONG = 24  #: Characters from which a value may break anywhere, such as a hash.
-
 Row = tuple[str, ...]  #: Quantity, value and unit as texts, and perhaps what more is known of it.
 
 

@@ -8,7 +8,6 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.report.html.page import Row, number, unit_text
 
 _NO_UNIT = "-"
-
 TitledRows = tuple[str, list[Row]]  #: Title and rows.
 
 

@@ -21,9 +21,7 @@ from rope_model import FAR
 from rope_model.texts import html_text
 
 MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
-
 MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
-
 SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
 
 
