@@ -274,14 +274,14 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build_trip
 
-    run, members, trajectory = build_trip(options.hoist, {}), (), None
+    run, trajectory = build_trip(options.hoist, {}), None
     if not case.ropes:
         case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:
         followed = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory
     if not case.ropes:
-        return case, members, trajectory
+        return case, (), trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)
     return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory
 

@@ -93,8 +93,8 @@ class Identified:
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
         """Pairs of properties that the data determine together rather than apart."""
-        matrix, n = self.fit.correlations, len(self.names)
-        pairs = [(i, j) for i in range(n) for j in range(i) if abs(matrix[i, j]) > STRONG]
+        matrix = self.fit.correlations
+        pairs = [(i, j) for i in range(len(matrix)) for j in range(i) if abs(matrix[i, j]) > STRONG]
         return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
 
 
@@ -166,14 +166,16 @@ def candidates(bench: Bench, shares: Array) -> list[RopeMeasurement]:
     torsion = trial.properties["torsional_stiffness"]
     width = bench.predict(shares, [LoopWidth(value=(1.0,), sigma=1.0)])[0]
     turn = 0.05 * load * data.diameter / torsion  # rad/m, for a torque like those of torque factors
-    torque, kilonewtons = 5e-4 * load * data.diameter, f"under {1e-3 * load:.3g} kN"
+    torque = 5e-4 * load * data.diameter
+    kilonewtons = f"under {1e-3 * load:.3g} kN"
     share = "to 0.05 % of load times diameter"
     sample: Any = {"value": 1.0, "load": load}
     level: Any = {"value": 0.0, "left_y": 0.0, "right_y": 0.0}
     twisted = f"torque of a sample {kilonewtons} turned in by {turn:.2g} rad/m, {share}"
     rotation = f"rotation of a 10 m sample {kilonewtons}, to 5 degrees"
     extension = f"extension of a 10 m sample {kilonewtons}, to 0.5 mm"
-    yaw, torque_at_rest = "yaw of the loop at equal heights, by camera, to 1 degree", "left.swivel.torque"
+    yaw = "yaw of the loop at equal heights, by camera, to 1 degree"
+    torque_at_rest = "torque of the left end at equal heights, to 0.5 N m"
     return [
         LoopWidth(name="width of the free loop, to 1 %", value=(1.0,), sigma=0.01 * width),
         Mass(name="mass, to 0.5 %", value=(1.0,), sigma=5e-3 * data.mass_per_length),
@@ -182,5 +184,5 @@ def candidates(bench: Bench, shares: Array) -> list[RopeMeasurement]:
         SampleRotation(name=rotation, sigma=np.deg2rad(5), length=(10.0,), **sample),
         SampleExtension(name=extension, sigma=5e-4, length=(10.0,), **sample),
         AtRest(name=yaw, sigma=np.deg2rad(1), signal="loop.yaw", **level),
-        AtRest(name="torque of the left end at equal heights, to 0.5 N m", sigma=0.5, signal=torque_at_rest, **level),
+        AtRest(name=torque_at_rest, sigma=0.5, signal="left.swivel.torque", **level),
     ]

@@ -370,6 +370,7 @@ class Bench:
 
     def predict(self, shares: Array, measurements: Sequence[AnyRopeMeasurement], of: Trial | None = None) -> Array:
         """Predict all values of the measurements in turn; ``shares`` are those of the rope, then those of starts."""
-        trial, starts = of or self.trial(shares), iter(shares[len(self.names) :].tolist())
+        trial = of or self.trial(shares)
+        starts = iter(shares[len(self.names) :].tolist())
         predictions = [m.predict(trial, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
         return np.array([value for values in predictions for value in values])

@@ -139,7 +139,8 @@ class Markers(Table):
 
     def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
         """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""
-        held, t = self._held.copy(), self._t[: -len(self._places)]
+        held = self._held.copy()
+        t = self._t[: -len(self._places)]
         h = (self._t[t.size] - t[0]) / STEPS
         for k, displacement in enumerate(start):
             s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
@@ -151,7 +152,8 @@ class Markers(Table):
         """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3); ``start`` is in standard errors."""
         displacements = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
-        layout, before = replace(scene.layout, spacing=self._spacing), len(self._t) - len(self._places)
+        layout = replace(scene.layout, spacing=self._spacing)
+        before = len(self._t) - len(self._places)
         rope, samples = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
         labelled = np.array([*self.places.values()])
         for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(displacements), strict=True)):

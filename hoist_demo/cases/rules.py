@@ -107,8 +107,8 @@ def _of_catalogue(tail: BalanceRopeData) -> dict[str, Given]:
     """Return what the catalogue knows of a rope; ValueError where it has none such."""
     if not tail.construction:
         return {}
-    diameter, lay = float(tail.parameters.get("rope.diameter", 0.0)), tail.lay
-    middle = catalogue_rope(tail.construction, diameter, lay=lay).middle  # type: ignore[arg-type]  # it checks the lay
+    diameter = float(tail.parameters.get("rope.diameter", 0.0))
+    middle = catalogue_rope(tail.construction, diameter, lay=tail.lay).middle  # type: ignore[arg-type]  # checks the lay
     source = f"catalogue, {tail.construction}, middle of its range"
     return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 

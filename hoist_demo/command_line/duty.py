@@ -59,7 +59,6 @@ def add_duty(commands: Commands) -> None:
 
 
 def _duty(options: argparse.Namespace) -> int:
-    # the rope loads slowly and is needed here only
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
@@ -108,8 +107,10 @@ def _wind(
     from hoist_demo.duty.table import place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
 
-    cycle, rest = len(schedule.pattern), place_at_rest(schedule, rope)
-    rows, after, last = list[dict[str, float]](), None, None
+    cycle = len(schedule.pattern)
+    rest = place_at_rest(schedule, rope)
+    rows = list[dict[str, float]]()
+    after = last = None
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
         rows = saved_rows[: schedule.count]
@@ -163,7 +164,6 @@ def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Seque
 
 
 def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:
-    # matplotlib loads slowly and is needed here only
     from hoist_demo.report.figures import write_duty_figure
 
     write_csv(trips, out / "trips.csv")

@@ -48,8 +48,9 @@ def add_hoist_commands(commands: Commands) -> None:
         show = add_command(commands, name, partial(_show, everything=name == "show"), about, _SHOW, "")
         show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(NAMED)}")
         show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
-    about, example = "the catalogue's ropes, or one as [[rope]] of a file", "balance-rope rope 34x7 --diameter 52mm"
-    rope = add_command(commands, "rope", _rope, about, f"Print {about}.", f"example: {example}")
+    about = "the catalogue's ropes, or one as [[rope]] of a file"
+    example = "example: balance-rope rope 34x7 --diameter 52mm"
+    rope = add_command(commands, "rope", _rope, about, f"Print {about}.", example)
     rope.add_argument("construction", nargs="?", metavar="KIND", help="one of the catalogue; all without it")
     rope.add_argument("--diameter", default="44mm", metavar="D", help="[m] (%(default)s)")
     rope.add_argument("--length", default="120", metavar="L", help="[m] (%(default)s)")

@@ -33,7 +33,6 @@ def add_identify(commands: Commands) -> None:
 
 
 def _identify(options: argparse.Namespace) -> int:
-    # the rope loads slowly and is needed here only
     from hoist_demo.calibration.definition import Measured
     from hoist_demo.calibration.identify import identify
     from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file

@@ -77,12 +77,12 @@ class WoundRun:
         return Report(self.title, verdict, self._changed(), rows, given)
 
     def _changed(self) -> TitledRows:
-        case, own = find_case(self.run.case), build(self.run.case, {})
+        own = build(self.run.case, {})
         before = {**{one.name: one.value for one in host_provenance(own, {})}, **own.fmu}
         values = dict[str, Value]()
         for rope in self.ropes:
             values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
-        for tail in case.ropes:
+        for tail in find_case(self.run.case).ropes:
             before |= {f"{tail.name}.{key}": value for key, value in tail.parameters.items()}
         rows: list[Row] = [
             (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "the default")))
@@ -110,7 +110,6 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
 
     `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes begin with its name.
     """
-    # matplotlib loads slowly and is needed here only
     from hoist_demo.report.figures import write_figures
     from hoist_demo.report.hoist import complete_file
     from hoist_demo.report.html.run import run_report

@@ -107,7 +107,8 @@ def _study(options: argparse.Namespace) -> int:
     provenance = study_provenance(study)
     write_data(provenance, store.directory / "data.csv")
     print("\n" + render(status_rows(provenance)) + "\n")
-    page, data = store.directory / "report.html", [provenance_table(provenance)]
+    page = store.directory / "report.html"
+    data = [provenance_table(provenance)]
     report = study_report(results.table, results.units, meta, page, data, performed, study.goal)
     print(f"open in a browser: {report}")
     return 1 if performed.causes else 0

@@ -37,7 +37,6 @@ def add_uncertain(commands: Commands) -> None:
 
 
 def _uncertain(options: argparse.Namespace) -> int:
-    # the rope loads slowly and is needed here only
     from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
     from hoist_demo.uncertainty.definition import Uncertain

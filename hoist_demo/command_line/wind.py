@@ -130,12 +130,13 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
             host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
             result = _run(host, None if case.ropes else options.out / LAST_GOOD, resume)
-        ropes, remarked, of_ropes = hung.data(), _remarks(hung), hung.provenance(statuses)
+        ropes, remarked = hung.data(), _remarks(hung)
+        rope_sources = hung.provenance(statuses)
     finally:
         hung.plant.close()
     result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}))
     run = replace(run, winding=result.winding)
-    provenance = [*host_provenance(run, statuses), *of_ropes]
+    provenance = [*host_provenance(run, statuses), *rope_sources]
     title = _title(case.name or options.hoist, run.winding)
     pairs = hung.pairs(result.recording)
     wound = WoundRun(title, run, result, ropes, pairs, provenance, [*remarked, *warnings], values)

@@ -207,9 +207,9 @@ def _library(parts: Hoist, kernels: integrator.DriveKernels) -> CDLL:
     """Compile and load trip.c for hoists with these parts; RuntimeError without a C compiler."""
     if (compiler := find_compiler()) is None:
         raise RuntimeError("no C compiler found")
-    law, given, results = law_kernel(parts), kernels.given, kernels.result
+    law, results = law_kernel(parts), kernels.result
     numbers = _NUMBERS | {
-        **{f"AT_{name.upper()}": given[name].start for name in ("s", "h", "path", "l0")},
+        **{f"AT_{name.upper()}": kernels.given[name].start for name in ("s", "h", "path", "l0")},
         **{f"AT_{name.upper()}": results[name].start for name in ("works", "error", "shown")},
         "REACHED": results["works"].stop,
         "SIZE": results["shown"].stop,

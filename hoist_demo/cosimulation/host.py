@@ -139,9 +139,11 @@ class Host:
             run.pair.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
             run.recorder.resume(resume.recording, resume.sample)
             run.controller, run.memory = deepcopy(resume.controller), resume.memory
-            run.first, run.steps = resume.sample, resume.sample * self.coupling.per_sample
+            run.first = resume.sample
+            run.steps = resume.sample * self.coupling.per_sample
         cause = self._wind(run, progress, save_to)
-        checkpoint, saved, end = self._checkpoint(run, cause) if cause else None, None, None
+        checkpoint = self._checkpoint(run, cause) if cause else None
+        saved = end = None
         if checkpoint is not None and save_to is not None:
             try:
                 checkpoint.write(save_to)
@@ -149,8 +151,9 @@ class Host:
             except ValueError as error:  # keep the record of the run all the same
                 cause += f"; {save_to} is not written: {error}"
         if not cause and run.course == self._course:
-            t, landing = self.coupling.start + self.samples * self.coupling.period, self.trajectory.points[-1].position
-            end = TripEnd(t, self._start_height + landing, run.drive.state, run.drive.input, run.memory)
+            t = self.coupling.start + self.samples * self.coupling.period
+            landing = self._start_height + self.trajectory.points[-1].position
+            end = TripEnd(t, landing, run.drive.state, run.drive.input, run.memory)
         result = self._result(with_drive_signals(run.recorder.recording(), self.hoist), run.steps, cause, run.course)
         return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
@@ -183,7 +186,8 @@ class Host:
         if run.saved is None:
             return None
         k, ((plant, acting), snapshot), controller, memory = run.saved
-        rope, t = b"", self.coupling.start + k * self.coupling.period
+        rope = b""
+        t = self.coupling.start + k * self.coupling.period
         if snapshot is not None:
             try:
                 rope = self.rope.to_bytes(snapshot)
@@ -290,7 +294,8 @@ class Host:
 
     def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
         """Ask the controller for its command, by the reference and the OUTPUTS of the drive."""
-        travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
+        travel = shown.item(_Y_LEFT) - self._start_height
+        speed = self.hoist.sheave_radius * shown.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
         if not isinstance(command, Command):
             raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")

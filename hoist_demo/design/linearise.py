@@ -212,7 +212,8 @@ def _linear_hoist(
     u[0] = x[0]
 
     coordinates = ("phi", "y_left", "y_right", *extra_coordinates(hoist))
-    n, short = len(coordinates), {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
+    n = len(coordinates)
+    short = {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
     q = [names.index(name) for name in coordinates]
     v = [names.index(short.get(name, f"{name}_rate")) for name in coordinates]
     deflection = "brake_deflection"

@@ -106,7 +106,8 @@ class ReducedModel:
             return ca.reshape(ca.interpolant("part", "bspline", [at], flat, options)(inside), *values.shape[1:])
 
         A, B, C, D = (between(values) for values in (self.A, self.B, self.C, self.D))
-        interpolated_A, largest_rate = ca.Function("A", [part], [A]), max(0.0, np.linalg.eigvals(self.A).real.max())
+        interpolated_A = ca.Function("A", [part], [A])
+        largest_rate = max(0.0, np.linalg.eigvals(self.A).real.max())
         for x in np.interp(np.arange(0, len(at) - 0.9, 0.25), range(len(at)), at):
             if (rate := np.linalg.eigvals(interpolated_A(x).full()).real.max()) > largest_rate + ALPHA:
                 raise ValueError(
@@ -320,12 +321,12 @@ def _projected(model: LinearModel, basis: Array) -> _System:
 
 def telling(model: LinearModel, modes: Modes, band: float) -> Array:
     """Largest part (modes,) that each mode makes up of any channel on s = alpha + i omega in the band."""
-    n, s = model.free, _line(band)[:, None]
+    s = _line(band)[:, None]
     omega = 2 * np.pi * modes.frequencies
     # inputs by way of what lags, or by held ends, act on the modes, too
     b = modes.shapes.T @ _pushes(model, s[:, 0])
     b = b / (s**2 + 2 * s * modes.damping * omega + omega**2)[:, :, None]
-    c = [np.asarray(A[:, :n] @ modes.shapes) for A in model.maps]
+    c = [np.asarray(A[:, : model.free] @ modes.shapes) for A in model.maps]
     share = np.zeros(omega.size)
     for i, k in np.ndindex(model.through.shape):
         parts = b[:, :, k] * (c[0][i] + s * c[1][i] + s**2 * c[2][i])

@@ -102,8 +102,8 @@ class DriveKernels:
 @cache
 def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
     """Return the kernels for all hoists with these parts (`Hoist.parts`)."""
-    of, names, numbers = drive.equations(parts), drive.state_names(parts), len(parts.numbers)
-    held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": numbers}
+    of, names = drive.equations(parts), drive.state_names(parts)
+    held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(parts.numbers)}
     given = _slices({"x": len(names), "works": WORKS, "s": 1, "h": 1, **held})
     shown = {"error": 1, "acting": len(drive.INPUT_NAMES), "shown": len(OUTPUTS)}
     result = _slices({"x": len(names), "works": WORKS, **shown})

@@ -163,8 +163,9 @@ class HoistPlant:
 
     def _excess(self, y: Vector) -> float:
         """Return the tension beyond what friction holds [N], of ropes that hold."""
-        hoist, shown = self.hoist, self.holding.result["shown"].start
+        hoist = self.hoist
         off = hoist.rope_mass * (hoist.sheave_radius * y.item(_RATE)) ** 2
+        shown = self.holding.result["shown"].start
         low, high = sorted(y.item(shown + k) for k in _TENSIONS)
         return high - off - hoist.tension_ratio_limit * max(low - off, 0.0)
 
@@ -173,9 +174,9 @@ class HoistPlant:
         slide = state.slide
         if slide.sense != 0.0:
             values = dict(zip(self._sliding.names, x.tolist(), strict=True))
-            slip, slid_distance = values["slip"], slide.slid_distance + (values["slip"] - slide.slip)
+            slid_distance = slide.slid_distance + (values["slip"] - slide.slip)
             x = np.array([values[name] for name in self.state_names])
-            slide = Slide(slide.sense, values["slip_rate"], slid_distance, slip)
+            slide = Slide(slide.sense, values["slip_rate"], slid_distance, values["slip"])
         return PlantState(x, works, state.free_lengths, step_next, slide)
 
     def accelerance(self, state: PlantState) -> Vector:

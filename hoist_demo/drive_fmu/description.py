@@ -66,8 +66,8 @@ def drive_model(case: Case, tails: Sequence[DriveTail] = (), trajectory: Traject
         "drive_kernels.c": generated.c,
         "drive_table.h": _table(case, table, generated, tails, reference),
     }
-    lasts, held = duration(case.winding, trajectory), initial(case, tails)
-    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, held)
+    lasts = duration(case.winding, trajectory)
+    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, initial(case, tails))
 
 
 def initial(case: Case, tails: Sequence[DriveTail] = ()) -> dict[str, tuple[str, ...]]:

@@ -147,8 +147,8 @@ def variables(case: Case, step: float, tails: Sequence[DriveTail] = ()) -> tuple
 
 
 def _parameters(case: Case, step: float, tails: Sequence[DriveTail]) -> Iterator[Variable]:
-    start, wait = case.winding.start_delay, "wait before the trip begins"
-    yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
+    text = "wait before the trip begins"
+    yield Variable("trip.start", "parameter", "fixed", "Real", "s", case.winding.start_delay, text, 0.0, _MOST)
     pulls = np.sum([rest_forces(case, tail) for tail in tails or (None,)], axis=0)
     for side, name, pull in zip(SIDES, START_PULLS, pulls, strict=True):
         text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
@@ -156,8 +156,8 @@ def _parameters(case: Case, step: float, tails: Sequence[DriveTail]) -> Iterator
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
     for p in leaves(Gains):
-        value, low, high = getattr(case.gains, p.name), 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
-        about = _GAINS[p.name]
+        low, high = 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
+        value, about = getattr(case.gains, p.name), _GAINS[p.name]
         yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, about, low, high)
 
 

@@ -127,7 +127,8 @@ def _step(plant: HoistPlant) -> Any:
 
 def _input(plant: HoistPlant, tails: Sequence[DriveTail]) -> Any:
     """(x, forces of the ropes in the order of the table) -> the plant's input but for the torque."""
-    x, ropes = ca.SX.sym("x", len(plant.state_names)), tails or (_ONE,)
+    x = ca.SX.sym("x", len(plant.state_names))
+    ropes = tails or (_ONE,)
     forces = ca.SX.sym("F", 2 * len(ropes) + len(side_forces(plant.hoist, tails)))
     total = dict.fromkeys(INPUT_NAMES[1:], ca.SX(0.0))
     upright, sides = forces[: 2 * len(ropes)], forces[2 * len(ropes) :]

@@ -45,7 +45,8 @@ def wind_duty(
     """
     drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
-        run, chosen = schedule.trip(number), drives[(number - 1) % len(drives)]
+        run = schedule.trip(number)
+        chosen = drives[(number - 1) % len(drives)]
         host = Host(
             rope,
             run.hoist,

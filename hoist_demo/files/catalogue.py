@@ -50,8 +50,8 @@ def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
     by_name = dict[str, Parameter]()
     for p in named_parameters(Scene()):
-        unit, about, bounds, choices = p.facts.unit, p.facts.description, (p.minimum, p.maximum), choices_of(p.name)
-        by_name[p.name] = Parameter(p.name, unit or "1", p.kind, p.value, Bounds(*bounds), choices, about)
+        bounds, choices = Bounds(p.minimum, p.maximum), choices_of(p.name)
+        by_name[p.name] = Parameter(p.name, p.facts.unit or "1", p.kind, p.value, bounds, choices, p.facts.description)
     return by_name
 
 

@@ -133,7 +133,8 @@ def _tail(k: int, settings: dict[str, Any], shared: dict[str, Given], problems: 
     """Return a rope; add what is wrong to the problems."""
     own = {key: one for key, one in settings.items() if isinstance(one, Given) and key not in PLACE_PARAMETERS}
     at = {key: float(settings[f"rope.{key}"].value) for key in (*PLACE, *BREAK) if f"rope.{key}" in settings}
-    number, breaks = settings.get("number", 1), {key: at.pop(key) for key in BREAK if key in at}
+    number = settings.get("number", 1)
+    breaks = {key: at.pop(key) for key in BREAK if key in at}
     if len(breaks) == 1:
         problems.append(f"rope {k}: breaks_at and breaks_s must stand together: give both or none")
     if breaks and number > 1:

@@ -92,5 +92,6 @@ class Jam(Stated, of="jam."):
 
     def require_within(self, shaft_travel: float, name: str) -> None:
         """Raise the ValueError of a place that is not there; ``name`` is the conveyance of the jam."""
-        bound, cure = f"within 0 and shaft_travel = {shaft_travel:g} m", "give a place that the conveyance passes"
+        bound = f"within 0 and shaft_travel = {shaft_travel:g} m"
+        cure = "give a place that the conveyance passes"
         require(self.height, self.height <= shaft_travel, f"{name}.height", bound, cure)

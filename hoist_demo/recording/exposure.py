@@ -204,7 +204,8 @@ def _counted(name: str, values: Array) -> dict[str, Array]:
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
     cycles = [[(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)] for column in values.T]
     ranges = np.array([max((size for size, _ in station), default=0.0) for station in cycles])
-    least, edges = COUNTED * float(np.max(ranges)), (*BINS[name], np.inf)
+    least = COUNTED * float(np.max(ranges))
     counted = np.array([sum(count for size, count in station if size >= least > 0.0) for station in cycles])
+    edges = (*BINS[name], np.inf)
     binned = [np.histogram([x for x, _ in station], edges, weights=[n for _, n in station])[0] for station in cycles]
     return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))

@@ -67,7 +67,8 @@ def stops(recording: Recording, begin: float | None) -> list[Stop]:
     """Return the emergency stop of each conveyance, `begin` [s] after the start of the record."""
     if begin is None or not recording.has(*(f"conveyance.{side}.vy" for side in SIDES)):
         return []
-    conveyances, k = [], int(np.searchsorted(recording.time - recording.time[0], begin))
+    conveyances = []
+    k = int(np.searchsorted(recording.time - recording.time[0], begin))
     for side in SIDES if k < len(recording.time) else ():
         y, vy = (recording[f"conveyance.{side}.{name}"][k:] for name in ("y", "vy"))
         last = _stands(vy)

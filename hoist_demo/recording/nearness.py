@@ -80,7 +80,8 @@ def pairs(
     rope_pairs = []
     for (one, _, thick), (other, _, thin) in combinations(ropes, 2):
         count = min(len(shapes[one]), len(shapes[other]))
-        times, points = recording.time[::every][:count], (shapes[one][:count], shapes[other][:count])
+        times = recording.time[::every][:count]
+        points = shapes[one][:count], shapes[other][:count]
         both = np.isfinite(points[0] + points[1]).all(axis=(1, 2))
         near = nearest(times[both], points[0][both], points[1][both], 0.5 * (thick + thin)) if both.any() else None
         rope_pairs.append(RopePair(one, other, near, accounts.get((one, other))))

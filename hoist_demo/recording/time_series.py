@@ -129,7 +129,8 @@ def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
         for row in rows:
             shape = recording.shape_at(row)
             if shape is not None:
-                t, points = _number(recording.time[row]), np.column_stack([shape, *(v[row] for v in along.values())])
+                t = _number(recording.time[row])
+                points = np.column_stack([shape, *(v[row] for v in along.values())])
                 writer.writerows([t, k + 1, *(_number(value) for value in point)] for k, point in enumerate(points))
 
 

@@ -117,8 +117,8 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
     warned, yaws = [], dict[str, float]()
     ropes = ropes_of(case, build_trip(name, values), {}, case.level).ropes
     for rope in ropes:
-        scene, whose = rope.scene, f"{rope.name}: " if rope.name else ""
-        plant = balance_rope(scene)
+        whose = f"{rope.name}: " if rope.name else ""
+        plant = balance_rope(rope.scene)
         for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):
             group = f"{whose}{_AT_REST} {height:g} m"
             yaws[rope.name] = max(yaws.get(rope.name, 0.0), signals["loop.yaw"], key=abs)

@@ -273,7 +273,8 @@ def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[VerdictRow]:
     """Yield the smallest pull of all head ropes on either conveyance."""
     for side in SIDES:
         if (name := f"drive.pull_{side}") in recording:
-            row, threshold = int(np.argmin(recording[name])), hoist.slack_tension
+            row = int(np.argmin(recording[name]))
+            threshold = hoist.slack_tension
             least = float(recording[name][row])
             bound = "above 0: slack" if threshold is None else f"above {number(1e-3 * threshold, 3)} kN, slack_tension"
             quantity, where = f"smallest pull of the head ropes, {side}", f"t = {recording.time[row]:.2f} s"

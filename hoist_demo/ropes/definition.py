@@ -53,7 +53,8 @@ class OneRope:
         """Rope to be wound, with its break."""
         if self.fmu is not None:
             return self.fmu()
-        rope, data = InProcessRope(self.scene, name=self.name), self.scene.rope
+        rope = InProcessRope(self.scene, name=self.name)
+        data = self.scene.rope
         if self.breaks is None:
             return rope
         breaks = replace(self.breaks, gravity=self.scene.layout.gravity)

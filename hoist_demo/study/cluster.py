@@ -90,7 +90,8 @@ def run_samples(
     left, pace = [*waiting], BATCH  # time that a run takes [s]
 
     def give(batch: list[str]) -> None:
-        runs, name = [waiting[key] for key in batch], f"runs-{len(batch)}-{batch[0]}"
+        runs = [waiting[key] for key in batch]
+        name = f"runs-{len(batch)}-{batch[0]}"
         batches[future := client.submit(_work, runs, study.fmu_hash, key=name, pure=False)] = batch
         collected.add(future)
 
@@ -111,7 +112,8 @@ def run_samples(
                     give([key])
                 continue
             cause = f"{type(error).__name__}: {error}"
-            outcomes, worker = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})], ""
+            outcomes = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})]
+            worker = ""
         for key, outcome in zip(batch, outcomes, strict=True):
             store.write(key, waiting[key], outcome, worker)
             _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")

@@ -259,7 +259,8 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
                 plan, points = file.drawn()
         fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
         study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
-        probe, samples, every = Probe(rope), list[StudyRun](), math.ceil(len(points) * len(variants) / MOST_TRIED)
+        probe, samples = Probe(rope), list[StudyRun]()
+        every = math.ceil(len(points) * len(variants) / MOST_TRIED)
         with Problems() as problems:
             for values, name in ((values, name) for values in progress(points) for name in variants):
                 with problems.at(f"variant {name}" if name else ""):

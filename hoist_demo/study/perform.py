@@ -171,7 +171,8 @@ def _best(
     first = min(finite, key=lambda k: standings[k].rank)
     if not standings[first].comparable:
         first = min(finite, key=lambda k: standings[k].score.rank)
-    one, runs = standings[first], tuple(k for k, choice in enumerate(choices) if choice == first)
+    one = standings[first]
+    runs = tuple(k for k, choice in enumerate(choices) if choice == first)
     variant, *values = study.choice(samples[runs[0]])
     shown = [str(variant)] if variant else []
     chosen = zip(study.chosen, values, strict=True)

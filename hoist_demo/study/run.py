@@ -24,17 +24,10 @@ from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Task
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, Given, plain
-from hoist_demo.parameters import (
-    GRAVITY,
-    Arrival,
-    Coupling,
-    Hoist,
-    require_jams_on_the_way,
-    require_trip_fits,
-    start_heights,
-)
+from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.winding import require_jams_on_the_way, require_trip_fits
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
@@ -173,7 +166,8 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     units = {name: result.recording.units[name] for name in series}
     status = "completed" if result.completed else "stopped"
     warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradicted)
-    passed, sentences = passages(result.recording), tuple(filter(None, warned))
+    sentences = tuple(filter(None, warned))
+    passed = passages(result.recording)
     return Outcome(status, result.cause, metrics, series, units, fidelity, sentences, missing, passed)
 
 

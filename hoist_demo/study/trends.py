@@ -24,10 +24,10 @@ OutcomeRecord = Mapping[str, Any]
 
 def not_monotonic(study: Study, samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]) -> list[str]:
     """Return a sentence for each result that is not monotonic, with the place where it shows first."""
-    all_parameters, sentences = parameters(), dict[tuple[str, str], list[str]]()
+    sentences = dict[tuple[str, str], list[str]]()
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
     if study.plan is None and len(lists) == len(study.varied):
-        for key in (key for key in lists if not all_parameters[key].choices):
+        for key in (key for key in lists if not parameters()[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
                 for what, words in _along(study.goal, key, runs):
                     sentences.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)

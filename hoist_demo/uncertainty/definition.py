@@ -46,8 +46,9 @@ class Uncertain(RopeQuestion, RunFile):
     @cached_property
     def known_rope(self) -> KnownRope:
         """Rope with its ranges, as long as the hoist's unless the file states a length."""
-        rope, hoist = self.catalogue_rope, find_case(self.head.hoist).hoist
-        return rope if "length" in self.catalogue_arguments else replace(rope, length=hoist.tail_rope_length)
+        if "length" in self.catalogue_arguments:
+            return self.catalogue_rope
+        return replace(self.catalogue_rope, length=find_case(self.head.hoist).hoist.tail_rope_length)
 
     @property
     def data(self) -> dict[str, Datum]:

@@ -106,10 +106,10 @@ class BreakingRope:
 
     def _break(self, t: float) -> tuple[Piece, Piece]:
         left, right = self._ends
-        leg, rest = 0.5 * (self._length + left.y - right.y), self._length - self._at.s
+        at, leg = self._at, 0.5 * (self._length + left.y - right.y)
         return (
-            Piece.of(t, self._mass, self._at.s, leg, left, right, self._at.gravity),
-            Piece.of(t, self._mass, rest, self._length - leg, right, left, self._at.gravity),
+            Piece.of(t, self._mass, at.s, leg, left, right, at.gravity),
+            Piece.of(t, self._mass, self._length - at.s, self._length - leg, right, left, at.gravity),
         )
 
     def _forces(self, t: float, ends: tuple[EndMotion, EndMotion]) -> dict[str, float]:

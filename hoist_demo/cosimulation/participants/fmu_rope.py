@@ -142,7 +142,7 @@ class FmuRope:
 
     def data(self) -> RopeData:
         """Identity of the rope: its file, and all parameters with their values."""
-        description, parameters = self._description, self._described
+        description = self._description
         model = {
             "FMU": self._path.name,
             "SHA-256": _digest(*version_of(self._path)),
@@ -150,7 +150,8 @@ class FmuRope:
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
         }
-        units, reason = {name: p.unit for name, p in parameters.items()}, ""
+        units = {name: parameter.unit for name, parameter in self._described.items()}
+        reason = ""
         with suppress(CallError):  # a failed FMU need not answer
             reason = self._text("status.fidelity_reason")
         return RopeData(model, self._parameters(), units, reason)
@@ -236,7 +237,8 @@ class FmuRope:
 
     def _failure_status(self, error: CallError) -> Status:
         """Return the status of a failed call, in the FMU's own words if it still speaks."""
-        self._started, message = False, ""
+        self._started = False
+        message = ""
         with suppress(CallError):
             message = self._text("status.message")
         return Status(False, message or self._explanation(error))
@@ -251,7 +253,8 @@ class FmuRope:
 
     def _explanation(self, error: Exception) -> str:
         """Return the cause of a failed call, with the FMU's messages."""
-        messages, self._errors = "; ".join(dict.fromkeys(self._errors)), []
+        messages = "; ".join(dict.fromkeys(self._errors))
+        self._errors = []
         return f"{error} {messages}" if messages else str(error)
 
     def _hear(self, status: int, text: str) -> None:

@@ -132,7 +132,8 @@ def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) ->
         for place, text in ticks
     ]
     for k, row in enumerate(rows):
-        y, colour = ROW * (k + 0.5), "var(--left)" if row.solid else "var(--soft)"
+        y = ROW * (k + 0.5)
+        colour = "var(--left)" if row.solid else "var(--soft)"
         low, high, at = (_x(min(max(x, 0.0), 1.0)) for x in (row.low, row.high, row.at))
         parts.append(
             f'<text x="{LABEL - 10}" y="{y + 4:.1f}" text-anchor="end" font-size="13">{html_text(row.label)}</text>'

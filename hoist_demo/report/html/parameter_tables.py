@@ -47,7 +47,8 @@ def parameter_rows(data: Any, section: str, statuses: Mapping[str, str]) -> list
         value = getattr(data, field.name)
         unit, meaning = (field.metadata.get(key, "") for key in ("unit", "description"))
         key = f"{section}{field.name}"
-        name, status = key + (f", {meaning}" if meaning else ""), statuses.get(key, "")
+        name = key + (f", {meaning}" if meaning else "")
+        status = statuses.get(key, "")
         if is_dataclass(value):
             listed += parameter_rows(value, f"{key}.", statuses)
         elif value is None or isinstance(value, str | int | float):

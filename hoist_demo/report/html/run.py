@@ -63,7 +63,8 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
 
 def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, object]:
     """Return the data for the scripts; a run without a recorded row has no time."""
-    recording, of_ropes = result.recording, [rope.name for rope in ropes]
+    recording = result.recording
+    of_ropes = [rope.name for rope in ropes]
     if not recording.signals:
         return {"time": None}
     start, extra = float(recording.time[0]), panels.derived_signals(recording, hoist)

@@ -44,7 +44,7 @@ def study_report(
 
     `more` are tables of the data, `performed` the study's outcome, which is judged by `goal`.
     """
-    path, best = Path(path), performed.best if performed else None
+    best = performed.best if performed else None
     by, limits = tuple(goal.metrics) if goal else (), goal.bounds if goal else ()
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
@@ -97,7 +97,8 @@ def study_report(
         + page.titled_table("Not shown by any run", [(name, "", "") for name in nowhere])
         + "".join(page.titled_table(title, rows) for title, rows in more),
     )
-    return page.write_html(path, page.render_page("study", title, body, scripts=page.running(("study.js",), data)))
+    scripts = page.running(("study.js",), data)
+    return page.write_html(Path(path), page.render_page("study", title, body, scripts=scripts))
 
 
 def _differ(values: Sequence[float | str | None]) -> bool:
