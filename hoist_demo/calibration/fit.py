@@ -102,10 +102,7 @@ class Fit:
 
 
 def fit(residuals: Residuals, count: int, ftol: float = 1e-8) -> Fit:
-    """Return the ``count`` shares with the least squares; undetermined ones stay at the middle of their range.
-
-    The search ends where a step lowers the squares by less than the part ``ftol``.
-    """
+    """Return the ``count`` shares with the least squares, undetermined ones at the middle, to the part ``ftol``."""
     start = np.full(count, MIDDLE)
     residuals = _where_computed(residuals, residuals(start).size)
     first = _solve(residuals, start, PULL * np.eye(count), ftol)

@@ -138,10 +138,7 @@ class SpeedController:
         return Command(torque, limited, ControllerState(integral))
 
     def law(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any) -> tuple[Any, Any, Any]:
-        """Return the torque [N m], whether it is limited, and the integral part after h; of numbers or symbols.
-
-        `motion` is the reference's position, speed and acceleration.
-        """
+        """Return (torque [N m], limited, integral after h), also of symbols; `motion` is s, v, a of the reference."""
         force, error = self.force(motion, travel, speed, integral)
         wanted = self._holding_torque + self._radius * force
         limit = self._hoist.torque_available(speed / self._radius)

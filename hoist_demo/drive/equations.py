@@ -73,10 +73,7 @@ def state_names(hoist: Hoist) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Equations:
-    """CasADi functions of hoists with the same parts.
-
-    x is the state, u the input in the order of INPUT_NAMES, l0 the free lengths, p the hoist's numbers.
-    """
+    """CasADi functions of hoists with the same parts; x: state, u: input, l0: free lengths, p: the hoist's numbers."""
 
     rates: Any  # (x, u, l0, p) -> dx/dt
     powers: Any  # the same arguments -> W, in the order of WORK_NAMES and LOSS_NAMES

@@ -208,10 +208,7 @@ class Integrator:
         return columns.T
 
     def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> StepEnd | None:
-        """Integrate to the end, or to where the watched function becomes positive; None on failure.
-
-        Begins with steps of this size, a share of h [s].
-        """
+        """Integrate in steps of `size` [parts of h] at first, to the end or where `watch` turns positive; else None."""
         largest_factor = GROWS
         while size * h > SHORTEST:
             steps = max(1, math.ceil((end - s) / size - 1e-9))

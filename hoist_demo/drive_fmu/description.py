@@ -34,10 +34,7 @@ class DriveModel:
 
 
 def duration(winding: Winding, trajectory: Trajectory | None = None) -> float:
-    """Return the duration of a trip with the waits before and after it, in whole seconds [s].
-
-    ``trajectory`` is another trip than the winding's S-curve, without the wait before it.
-    """
+    """Return a trip's duration with waits, in whole seconds; ``trajectory``, without waits, replaces the S-curve."""
     reached = s_curve(winding).duration if trajectory is None else winding.start_delay + trajectory.duration
     return float(math.ceil(reached + winding.settle))
 

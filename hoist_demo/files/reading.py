@@ -100,10 +100,7 @@ def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None
 def read(
     path: Path, model: type[T], opened: Sequence[Path] = (), over: Mapping[str, Mapping[str, object]] | None = None
 ) -> T:
-    """Return the contents of a file; raise FileError with all problems.
-
-    `opened` are the files that led to it; `over` are keys of tables that replace the file's.
-    """
+    """Return a file's contents or raise FileError; files `opened` led to it, keys of `over` replace the file's."""
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
     try:

@@ -38,10 +38,7 @@ _ANGLE = Bounds(0.1, 4.0 * math.pi, cure="give it in rad: 180 degrees are 3.1416
 
 @dataclass(frozen=True)
 class Hoist(Stated):
-    """Friction (Koepe) hoist with its motor on the sheave; all values [assumed].
-
-    What is None or 0 among the last lines is left out of the equations.
-    """
+    """Friction (Koepe) hoist with its motor on the sheave, without parts that are None or 0; all values [assumed]."""
 
     conveyance_mass: float = quantity(10.0e3, "kg", "each conveyance with its attachments")
     payload_left: float = quantity(5.0e3, "kg", "", VANISHING)
@@ -166,10 +163,7 @@ class Hoist(Stated):
         return math.exp(self.friction_coefficient * self.wrap_angle)
 
     def slip_safety(self, ratio: Any) -> Any:
-        """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-].
-
-        `ratio` is a number or an array.
-        """
+        """Return friction over required friction at tension ratios, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
         excess = np.asarray(ratio - 1.0)
         limit = self.tension_ratio_limit - 1.0
         safety = np.divide(limit, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)

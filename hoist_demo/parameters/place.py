@@ -44,10 +44,7 @@ class Place:
 def motion_at(
     place: tuple[float, float], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
 ) -> tuple[Any, ...]:
-    """Return MOVED of a point of a conveyance, from its own nominal place.
-
-    ``centre`` is MOVED of the conveyance's centre; ``rate`` and ``growth`` are the derivatives of ``yaw`` [rad].
-    """
+    """Return MOVED of a conveyance's point, from its nominal place; ``centre`` is MOVED of the conveyance's centre."""
     cx, cz, cvx, cvz, cax, caz = centre
     x, z = _turned(place, yaw)
     return (

@@ -20,10 +20,7 @@ def rope_signals(recording: Recording, name: str) -> Recording:
 
 
 def computed(recording: Recording, torque_free: Mapping[str, bool]) -> Recording:
-    """Return the record with NaN for what was not computed or is not there, and for sums of which that is a part.
-
-    `torque_free` is by the ropes' names whether one carries no torque.
-    """
+    """Return the record with NaN for what was not computed or is absent, and for its sums; `torque_free` by rope."""
     signals = dict(recording.signals)
     for name, free in torque_free.items():
         before = _own(recording, name)

@@ -106,10 +106,7 @@ def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[st
 
 
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
-    """Write the named signals with their time, one row per communication point, header `name [unit]`.
-
-    Without names all but those of `is_along`.
-    """
+    """Write signals with their time, header `name [unit]`; without names all but those of `is_along`."""
     chosen = [name for name in names if name in recording and name != TIME]
     names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
     with path.open("w", newline="", encoding="utf-8") as file:

@@ -30,10 +30,7 @@ NOTHING: Values = MappingProxyType({})
 
 
 def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]) -> str:
-    """Return the file of a hoist with every value of a run and its status: wound again, it gives the same bits.
-
-    `known` are the sources of host and ropes.
-    """
+    """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
     status = statuses(provenance)
 
     def given(name: str, value: Value, of: str = "") -> Given:
@@ -72,7 +69,7 @@ def _spacing(rope: RopeData, run: RunData) -> float:
 
 
 def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
-    """Return the complete file of a hoist; `name` is how it is found, `asked` are values that are set beside it."""
+    """Return the complete file of a hoist; `name` is how it is found, `values` are set beside it."""
     run, ropes, sources = _wound(case, name, values)
     return complete_file(case, run, ropes, sources)
 

@@ -105,7 +105,7 @@ def judge(
     pairs: Sequence[RopePair] = (),
     arrival: Arrival | None = None,
 ) -> Verdict:
-    """Judge a run with its ropes and pairs of them; `said` are warnings that ropes and host gave."""
+    """Judge a run with its ropes and pairs of them; `warnings` are those of ropes and host."""
     recording, arrival = result.recording, arrival or Arrival()
     ropes = [_Rope(rope_signals(recording, one.name), one) for one in data] if recording.signals else []
     rows = tuple(_rows(result, hoist, ropes, pairs, arrival)) if ropes else ()

@@ -119,10 +119,7 @@ class Ropes:
 
 
 def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level) -> Ropes:
-    """Return the ropes of a hoist; `chosen` are values of all ropes, set beside its file.
-
-    ValueError with all problems.
-    """
+    """Return the ropes of a hoist with `chosen` values set beside its file; a ValueError lists all problems."""
     if not case.ropes:
         return Ropes(case, run, (OneRope("", {**run.fmu, **fmu_part(chosen)}, level, case),))
     values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]

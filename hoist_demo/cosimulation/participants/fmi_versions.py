@@ -93,10 +93,7 @@ class Instance(ABC):
 
     @abstractmethod
     def _instantiate(self) -> None:
-        """Instantiate with all messages going to `_hear`: a Python FMU passes on no warning without logging.
-
-        `_do_step` is set to what steps from `_t` by `_h`.
-        """
+        """Instantiate with all messages to `_hear` (a Python FMU needs logging for that), and set `_do_step`."""
 
     def _pass_on(self, *message: Any) -> None:
         """Hear a message, of which status, category and text come last in both versions."""

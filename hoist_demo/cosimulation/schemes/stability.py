@@ -53,10 +53,7 @@ class StabilityEstimate:
 
 
 def predict_stability(scheme: Scheme, name: str, pair: Pair, t: float, H: float) -> StabilityEstimate | None:
-    """Predict the stability of the scheme by trial steps of the rope at rest, which are taken back.
-
-    None if it is unknown, ValueError if the rope lacks what the scheme needs.
-    """
+    """Predict the scheme's stability by trial steps of the rope at rest; None if unknown, ValueError if impossible."""
     if scheme.needs_added_mass:
         pair.added_mass()
     if pair.rope.save() is None:

@@ -40,10 +40,7 @@ def pack_to(values: Array, resolution: float) -> Packed:
 
 
 def thin(values: Array, most: int) -> Array:
-    """Thin to at most `most` values (1-D), peaks kept: each interval keeps its lowest and highest, in order.
-
-    Fewer values than `most` stay as they are.
-    """
+    """Thin to at most `most` values (1-D), the lowest and highest of each interval, in order; fewer stay."""
     if len(values) <= most:
         return values
     width = interval(len(values), most)
@@ -93,10 +90,7 @@ MISSING = "The rope has no outputs {}, so these are not shown along it; export i
 
 
 def along(recording: Recording, name: str) -> dict[str, object]:
-    """Pictures of what was recorded along a rope whose curve is known, and a note of what was not.
-
-    `name` is that of one of several ropes.
-    """
+    """Return pictures of what was recorded along a rope, one `name` of several, and a note of what was not."""
     rows = frames(len(recording.time), MOST_COLUMNS)
     curves = [curve for row in rows if (curve := recording.shape_at(row)) is not None]
     # arc lengths of the points [m]

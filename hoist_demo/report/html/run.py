@@ -28,10 +28,7 @@ SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rop
 def run_report(
     result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (UNKNOWN,)
 ) -> Path:
-    """Write the report of a run to `path`: verdict, pictures, and the rest.
-
-    `ropes` have the shaft that is drawn. Same run, same bytes but the clock's.
-    """
+    """Write the report of a run, the same bytes but the clock's; the shaft drawn is that of the first of `ropes`."""
     numbers = "".join(
         page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows])
         for group, rows in rows_by_group(report.rows).items()
