@@ -16,7 +16,7 @@ _NO_MODE = "no single damped mode fits what swings"
 
 @dataclass(frozen=True)
 class SwingMode:
-    """Damped mode of a record."""
+    """Damped mode that was fitted to a record."""
 
     frequency: float  # Hz, damped
     damping: float  # 1, ratio

@@ -53,7 +53,7 @@ Evaluate = Callable[[Array], Sequence[Score]]
 
 @dataclass(frozen=True)
 class Plan:
-    """Sizes of a search."""
+    """Sizes of the hypercube and of the searches."""
 
     sample: int  # points of the hypercube
     searches: int  # number of searches, from the best points

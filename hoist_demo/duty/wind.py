@@ -23,7 +23,7 @@ from hoist_demo.study.run import RunData
 
 @dataclass(frozen=True)
 class WoundTrip:
-    """Trip that was wound."""
+    """Trip of a duty that was wound, with its result."""
 
     number: int  # 1 for the first
     data: RunData

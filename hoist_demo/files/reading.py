@@ -36,7 +36,7 @@ class Table(pydantic.BaseModel):
 
 
 class File(Table):
-    """TOML file with its path."""
+    """Whole TOML file, with the path from which it was read."""
 
     _path: Path = pydantic.PrivateAttr(Path())
 

@@ -146,7 +146,7 @@ class GuardTrip(NamedTuple):
 
     @property
     def cause(self) -> str:
-        """Word for the cause."""
+        """Word for the cause, one of GUARD_CODES."""
         return GUARD_CODES[self.code]
 
 

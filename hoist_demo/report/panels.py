@@ -207,7 +207,7 @@ _RESIDUALS = {
 
 @dataclass(frozen=True)
 class Mark:
-    """Instant with a name."""
+    """Instant to be marked in all panels, with its name."""
 
     t: float  # s
     label: str

@@ -76,7 +76,7 @@ class Ropes:
 
     @cached_property
     def plant(self) -> RopePlant:
-        """One plant for all ropes."""
+        """Plant that stands for all ropes."""
         if not self.case.ropes:
             return self.ropes[0].plant
         group = [Member(rope.name, rope.plant, rope.place) for rope in self.ropes]

@@ -45,7 +45,7 @@ class Results:
 
 
 class Store:
-    """Folder of one study."""
+    """Folder with the records and tables of one study."""
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory

@@ -19,7 +19,7 @@ from hoist_demo.parameters.quantity import Parameter, Value
 
 @dataclass(frozen=True)
 class Range:
-    """Interval to draw from."""
+    """Interval from which a study draws values."""
 
     low: float
     high: float

@@ -52,7 +52,7 @@ class Uncertain(RopeQuestion, RunFile):
 
     @property
     def data(self) -> dict[str, Datum]:
-        """Data that vary, by name."""
+        """Ranges of the data that vary, by name."""
         ranges = {name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low}
         return ranges | (BEARINGS[self.head.bearing] if self.head.bearing else {})
 

@@ -183,7 +183,7 @@ class Instance(ABC):
         self.fmpy.setFMUState(state.handle)
 
     def to_bytes(self, state: FmuState) -> bytes:
-        """Serialize a state."""
+        """Return a state serialized by the FMU."""
         return bytes(self.fmpy.serializeFMUState(state.handle))
 
     def from_bytes(self, data: bytes) -> FmuState:

@@ -73,7 +73,7 @@ class Memory(NamedTuple):
 
     @property
     def last(self) -> Sample:
-        """Latest sample."""
+        """Sample at the latest communication point."""
         return self.samples[-1]
 
     def with_taken_back(self, count: int = 1) -> Memory:
