@@ -169,7 +169,8 @@ def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) 
     others = np.arange(best_fit.shares.size) != k
     held = best_fit.held @ (best_fit.shares - MIDDLE)
     least = float(best_fit.residuals @ best_fit.residuals + held @ held)
-    shares, squares = np.clip(best_fit.shares + step, 0.0, 1.0), list[float]()
+    shares = np.clip(best_fit.shares + step, 0.0, 1.0)
+    squares = list[float]()
     for _ in range(CORRECTIONS + 1):
         r = _all(residuals, best_fit.held, shares)
         squares.append(float(r @ r))

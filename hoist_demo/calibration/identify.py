@@ -102,7 +102,8 @@ def identify(measured: Measured) -> Identified:
     """Fit the properties, find their intervals, and rank candidates for the next measurement."""
     bench = measured.bench
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
-    tracks, count = [m for m in measured.measurements if isinstance(m, Markers)], len(bench.names)
+    tracks = [m for m in measured.measurements if isinstance(m, Markers)]
+    count = len(bench.names)
     whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
     properties_fit = whole.of_first_shares(count)
     ends = np.clip(properties_fit.shares[:, None] + np.outer(properties_fit.reaches, [-1.0, 1.0]), 0.0, 1.0)
@@ -144,11 +145,9 @@ def residuals_of(bench: Bench, measurements: Sequence[AnyRopeMeasurement], value
 
 
 def calibrated(measured: Measured, properties_fit: Fit, ends: Array) -> dict[str, Datum]:
-    """Replace ranges by the calibrated intervals where these are narrower.
-
-    Of measurements that contradict the model no interval is known: the ranges stand, and the status says so.
-    """
-    data, source = measured.bench.data, measured.path.name
+    """Replace ranges by narrower calibrated intervals; if the model is contradicted, they stand with that status."""
+    data = measured.bench.data
+    source = measured.path.name
     for name, reach, interval in zip(measured.bench.names, properties_fit.reaches, ends, strict=True):
         if reach < OPEN and properties_fit.contradicted:
             data[name] = replace(data[name], status="contradicted", source=source)

@@ -71,7 +71,8 @@ class Trial:
         """
         travel, speed, acceleration, jerk = trip
         winding = Winding(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
-        motion, rope = s_curve(winding), rope_model.balance_rope(self.scene)
+        motion = s_curve(winding)
+        rope = rope_model.balance_rope(self.scene)
 
         def ends(t: float) -> tuple[rope_model.EndMotion, rope_model.EndMotion]:
             p = motion.at(t)
@@ -79,7 +80,8 @@ class Trial:
             return rising, rope_model.EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
 
         _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
-        read, values = rope.reader((name,)), {0.0: rope.signals([name])[name]}
+        read = rope.reader((name,))
+        values = {0.0: rope.signals([name])[name]}
         now = 0.0
         for target in times if times[0] > now else times[1:]:
             for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[1:].tolist():

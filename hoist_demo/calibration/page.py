@@ -128,7 +128,8 @@ def _wanted_unit(result: Identified) -> str:
 
 def _values(result: Identified) -> list[tuple[str, float, float, float, str]]:
     """Name, measured, predicted, sigma and unit of each value."""
-    predicted, rows = iter(result.predicted), []
+    predicted = iter(result.predicted)
+    rows = []
     for m in result.measured.measurements:
         if isinstance(m, Markers):
             of_places = [float(next(predicted)) ** 2 for _ in m.values][: -m.nuisance]

@@ -154,7 +154,8 @@ class Markers(Table):
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
         layout = replace(scene.layout, spacing=self._spacing)
         before = len(self._t) - len(self._places)
-        rope, samples = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
+        rope = balance_rope(scene.with_(left=left, right=right, layout=layout))
+        samples = []
         labelled = np.array([*self.places.values()])
         for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(displacements), strict=True)):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)

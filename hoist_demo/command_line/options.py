@@ -53,7 +53,8 @@ def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
         if name not in parameters:
             raise ValueError(f"--set {text}: {name} is not a parameter: {cure_of(name, [*parameters])}")
-        parameter, content = parameters[name], {"true": True, "false": False}.get(value.lower(), value)
+        parameter = parameters[name]
+        content = {"true": True, "false": False}.get(value.lower(), value)
         if name in values:
             raise ValueError(f"--set {text}: {name} is {values[name]!r} already: give it once")
         code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()

@@ -104,7 +104,8 @@ class CompiledTrip:
         self._sides = rope.table(SIDE_FORCES if hoist.play is not None else (), 1)
         self._guard = rope.table([name for name in names if name == "guard.tripped"], 1)
         self._recorded = (Access * len(self._table.accesses))(*self._table.accesses)
-        self._samples, self._heard = np.zeros((HISTORY, 7)), HEARD(rope.heard)
+        self._samples = np.zeros((HISTORY, 7))
+        self._heard = HEARD(rope.heard)
         self._trajectory: Trajectory | None = None
         self._trip = TripStructure(
             drive=cast(self._advance, c_void_p),
@@ -141,7 +142,8 @@ class CompiledTrip:
         trip.watched = begun is None or begun > first * self._coupling.period
         self._follow(run.course.trajectory)
         self._give()
-        rows, reached = run.recorder.following, c_int(first)
+        rows = run.recorder.following
+        reached = c_int(first)
         trip.row = rows.ctypes.data
         stop = _STOPS[self._library.trip_samples(byref(trip), byref(reached), last)]
         self._rope.heard()

@@ -115,7 +115,8 @@ class Host:
     @property
     def data(self) -> str:
         """Data that a checkpoint and the run that continues it must share; scheme and step may change."""
-        coupling, made = self.coupling, self._controller
+        coupling = self.coupling
+        made = self._controller
         controller = getattr(made.func if isinstance(made, partial) else made, "__qualname__", "")
         data = (self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time)
         recorded = f", period={coupling.period}" if coupling.per_step > 1 else ""
@@ -170,7 +171,8 @@ class Host:
             forces = read()
         plant = HoistPlant(self.hoist)
         rest = plant.equilibrium(*heights, *forces[:2].tolist())
-        state, acting = rest, np.zeros(len(INPUT_NAMES))
+        state = rest
+        acting = np.zeros(len(INPUT_NAMES))
         acting[0], acting[list(FORCES)] = rest.x[0], forces[:2]
         if after is not None:
             state, acting = after.plant, after.input
@@ -210,7 +212,8 @@ class Host:
         start, T, last = self.coupling.start, self.coupling.period, self.samples
         if self.coupling.per_step > 1:
             run.drive.per_step, run.drive.next_command = self.coupling.per_step, self._sampler(run, controller)
-        compiled, k = self._compiled(run), run.first
+        compiled = self._compiled(run)
+        k = run.first
         while k <= last:
             t = start + k * T
             stopped = run.first < k < last and progress is not None and not progress(k / last, t)

@@ -18,10 +18,7 @@ KINDS = "numbers, texts, bytes, NumPy arrays, and lists, tuples, dictionaries, d
 
 
 def encode(value: Any, name: str, arrays: Arrays) -> Any:
-    """Return the value as JSON can hold it; a ValueError names the place under `name` that is no plain data.
-
-    Arrays, NumPy's numbers and bytes go into `arrays`, by their place.
-    """
+    """Return plain data for JSON, arrays and bytes in `arrays` by their place under `name`; ValueError for others."""
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
         return value

@@ -220,7 +220,8 @@ def _linear_hoist(
     x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
     lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
     numbers = hoist.numbers
-    derivatives, still = _derivatives(hoist.parts), np.zeros(n)
+    derivatives = _derivatives(hoist.parts)
+    still = np.zeros(n)
     if speed:  # the motor makes up for the losses
         by_x, _, _, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
         u[0] = x[0] = x[0] - values[0, 0] / by_x[0, 0]

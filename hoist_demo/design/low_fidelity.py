@@ -45,7 +45,8 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     """Return the closed loop for a trip that begins at rest with the conveyances at these heights [m]."""
     hoist = replace(hoist, head_rope_modes=0, drive_shaft=None, brake=None, lining=None, power_limit=None)
     hoist = replace(hoist, guides=None, play=None, jam_left=None, jam_right=None)
-    plant, R = HoistPlant(hoist), hoist.sheave_radius
+    plant = HoistPlant(hoist)
+    R = hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
     rest = plant.hanging_state(y_left, y_right, *weights)
     held = float(rest.x[0]) / R
@@ -53,7 +54,8 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     # the controller; forces at the rim
     reference, q, v = ca.SX.sym("r", 3), ca.SX.sym("q", 3), ca.SX.sym("v", 3)
     motor, integral, jerk = ca.SX.sym("m"), ca.SX.sym("I"), ca.SX.sym("j")
-    controller, motion = SpeedController(hoist, held, gains), ca.vertsplit(reference)
+    controller = SpeedController(hoist, held, gains)
+    motion = ca.vertsplit(reference)
     force, error = controller.force(motion, q[1], v[0], integral)
 
     drive = ca.vertcat(R * motor, q[0] / R, y_left + q[1], y_right + q[2], v[0] / R, v[1:])

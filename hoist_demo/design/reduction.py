@@ -95,7 +95,8 @@ class ReducedModel:
         part, X, u = (
             ca.MX.sym(name, size) for name, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2]))
         )
-        at, options = self.at, {"degree": [min(3, len(self.at) - 1)]}
+        at = self.at
+        options = {"degree": [min(3, len(self.at) - 1)]}
         inside = ca.fmin(ca.fmax(part, at[0]), at[-1])
 
         def between(values: Array) -> Any:
@@ -367,7 +368,8 @@ def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) 
     """Return C and D changed as little as the fit to samples needs, channels without response as they are."""
     x = _states(A, B, s)
     regressors = np.concatenate((x, np.broadcast_to(np.eye(B.shape[1]), (len(s), *[B.shape[1]] * 2))), axis=1)
-    missing, coefficients = exact - (C @ x + D), np.hstack((C, D))
+    missing = exact - (C @ x + D)
+    coefficients = np.hstack((C, D))
     for i, row in enumerate(missing.swapaxes(0, 1)):
         size = np.abs(exact[:, i])
         weight = np.where(size > _LEAST * size.max(axis=0), 1.0 / np.maximum(size, 1e-300), 0.0)

@@ -83,7 +83,8 @@ def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) ->
     speed_vector = ca.vertcat(*speeds)
     kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
     lateral = _lateral(hoist, at, side, mass, mu * length)
-    stretched, kinetic = height + lateral.pull / (2 * height), kinetic + lateral.kinetic
+    stretched = height + lateral.pull / (2 * height)
+    kinetic = kinetic + lateral.kinetic
     # slack ones hang as far down as their weight stretches them
     hanging_free = length + mu * g * length**2 / (2 * EA)
     slack, elastic = ca.fmax(hanging_free - stretched, 0.0), EA * ca.fmax(stretched - hanging_free, 0.0) / length

@@ -93,10 +93,7 @@ class HoistPlant:
         return sum(integrator.evaluations for integrator in self._made)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
-        """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
-
-        The conveyances hang in the middle of their guides, under the vertical forces of one balance rope [N].
-        """
+        """Return the state at rest at these heights [m], under forces of one balance rope [N], held by the motor."""
         state = self.hanging_state(y_left, y_right, force_left, force_right)
         if not abs(state.x[0]) <= self.hoist.torque_limit:
             raise ValueError(
@@ -129,7 +126,8 @@ class HoistPlant:
         self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
     ) -> PlantStep:
         """Advance with the path's three inputs, of INPUT_NAMES each, in one vector, from s = begin to its end."""
-        old, size = state, (state.step_next or h) / h
+        old = state
+        size = (state.step_next or h) / h
         for _ in range(MOST_SWITCHES):
             integrator, x, watch = self._at(state)
             integrator.give(x=x, works=state.works, l0=state.free_lengths, H=h, path=path, added_mass=added_mass)

@@ -77,7 +77,8 @@ class Schedule(RunFile):
     def _follow_one_another(self) -> Self:
         top = self.trip(1).hoist.shaft_travel
         for k in range(1, self.count + 1):
-            winding, end = self.trip(k).winding, self.landing(k)
+            winding = self.trip(k).winding
+            end = self.landing(k)
             if not -_ROUNDING <= end <= top + _ROUNDING:
                 raise ValueError(
                     f"trip {k}: winding.travel = {winding.travel:g} m leads to {end:g} m, which must be within 0 and "

@@ -200,10 +200,7 @@ def _items(data: Any) -> list[tuple[str, Any]]:
 
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
-    """Return the hoist with several balance ropes as one, each of a mass per length [kg/m] and a length [m].
-
-    The drive takes all of them for one rope, of their mass per length and of the length that gives their whole mass.
-    """
+    """Return the hoist with its balance ropes, each (mass per length [kg/m], length [m]), as one of their mass."""
     mass = sum(m for m, _ in ropes)
     length = sum(m * x for m, x in ropes) / mass
     return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)

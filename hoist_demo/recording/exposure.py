@@ -116,10 +116,7 @@ _PLACES = ("station", "s")
 
 
 def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording | None:
-    """Return a table with one row per station, from the left end on; None if stations were not recorded.
-
-    `parameters` of the rope by FMI name tell where the stations are. What the fidelity leaves out is NaN.
-    """
+    """Return a row per station from the left end on, at places by the rope's `parameters`; None without stations."""
     rows = {name: at_stations(recording, name) for name in QUANTITIES}
     if any(values.size == 0 for values in rows.values()):
         return None

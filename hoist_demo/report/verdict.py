@@ -285,7 +285,8 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
     for name, words, unit, guard in _SWINGS:
         if not rope.has_numbers(name):
             continue
-        values, bound = np.abs(rope.recording[name]), rope.parameter(f"guard.{guard}")
+        values = np.abs(rope.recording[name])
+        bound = rope.parameter(f"guard.{guard}")
         if guard == "window" and float(rope.data.parameters.get("guard.window_y", -FAR)) > -FAR:
             bound = 0.0  # it watches the legs instead
         row = int(np.nanargmax(values))

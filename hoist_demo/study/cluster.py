@@ -87,7 +87,8 @@ def run_samples(
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
     collected, batches = as_completed(), dict[Future, list[str]]()
-    left, pace = [*waiting], BATCH  # time that a run takes [s]
+    left = [*waiting]
+    pace = BATCH  # time that a run takes [s]
 
     def give(batch: list[str]) -> None:
         runs = [waiting[key] for key in batch]

@@ -58,7 +58,8 @@ def rope_provenance(case: Case, rope: RopeData, given: Mapping[str, str]) -> lis
 
 def study_provenance(study: Study) -> list[SourcedValue]:
     """Return the provenance of all data of a study; what differs between runs has no value."""
-    run, parameters = study.samples[0].data, read_parameters(study.fmu)
+    run = study.samples[0].data
+    parameters = read_parameters(study.fmu)
     values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
     sourced = [*host_provenance(run, study.given), *rope_provenance(find_case(study.hoist), rope, study.given)]

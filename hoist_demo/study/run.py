@@ -96,7 +96,8 @@ def build(
     `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist, and nothing follows
     from them.
     """
-    hoist_case, varied = with_values(find_case(case), values), dict(varied or {})
+    hoist_case = with_values(find_case(case), values)
+    varied = dict(varied or {})
     differing = {key: one.value if isinstance(one, Given) else one for key, one in varied.items()}
     varied_statuses = {key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}
     host = {**plain(hoist_case.host), **differing}

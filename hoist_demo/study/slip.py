@@ -44,7 +44,8 @@ def slip_safeties(recording: Recording, hoist: Hoist, winding: Winding) -> list[
         return []
     time, ratio = recording.time, recording["drive.tension_ratio"].copy()
     until, event = _normal_until(recording, winding)
-    limit, slid = hoist.tension_ratio_limit, slip(recording)
+    limit = hoist.tension_ratio_limit
+    slid = slip(recording)
     if slid is not None:
         first = int(np.searchsorted(time, slid.t))
         ratio[first] = max(float(ratio[first]), limit * (1.0 + 1e-9))  # just beyond

@@ -69,10 +69,7 @@ class Spread:
         return len(self.question.data) + 2
 
     def causes(self, name: str) -> dict[str, float]:
-        """Return the share of each datum in the spread of a measure, and of what ranks do not explain.
-
-        {} without spread, with fewer windings than are needed, or where the shares contradict one another.
-        """
+        """Return each datum's share in a measure's spread, and the unexplained; {} if too few or contradictory."""
         shares = self._shares(name)
         return {} if sum(shares.values()) > SPOILED else shares
 

@@ -116,7 +116,8 @@ class Instance(ABC):
         dtype = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
         values = np.zeros((rows, len(names)), dtype)
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
-        function, rope = self._function(f"{what}{type_}"), self.fmpy.component
+        function = self._function(f"{what}{type_}")
+        rope = self.fmpy.component
         call = self._access(f"{what}{type_}", references, values.ctypes.data_as(c_void_p), len(names))
         if type_ == "String":
             text = self.text(variables[0])

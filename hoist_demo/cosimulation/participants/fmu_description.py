@@ -46,7 +46,8 @@ class Variable:
 
 def _variable(stated: Any) -> Variable:
     """Return a variable of FMPy's model description."""
-    kind, declared = _kind(stated.type), stated.declaredType
+    kind = _kind(stated.type)
+    declared = stated.declaredType
     ranges = [range(1, length + 1) for length in stated.shape]
     places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
     texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)

@@ -37,10 +37,7 @@ class FmuRope:
     def __init__(
         self, path: Path, parameters: Mapping[str, Value] | None = None, recorded: Collection[str] | None = None
     ) -> None:
-        """Load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
-
-        `recorded` are the outputs of which a run makes a record; None: all but the added masses, which are expensive.
-        """
+        """Load the FMU and set its parameters; `recorded` outputs, None: all but the expensive added masses."""
         self._started = False
         self._warned: set[str] = set()  # warnings that were logged
         self._errors: list[str] = []  # the FMU's messages about the call that fails

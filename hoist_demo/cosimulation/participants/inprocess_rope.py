@@ -31,10 +31,7 @@ class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
     def __init__(self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = "") -> None:
-        """`read` are the outputs that a run records; None: all but the added masses, which are expensive.
-
-        `name` is that of one of several ropes, whose warnings begin with it.
-        """
+        """`read` are recorded outputs, None: all but the expensive added masses; warnings begin with `name`."""
         self._rope = rope_model.balance_rope(scene)
         self._recorded = rope_model.SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
         self._warned: set[str] = set()  # subjects of what was logged
@@ -148,10 +145,7 @@ def scene_parameters(scene: rope_model.Scene) -> RopeData:
 def rope_data(
     parameters: Mapping[str, Value], level: rope_model.Level = "standard", place: Place | None = None
 ) -> rope_model.Scene:
-    """Return the scene of a level with these parameters by FMI name, choices by their code.
-
-    `place` is where it hangs between conveyances whose centres are `layout.spacing` apart.
-    """
+    """Return the scene of a level with parameters by FMI name, choices by code; `place` adds to the ends' spacing."""
     scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
     if place is None:
         return scene

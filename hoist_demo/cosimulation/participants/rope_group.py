@@ -184,7 +184,8 @@ class Turn:
     def __init__(self, rope: RopePlant, read: Reader, t: float, h: float, before: _Ends, after: _Ends) -> None:
         self.status, self.parts, self._impulse = Status(True), 0, np.zeros(len(MEANS))
         self._rope, self._read, self._t, self._h, self._before, self._after = rope, read, t, h, before, after
-        self._part, self._kept = (t, h), None
+        self._part = (t, h)
+        self._kept = None
 
     @property
     def rope(self) -> BalanceRope | None:

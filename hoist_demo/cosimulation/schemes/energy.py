@@ -35,7 +35,8 @@ class EnergyControlled:
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """Steps of the scheme's own, the last of which ends at t + h."""
-        done, wanted = 0.0, memory.step_next or h
+        done = 0.0
+        wanted = memory.step_next or h
         while done < h:
             parts = max(math.ceil((h - done) / wanted - 1e-9), 1)
             step = (h - done) / parts

@@ -108,7 +108,8 @@ class Iterative:
         return () if self.held else (1.0,)
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        before, force = pair.save(), memory.last.force
+        before = pair.save()
+        force = memory.last.force
         _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.held else 2, h)
         x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)
         accelerator = self._accelerator(pair)

@@ -114,10 +114,7 @@ def along(recording: Recording, name: str) -> dict[str, object]:
 
 
 def over_length(values: Array, places: list[Array], length: float) -> Array:
-    """Return the largest value (frames, n) in each of ROPE_ROWS equal parts of the length, (ROPE_ROWS, frames).
-
-    The largest, because the loop of a long rope is shorter than such a part. A frame without values has none.
-    """
+    """Return the largest value (frames, n) in each of ROPE_ROWS parts of the length; a loop may be within one part."""
     edges = np.linspace(0.0, length, ROPE_ROWS + 1)
     picture = np.full((ROPE_ROWS, len(values)), np.nan)
     for k, (column, place) in enumerate(zip(values, places, strict=True)):

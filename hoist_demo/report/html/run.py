@@ -64,7 +64,8 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
     of_ropes = [rope.name for rope in ropes]
     if not recording.signals:
         return {"time": None}
-    start, extra = float(recording.time[0]), panels.derived_signals(recording, hoist)
+    start = float(recording.time[0])
+    extra = panels.derived_signals(recording, hoist)
     finite = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
     names = [name for name in finite if name != TIME and not is_along(name)]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
