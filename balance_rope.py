@@ -13,7 +13,7 @@ from pathlib import Path
 from shutil import copyfile
 from typing import TYPE_CHECKING, Any, get_args
 
-try:  # NumPy and CasADi take a second to load, in which a user may change his mind
+try:  # Ctrl-C during the slow imports must not print a traceback
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
@@ -25,7 +25,7 @@ try:  # NumPy and CasADi take a second to load, in which a user may change his m
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
-    from hoist_demo.command_line.results import hear_hang_ups, named, results_folder
+    from hoist_demo.command_line.results import named, results_folder, treat_hangup_as_interrupt
     from hoist_demo.command_line.study import add_study
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
@@ -88,20 +88,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_identify(commands)
     add_uncertain(commands)
     add_linear(commands)
-    # -v is understood behind the command as well, one of which has two names
+    # accept -v after the command too; `wind` and `demo` share one parser
     for command in dict.fromkeys(commands.choices.values()):
         command.add_argument(
             "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
         )
     options = parser.parse_args(arguments)
-    hear_hang_ups()
+    treat_hangup_as_interrupt()
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s")
     try:
         code: int = options.run(options)
         sys.stdout.flush()
         return code
-    except BrokenPipeError:  # who reads has seen enough, as `| head`
+    except BrokenPipeError:  # the reader closed the pipe, e.g. `| head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:
@@ -197,10 +197,10 @@ def _export(options: argparse.Namespace) -> int:
     level = options.level or case.level
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar)
-    asked = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
+    platforms = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
-        made = flavour, fmi, level, asked, profile
+        made = flavour, fmi, level, platforms, profile
         if options.ssp:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
@@ -211,7 +211,7 @@ def _export(options: argparse.Namespace) -> int:
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
         if not ropes:
             export_rope(path, case, case.rope, *made)
-            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(asked), _size(path)))
+            rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), _size(path)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
@@ -222,10 +222,10 @@ def _export(options: argparse.Namespace) -> int:
 
 def _data(case: Case, name: str) -> list[Datum]:
     """Return the hoist's data with their statuses."""
-    from hoist_demo.report.hoist import known
+    from hoist_demo.report.hoist import hoist_provenance
     from hoist_demo.study.provenance import SETTING
 
-    return [Datum(*one) for one in known(case, name) if one.status != SETTING]
+    return [Datum(*one) for one in hoist_provenance(case, name) if one.status != SETTING]
 
 
 def _size(path: Path) -> str:
@@ -233,7 +233,7 @@ def _size(path: Path) -> str:
 
 
 def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
-    """The case with the rope of a parameter file and of --set, for which its drive takes it."""
+    """Return the case with the rope parameters of --rope and --set."""
     if path is None and not texts:
         return case
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
@@ -242,13 +242,13 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
     own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
-    # what is wrong with the rope is told in its own names, not in the hoist's
+    # report errors of the rope in its own names, not in the hoist's
     rope_data({**case.rope, **plain(identified), **settings(texts, parameters())})
     return with_values(case, own)
 
 
 def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
-    """Where each of ``wanted`` goes, --out being ``out``; its folder is there and can be written to."""
+    """Return the path of each of ``wanted`` under --out, with its folder made and checked for writing."""
     if out is not None and len(wanted) == 1 and out.suffix and not out.is_dir():
         if out.suffix.lower() != ".fmu":
             raise ValueError(f"--out {out} must end in .fmu or name a folder: give {out.with_suffix('.fmu')}")
@@ -270,18 +270,18 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
         raise ValueError(f"--rope and --set are for one rope: give their values to a [[rope]] of {options.hoist}")
     if case.ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
-    # what winds loads slowly
+    # slow imports
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build_trip
 
-    run, members, trajectory = build_trip(options.hoist, {}), (), None
+    run, trajectory = build_trip(options.hoist, {}), None
     if not case.ropes:
         case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:
         followed = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory
     if not case.ropes:
-        return case, members, trajectory
+        return case, (), trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)
     return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory
 

@@ -13,7 +13,7 @@ from fmu_src.profile import Profile
 from fmu_src.ssp import Component, Datum, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.drive_fmu.interface import Tail
+from hoist_demo.drive_fmu.interface import DriveTail
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, not_held, obstacles
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
@@ -24,13 +24,16 @@ if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
     from hoist_demo.ropes.definition import OneRope
 
-DRIVE, ROPE = "drive", "rope"  #: Names of the drive, and of the rope of a hoist with one, in a system.
+DRIVE = "drive"  #: Name of the drive in a system.
+ROPE = "rope"  #: Name of the rope in a system with one.
 #: What a system can leave out, by name: of hoist and trip, and of ropes.
 WITHOUT = (*OMISSIONS, "break", "guard", "touching")
-#: Where drive and ropes step at the same time, each hears of the other a step late, and that feeds the axial waves of a
-#: rope in proportion to its mass over the conveyance's. Measured over whole trips: steps of 10 ms let them grow at
-#: installed sizes, with ropes of 0.36 and more of the conveyance, to a quarter of the end force; 6.7 ms do not.
-HEAVY, LIGHT_STEP, HEAVY_STEP = 0.25, 0.01, 0.005
+# Where drive and ropes step at the same time, each hears of the other a step late, and that feeds the axial waves of a
+# rope in proportion to its mass over the conveyance's. Measured over whole trips: steps of 10 ms let them grow at
+# installed sizes, with ropes of 0.36 and more of the conveyance, to a quarter of the end force; 6.7 ms do not.
+HEAVY_ROPE_RATIO = 0.25  #: Mass of the balance ropes over the lighter conveyance's, above which they are heavy.
+LIGHT_STEP = 0.01  #: Communication step with light ropes [s].
+HEAVY_STEP = 0.005  #: Communication step with heavy ropes [s].
 _TOGETHER = {"inputs_at_step_end": False}
 _GUARDS = tuple(f"guard.{name}" for name in ("rise", "window", "clearance", "turns", "torque"))
 
@@ -39,7 +42,7 @@ class HoistFiles(NamedTuple):
     """Files of an exported hoist."""
 
     system: Path  # the SSP
-    fmus: Mapping[str, Path]  # by their names in the system
+    fmus: Mapping[str, Path]  # FMUs by their names in the system
 
 
 def export_rope(
@@ -98,7 +101,7 @@ def export_hoist(
         The trip asked for, without the wait before it; None: the winding's S-curve.
     step
         Communication step of the system [s], at most 0.02; the controller samples at each. None: LIGHT_STEP, or
-        HEAVY_STEP where the balance ropes weigh more than HEAVY of the lighter conveyance.
+        HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the lighter conveyance.
     version
         Of SSP.
     data
@@ -113,7 +116,7 @@ def export_hoist(
         raise ValueError(f"without = {unknown[0]!r} must be one of {', '.join(WITHOUT)}: choose of these")
     case = leave_out(case, without)
     Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
-    tails = [Tail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length, one.place) for one in ropes]
+    tails = [DriveTail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length, one.place) for one in ropes]
     drive = drive_model(case, tails, trajectory)
     fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
     for rope, parameters in _parameters(case, ropes).items():
@@ -130,12 +133,12 @@ def export_hoist(
 def step_of(case: Case) -> float:
     """Return a communication step at which drive and ropes may step at the same time [s]."""
     hoist = case.hoist
-    heavy = hoist.tail_mass * hoist.tail_rope_length > HEAVY * min(hoist.mass_left, hoist.mass_right)
+    heavy = hoist.tail_mass * hoist.tail_rope_length > HEAVY_ROPE_RATIO * min(hoist.mass_left, hoist.mass_right)
     return HEAVY_STEP if heavy else LIGHT_STEP
 
 
 def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -> Iterator[str]:
-    """What FMUs of ropes cannot do."""
+    """Yield what FMUs of ropes cannot do, each with the option that leaves it out."""
     for name, parameters in _parameters(case, ropes).items():
         for guard in _GUARDS:
             if "guard" not in without and (value := parameters.get(guard, 0.0)):
@@ -151,7 +154,7 @@ def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -
 
 
 def _parameters(case: Case, ropes: Sequence[OneRope]) -> dict[str, Mapping[str, Value]]:
-    """Parameters of each rope by FMI name; of several all, whatever the level."""
+    """Return the parameters of each rope by FMI name; of several ropes all, whatever the level."""
     several: dict[str, Mapping[str, Value]] = {
         one.name: {p.name: p.value for p in named_parameters(one.scene)} for one in ropes
     }

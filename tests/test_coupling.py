@@ -27,7 +27,7 @@ from hoist_demo.cosimulation.schemes.energy import EnergyControlled
 from hoist_demo.cosimulation.schemes.explicit import GaussSeidel, ImpulsePreserving, SemiImplicit
 from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Load, Memory, Pair, Reader, Sample, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
-from hoist_demo.cosimulation.schemes.stability import MARGIN, growth
+from hoist_demo.cosimulation.schemes.stability import MARGIN, growth_per_step
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from rope_model import EndMotion, Solver, Status
 
@@ -119,7 +119,7 @@ class Drive:
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
         return EndMotion(y=motion.place[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING
 
-    def mobility(self) -> np.ndarray:
+    def accelerance(self) -> np.ndarray:
         return np.diag(both(1.0 / self.data.m))
 
     def work(self) -> float:
@@ -279,7 +279,7 @@ def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound:
     ],
 )
 def test_the_growth_is_one_at_the_limit_of_theory(degree: int, impedance: np.ndarray, limit: float) -> None:
-    assert_allclose(growth(GaussSeidel(degree), impedance, 1.0 / limit), 1.0, rtol=1e-9)
+    assert_allclose(growth_per_step(GaussSeidel(degree), impedance, 1.0 / limit), 1.0, rtol=1e-9)
 
 
 def wind(scheme: str, **options: Any) -> Result:
@@ -307,8 +307,8 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     with caplog.at_level(logging.WARNING):
         result = host.run(lambda fraction, t: False)
     assert host.stability is not None
-    assert host.stability.growth > 1.1
-    assert f"grow {host.stability.growth:.3g} times per step" in result.warning
+    assert host.stability.growth_per_step > 1.1
+    assert f"grow {host.stability.growth_per_step:.3g} times per step" in result.warning
     assert result.warning in caplog.text
 
 
@@ -320,12 +320,12 @@ def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float)
     result = host.run(lambda fraction, t: False)
     assert result.warning == ""
     assert host.stability is not None
-    assert host.stability.growth < MARGIN
+    assert host.stability.growth_per_step < MARGIN
 
 
 @pytest.mark.parametrize("way", ["rejects", "nan", "raises"])
 def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bits(way, tmp_path, monkeypatch):
-    monkeypatch.setattr("hoist_demo.cosimulation.host.KEPT_EVERY", 0.03)
+    monkeypatch.setattr("hoist_demo.cosimulation.host.SAVE_INTERVAL", 0.03)
     whole, step, reader, at = wind("gauss-seidel-1"), InProcessRope.step, InProcessRope.reader, 0.555
 
     def faulty_step(self: InProcessRope, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:

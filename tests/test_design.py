@@ -16,7 +16,7 @@ from hoist_demo.design.low_fidelity import low_fidelity
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise
 from hoist_demo.design.shaping import Shaper, shape
 from hoist_demo.design.swing import fit_swing
-from hoist_demo.design.tuning import Judged, Plan, search
+from hoist_demo.design.tuning import Plan, Score, search
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
 from hoist_demo.study.metrics import measure
@@ -106,15 +106,15 @@ def bowl(x: np.ndarray) -> float:
 @pytest.mark.parametrize(
     ("judge", "best", "kept"),
     [
-        pytest.param(lambda x: Judged(math.inf if x[0] > 0.9 else bowl(x)), [0.3, 0.8], True, id="past failing points"),
-        pytest.param(lambda x: Judged(bowl(x), (2.0 * (float(x[1]) - 0.5),)), [0.3, 0.5], True, id="within a bound"),
-        pytest.param(lambda x: Judged(float(x[0]), (1.5 - float(x[0]),)), [1.0], False, id="nearest to its bounds"),
+        pytest.param(lambda x: Score(math.inf if x[0] > 0.9 else bowl(x)), [0.3, 0.8], True, id="past failing points"),
+        pytest.param(lambda x: Score(bowl(x), (2.0 * (float(x[1]) - 0.5),)), [0.3, 0.5], True, id="within a bound"),
+        pytest.param(lambda x: Score(float(x[0]), (1.5 - float(x[0]),)), [1.0], False, id="nearest to its bounds"),
     ],
 )
-def test_search_finds_the_minimum(judge: Callable[[np.ndarray], Judged], best: list[float], kept: bool) -> None:
+def test_search_finds_the_minimum(judge: Callable[[np.ndarray], Score], best: list[float], kept: bool) -> None:
     found = search(lambda points: [judge(x) for x in points], len(best), PLAN)
     assert len(found.points) <= PLAN.sample + PLAN.searches * PLAN.steps
-    assert found.judged[found.best].kept == kept
+    assert found.scores[found.best].feasible == kept
     assert found.points[found.best] == pytest.approx(best, abs=1e-2)
 
 

@@ -29,8 +29,8 @@ from hoist_demo.control.controller import ControllerState, Measurement, SpeedCon
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.drive.equations import INPUT_NAMES, SIDES
 from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.drive_fmu.interface import INPUTS, Tail, force_inputs, motions, plant_outputs, rest_forces, side_forces
 from hoist_demo.drive_fmu.kernels import _input, _outputs
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import start_heights
@@ -38,7 +38,7 @@ from hoist_demo.parameters.place import Place
 
 pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 SETUP = find_case("rope-120")
-MOTIONS = motions(SETUP.hoist)
+MOTIONS = interface.motions(SETUP.hoist)
 
 
 @pytest.fixture
@@ -52,8 +52,8 @@ def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float
     """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.cosimulation.host."""
     plant, reference = Plant(case.hoist), s_curve(case.winding)
     heights = start_heights(case.hoist, case.winding)
-    state = plant.equilibrium(*heights, *rest_forces(case))
-    shown = plant.outputs(state, PlantInput(float(state.x[0]), *rest_forces(case)))
+    state = plant.equilibrium(*heights, *interface.rest_forces(case))
+    shown = plant.outputs(state, PlantInput(float(state.x[0]), *interface.rest_forces(case)))
     controller, memory = SpeedController(case.hoist, shown.torque), ControllerState()
     rows = []
     for k, (left, right) in enumerate(forces):
@@ -69,13 +69,13 @@ def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float
 
 def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Host) -> None:
     # forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz
-    (left, right), swing = rest_forces(SETUP), 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600))
+    (left, right), swing = interface.rest_forces(SETUP), 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600))
     forces = [(left * (1 + s), right * (1 - s)) for s in swing]
     expected = in_process(SETUP, forces)
     drive.start()
     found = []
     for k, (left, right) in enumerate(forces):
-        drive.set(**dict(zip(INPUTS, (left, right), strict=True)))
+        drive.set(**dict(zip(interface.INPUTS, (left, right), strict=True)))
         assert drive.step(k * H) == ""
         found.append(drive.get(*MOTIONS))
     scale = np.abs(expected).max(axis=0)
@@ -89,10 +89,10 @@ def test_internal_steps_converge_with_order_five(drive: Host) -> None:
     for steps in (2, 4, 64):
         drive.start(solver__step_max=H / steps)
         # a blow that sets the conveyances swinging by decimetres, so that errors stand clear of rounding
-        drive.set(**{INPUTS[1]: -2e5})
+        drive.set(**{interface.INPUTS[1]: -2e5})
         for k in range(60):
             assert drive.step(k * H) == ""
-        drive.set(**{INPUTS[1]: rest_forces(SETUP)[1]})
+        drive.set(**{interface.INPUTS[1]: interface.rest_forces(SETUP)[1]})
         ends += drive.get("left.vy")
         drive.call("Reset")
     errors = np.abs(np.array(ends[:-1]) - ends[-1])
@@ -104,20 +104,20 @@ def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_
     drive.start()
     assert drive.step(0.0) == ""
     state, before = drive.state(), drive.get(*MOTIONS)
-    for force, words in ((-1e9, "m/s2, not within +-100 m/s2"), (1e300, INPUTS[0])):
-        drive.set(**{INPUTS[0]: force})
+    for force, words in ((-1e9, "m/s2, not within +-100 m/s2"), (1e300, interface.INPUTS[0])):
+        drive.set(**{interface.INPUTS[0]: force})
         assert words in drive.step(H)
         assert drive.get(*MOTIONS) == before
         assert drive.restore(state) == OK
-    drive.set(**dict(zip(INPUTS, rest_forces(SETUP), strict=True)))
+    drive.set(**dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True)))
     assert drive.step(H) == ""
 
 
 def test_drive_that_is_given_no_pull_at_the_start_rests_under_the_weight_of_the_rope(drive: Host) -> None:
     """A container initialises connected inputs with 0; then the pull comes, and nothing may move."""
-    weights = dict(zip(INPUTS, rest_forces(SETUP), strict=True))
+    weights = dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True))
     for parameters, rests in (({}, True), ({"left__fy_start": 0.0, "right__fy_start": 0.0}, False)):
-        drive.set(**dict.fromkeys(INPUTS, 0.0))
+        drive.set(**dict.fromkeys(interface.INPUTS, 0.0))
         drive.start(**parameters)
         drive.set(**weights)
         assert drive.step(0.0) == ""
@@ -128,7 +128,7 @@ def test_drive_that_is_given_no_pull_at_the_start_rests_under_the_weight_of_the_
 
 def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> None:
     drive.start(solver__step_max=0.001)
-    drive.set(**{INPUTS[1]: -1e6})
+    drive.set(**{interface.INPUTS[1]: -1e6})
     t = 0.0
     while not (said := drive.step(t)):
         before, t = drive.get("left.y"), t + H
@@ -139,15 +139,16 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
 def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
     """At random motions: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
     case, rng = find_case("kiruna-355"), np.random.default_rng(1)
-    tails = [Tail("a", 8.0, 400.0, Place(0.2, -0.1, -0.5)), Tail("b", 8.0, 400.0, Place(z=0.4)), Tail("c", 8.0, 400.0)]
+    places = {"a": Place(0.2, -0.1, -0.5), "b": Place(z=0.4), "c": Place()}
+    tails = [interface.DriveTail(name, 8.0, 400.0, place) for name, place in places.items()]
     plant = HoistPlant(case.hoist)
     x = plant.hanging_state(*start_heights(case.hoist, case.winding), -1e4, -1e5).x
     x += 0.01 * rng.normal(size=x.size)
-    names = [*force_inputs(tails), *side_forces(case.hoist, tails)]
+    names = [*interface.force_inputs(tails), *interface.side_forces(case.hoist, tails)]
     forces = dict(zip(names, rng.normal(size=len(names)), strict=True))
     u = np.concatenate([[0.0], _input(plant, tails)(x, list(forces.values())).full().ravel()])
     values = _outputs(plant, tails)(x, u, [40.0, 395.0]).full().ravel()
-    shown = dict(zip(plant_outputs(case.hoist, tails), values, strict=True))
+    shown = dict(zip(interface.plant_outputs(case.hoist, tails), values, strict=True))
     pairs = (("fx", "vx"), ("fy_mean", "vy"), ("fz", "vz"), ("my", "yaw_rate"))
     at_ends = sum(
         forces[f"{one.name}.{side}.{force}"] * shown.get(f"{one.name}.{side}.{rate}", shown[f"{side}.{rate}"])

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import balance_rope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.duty.schedule import Schedule, read_schedule
-from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, row, steady_from, table, worst
-from hoist_demo.duty.wind import Trip, read_state, wind, write_state
+from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, steady_from, trip_row, trip_table, worst
+from hoist_demo.duty.wind import WoundTrip, read_state, wind_duty, write_state
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
 
@@ -51,19 +51,19 @@ def rope_of(schedule: Schedule) -> InProcessRope:
     return InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), READ)
 
 
-def wound(schedule: Schedule) -> list[Trip]:
-    return list(wind(schedule, rope_of(schedule), torque_free=False))
+def wound(schedule: Schedule) -> list[WoundTrip]:
+    return list(wind_duty(schedule, rope_of(schedule), torque_free=False))
 
 
 @pytest.fixture(scope="module")
-def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Trip], Place]:
+def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[WoundTrip], Place]:
     """Return the trips of two repetitions, and the place of the loop at rest."""
     schedule = schedule_of(tmp_path_factory.mktemp("duty"), repeat=2, settle=15.0)
     rest = place_at_rest(schedule, rope_of(schedule))
     return wound(schedule), rest
 
 
-def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: tuple[list[Trip], Place]) -> None:
+def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: tuple[list[WoundTrip], Place]) -> None:
     first, second, *_ = trips_at_rest[0]
     before, after = first.result.recording, second.result.recording
     assert after.time[0] == before.time[-1]
@@ -83,9 +83,9 @@ def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
         assert after - before == pytest.approx(change * GRAVITY, rel=2e-3)
 
 
-def test_trips_from_rest_miss_what_builds_up(trips_at_rest: tuple[list[Trip], Place]) -> None:
+def test_trips_from_rest_miss_what_builds_up(trips_at_rest: tuple[list[WoundTrip], Place]) -> None:
     wound, rest = trips_at_rest
-    trips = table([row(trip, rest) for trip in wound], 2)
+    trips = trip_table([trip_row(trip, rest) for trip in wound], 2)
     found = {one.name: one for one in worst(trips, 2)}
     assert found["loop_yaw"].trip > 2
     assert found["loop_yaw"].missed > 0.3
@@ -99,15 +99,15 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     rope, path = rope_of(schedule), tmp_path / "last_trip.npz"
     rest = place_at_rest(schedule, rope)
     rows = []
-    for trip in wind(schedule, rope, torque_free=False):
-        rows.append(row(trip, rest))
+    for trip in wind_duty(schedule, rope, torque_free=False):
+        rows.append(trip_row(trip, rest))
         if trip.number == 2:
             assert trip.result.end is not None
-            write_state(path, table(rows, 2), trip.result.end, rope, schedule)
+            write_state(path, trip_table(rows, 2), trip.result.end, rope, schedule)
     other = rope_of(schedule)
     place_at_rest(schedule, other)
     kept, end = read_state(path, other, schedule)
-    again = [row(trip, rest) for trip in wind(schedule, other, torque_free=False, after=end, done=2)]
+    again = [trip_row(trip, rest) for trip in wind_duty(schedule, other, torque_free=False, after=end, done=2)]
     for name in COLUMNS:
         assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
     longer = schedule.model_copy(update={"pattern": schedule_of(tmp_path, settle=3.0, travel=20.0).pattern})
@@ -118,7 +118,7 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
 def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundredth() -> None:
     # yaw 1 + 2^-n, of 1.5 at most: trip n and n - 2 differ by 3/4 2^(2 - n) / 1.5 = 2^(1 - n), below 0.01 from n = 8 on
     zeros = dict.fromkeys(COLUMNS, 0.0)
-    trips = table([zeros | {"trip": float(n), "loop_yaw": 1.0 + 0.5**n} for n in range(1, 13)], 2)
+    trips = trip_table([zeros | {"trip": float(n), "loop_yaw": 1.0 + 0.5**n} for n in range(1, 13)], 2)
     assert_allclose(trips["difference"][2:], [0.5 ** (n - 1) for n in range(3, 13)], rtol=1e-12)
     assert steady_from(trips, 2) == 8
     assert 0.5**7 <= STEADY < 0.5**6

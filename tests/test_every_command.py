@@ -24,7 +24,7 @@ from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study.provenance import STATUSES, Known, of_host, of_rope, statuses
+from hoist_demo.study.provenance import STATUSES, SourcedValue, host_provenance, rope_provenance, statuses
 from hoist_demo.study.run import build, contradictions
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
@@ -32,9 +32,9 @@ pytestmark = pytest.mark.usefixtures("plain_figures")
 SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2\n"
 
 
-def known(name: str, given: dict[str, str]) -> list[Known]:
+def known(name: str, given: dict[str, str]) -> list[SourcedValue]:
     rope = scene_parameters(rope_data(find_case(name).rope))
-    return [*of_host(build(name, {}), given), *of_rope(find_case(name), rope, given)]
+    return [*host_provenance(build(name, {}), given), *rope_provenance(find_case(name), rope, given)]
 
 
 @pytest.mark.parametrize("name", NAMED)

@@ -16,8 +16,7 @@ from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake, DriveShaft, Jam, Lining, Play
-from hoist_demo.recording.incidents import Jam as Jammed
-from hoist_demo.recording.incidents import incidents, jams, slip
+from hoist_demo.recording.incidents import JamEvent, incidents, jams, slip
 from hoist_demo.recording.time_series import Recording
 
 FIXED_SHEAVE = Hoist(
@@ -94,7 +93,7 @@ def test_a_rising_conveyance_that_jams_stalls_the_drive() -> None:
     rope = rope_in_process("jammed-conveyance", level="draft", parameters={"model.fidelity": 3})
     run = Host(rope, hoist, replace(case.winding, settle=5.0), Coupling(step=0.02), case.gains).run().recording
     (jam,) = jams(run)
-    assert (jam.side, jam.way is not None) == ("left", True)
+    assert (jam.side, jam.stopping_distance is not None) == ("left", True)
     # what its head ropes pull in the end is no more than motor or brake and the other side's tension give
     behind = run.time > jam.t + 5.0
     pulls = run["drive.tension_left"][behind] - run["drive.tension_right"][behind]
@@ -107,7 +106,7 @@ def test_a_conveyance_that_is_carried_through_is_not_called_jammed() -> None:
     signals = {"time": time, "drive.jam_left": np.array([0.0, 3.0, 5.0, 0.0, 0.0])}
     signals |= {f"conveyance.left.{name}": values for name, values in (("y", 4.0 * time), ("vy", 4.0 + 0.0 * time))}
     recording = Recording(signals | {"conveyance.left.ay": -time}, {})
-    assert jams(recording) == [Jammed("left", 1.0, 4.0, None, 2.0)]
+    assert jams(recording) == [JamEvent("left", 1.0, 4.0, None, 2.0)]
     assert "went through" in incidents(recording)
 
 
@@ -165,15 +164,15 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     assert (state.slide.speed - at[100].slide.speed) / 0.5 == pytest.approx(exact, rel=1e-3)
     force = light * (GRAVITY - exact) * (most - 1.0)
     work = state.works[5:][LINING] - at[100].works[5:][LINING]
-    assert work == pytest.approx(force * abs(state.slide.way - at[100].slide.way), rel=1e-3)
+    assert work == pytest.approx(force * abs(state.slide.slid_distance - at[100].slide.slid_distance), rel=1e-3)
 
 
 def test_slip_does_not_depend_on_the_communication_step() -> None:
     plant = Plant(HOISTS["plain"])
     coarse, fine = (braked(plant, running(plant, 8.0), 3.0, h)[-1] for h in (0.02, 0.001))
-    assert coarse.slide.way > 1.0
+    assert coarse.slide.slid_distance > 1.0
     # both instants are located within 1e-9 s, at up to 10 m/s, in each of some ten slips
-    np.testing.assert_allclose(fine.slide.way, coarse.slide.way, atol=1e-6)
+    np.testing.assert_allclose(fine.slide.slid_distance, coarse.slide.slid_distance, atol=1e-6)
     np.testing.assert_allclose(fine.x, coarse.x, rtol=1e-5, atol=1e-4)
 
 
@@ -186,12 +185,12 @@ def test_ropes_that_hold_have_the_bits_of_a_hoist_without_a_lining() -> None:
         for k in range(200):
             state = plant.step(state, 0.01, PlantInput(torque + 100.0 * k, PULL, PULL)).state
         states.append(state)
-    assert states[0].slide.way == 0.0
+    assert states[0].slide.slid_distance == 0.0
     np.testing.assert_array_equal(states[0].x, states[1].x)
     np.testing.assert_array_equal(states[0].works[:5], states[1].works[:5])
 
 
-def test_the_mobility_of_ropes_that_slide_is_that_of_differences() -> None:
+def test_the_accelerance_of_ropes_that_slide_is_that_of_differences() -> None:
     plant = Plant(HOISTS["plain"])
     state = next(s for s in braked(plant, running(plant, 8.0), 0.5) if s.slide.sense != 0.0)
     found = np.empty((2, 2))
@@ -199,7 +198,7 @@ def test_the_mobility_of_ropes_that_slide_is_that_of_differences() -> None:
         up, down = (plant.outputs(state, PlantInput(0.0, s * change[0], s * change[1])) for s in (1.0, -1.0))
         found[:, k] = np.array([up.a_left - down.a_left, up.a_right - down.a_right]) / 2e3
     # linear: rounding of some 1e5 N / 1e4 kg
-    np.testing.assert_allclose(plant.mobility(state), found, atol=1e-13)
+    np.testing.assert_allclose(plant.accelerance(state), found, atol=1e-13)
 
 
 def test_a_run_goes_on_in_the_middle_of_a_slip_with_the_same_bits(tmp_path: Path) -> None:

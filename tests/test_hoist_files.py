@@ -18,7 +18,7 @@ from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import HoistFile, schema
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.parameters import GRAVITY
-from hoist_demo.report.hoist import as_file, known
+from hoist_demo.report.hoist import as_file, hoist_provenance
 from hoist_demo.ropes.definition import ropes_of
 from hoist_demo.study.run import build, build_trip
 from rope_model.scene_names import named_parameters
@@ -211,7 +211,7 @@ def test_a_rope_of_several_has_the_statuses_of_its_own_numbers(tmp_path: Path) -
     text = "name = 'two'\nlike = 'rope-120'\nstatus = 'measured'\n[[rope]]\nEI = 90.0\n[[rope]]\nz = 1.0\nQc = 0.0\n"
     path = written(tmp_path / "two.toml", text)
     case = read(path, HoistFile).case
-    status = {one.name: one.status for one in known(case, str(path))}
+    status = {one.name: one.status for one in hoist_provenance(case, str(path))}
     assert "exported" not in status.values()
     assert [status[f"rope{k}.rope.EI"] for k in (1, 2)] == ["measured", "assumed"]
     assert [status[f"rope{k}.rope.Qc"] for k in (1, 2)] == ["published", "measured"]

@@ -171,7 +171,7 @@ def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does
     # the conveyance first stands still where its ropes let it go furthest
     stop, _ = stops(recording, winding.emergency_at)
     way = np.abs(recording["conveyance.left.y"][trip:] - recording["conveyance.left.y"][trip])
-    np.testing.assert_allclose(stop.way, way.max())
+    np.testing.assert_allclose(stop.stopping_distance, way.max())
     assert 0.5 < stop.time < 20.0
     # of the drive, until the trip: the controller's own bound
     assert float(rows["largest tracking error until then"]) < 25.0

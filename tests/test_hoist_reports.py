@@ -18,13 +18,13 @@ from numpy.testing import assert_allclose
 
 from balance_rope import main
 from hoist_demo.command_line import results
-from hoist_demo.command_line.results import hear_hang_ups, interruption
+from hoist_demo.command_line.results import interruption, treat_hangup_as_interrupt
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording import exposure as exposures
-from hoist_demo.recording.fidelity import FIDELITY, code_of, fidelities_of, mask_neglected, remark, without_remarked
+from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
@@ -36,7 +36,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def recording(*fidelities: str) -> Recording:
-    signals = {"time": np.arange(float(len(fidelities))), FIDELITY: np.array([code_of(one) for one in fidelities])}
+    signals = {"time": np.arange(float(len(fidelities))), masks.FIDELITY: np.array([*map(masks.code_of, fidelities)])}
     names = ("loop.yaw", "loop.y", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
     return Recording(signals | {name: np.zeros(len(fidelities)) for name in names}, {})
 
@@ -51,17 +51,17 @@ def recording(*fidelities: str) -> Recording:
     ],
 )
 def test_what_a_fidelity_leaves_out_is_not_a_number(fidelity: str, missing: set[str]) -> None:
-    shown = mask_neglected(recording(fidelity), torque_free=False)
+    shown = masks.mask_neglected(recording(fidelity), torque_free=False)
     assert {name for name, values in shown.signals.items() if np.isnan(values).any()} == missing
-    assert bool(remark(shown)) == bool(missing)
+    assert bool(masks.remark(shown)) == bool(missing)
 
 
 def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> None:
-    shown = mask_neglected(recording("planar", "planar", "torsional"), torque_free=False)
+    shown = masks.mask_neglected(recording("planar", "planar", "torsional"), torque_free=False)
     assert np.isnan(shown["loop.yaw"]).tolist() == [True, True, False]
-    assert fidelities_of(shown) == ["planar", "torsional"]
-    assert "ran as its planar model between t = 0 and 1 s, which" in remark(shown)
-    assert without_remarked([neglected_text("planar"), "other"], shown) == ["other"]
+    assert masks.fidelities_of(shown) == ["planar", "torsional"]
+    assert "ran as its planar model between t = 0 and 1 s, which" in masks.remark(shown)
+    assert masks.drop_duplicates_of_remark([neglected_text("planar"), "other"], shown) == ["other"]
 
 
 #: what is recorded, parameters of the rope, and the row of the verdict: its value and whether the bound is kept
@@ -132,7 +132,7 @@ def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
 ) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(results, "silence", lambda: None)
-    hear_hang_ups()
+    treat_hangup_as_interrupt()
     with interruption("writing") as interrupted:
         os.kill(os.getpid(), getattr(signal, name))
         finished = True

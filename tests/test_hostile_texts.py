@@ -35,9 +35,9 @@ from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import Report, SummaryRow
-from hoist_demo.report.verdict import Judged, Verdict
+from hoist_demo.report.verdict import Verdict, VerdictRow
 from hoist_demo.study.definition import read_study
-from hoist_demo.study.provenance import Known, write_data
+from hoist_demo.study.provenance import SourcedValue, write_data
 from hoist_demo.study.store import Store
 from hoist_demo.uncertainty.definition import Uncertain
 from rope_model import Datum
@@ -143,9 +143,9 @@ def _study_page(text: str, folder: Path) -> str:
 
 
 def _sheet_page(text: str, folder: Path) -> str:
-    parts = [(text, page.grid((text,), [(text,)]) + page.paragraphs([text]))]
+    parts = [(text, page.plain_table((text,), [(text,)]) + page.paragraphs([text]))]
     parts.append(("", page.bars([page.Bar(text, 0.1, 0.9, 0.5)], [(0.5, text)], text)))
-    parts.append(("", page.table(text, [(text, text, text, text)])))
+    parts.append(("", page.titled_table(text, [(text, text, text, text)])))
     return page.write_sheet(folder / "page.html", text, parts).read_text(encoding="utf-8")
 
 
@@ -193,7 +193,7 @@ def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
 def test_markdown_has_no_element_of_a_text() -> None:
     for text in HOSTILE:
         tables = (text, [(text, text, text, text)])
-        verdict = Verdict(text, (Judged(text, text, text, where=text),), (text,))
+        verdict = Verdict(text, (VerdictRow(text, text, text, where=text),), (text,))
         report = Report(text, verdict, tables, [SummaryRow(text, text, text)], [tables])
         written = render_markdown(report, [])
         assert "<" not in written, text
@@ -206,7 +206,7 @@ def test_a_rope_file_reads_back(tmp_path: Path) -> None:
         bench = SimpleNamespace(rope=lambda shares: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={})
         fit = SimpleNamespace(shares=None, contradicted=False)
         measured = SimpleNamespace(bench=bench, path=SimpleNamespace(name=text))
-        found = SimpleNamespace(known=known, data={}, fit=fit, measured=measured)
+        found = SimpleNamespace(calibrated_rope=known, data={}, fit=fit, measured=measured)
         path = write_rope_file(found, tmp_path / "rope.toml")  # type: ignore[arg-type]
         read = tomllib.loads(path.read_text(encoding="utf-8"))
         assert read["rope"]["construction"] == read["rope"]["lay"] == text
@@ -226,7 +226,7 @@ READERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "measured name": (
         lambda path: read(path, Measured).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
     "known source": (
-        lambda path: read(path, Measured).bench.known.data["torque_factor"].source,
+        lambda path: read(path, Measured).bench.catalogue_rope.data["torque_factor"].source,
         MEASURED + "[known]\ntorque_factor = {{ low = 0.1, high = 0.1, source = {} }}\n" + WIDTH),
 }  # fmt: skip
 
@@ -306,7 +306,7 @@ def test_a_spreadsheet_computes_no_text(tmp_path: Path) -> None:
     assert [csv_cell(value) for value in [*PLAIN, -5.0, 3, None, True]] == [*PLAIN, -5.0, 3, None, True]
     store = Store(tmp_path / "study")
     store.write_table([{"variant": text, "=x": -1.5, "runs": 2} for text in FORMULAS], {}, "")
-    data = write_data([Known("rope.EI", text, "N m^2", "given") for text in FORMULAS], tmp_path / "data.csv")
+    data = write_data([SourcedValue("rope.EI", text, "N m^2", "given") for text in FORMULAS], tmp_path / "data.csv")
     for path, column in ((tmp_path / "study" / "results.csv", 0), (data, 1)):
         with path.open(newline="", encoding="utf-8") as file:
             header, *rows = csv.reader(file)

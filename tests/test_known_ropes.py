@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 from balance_rope import _with_rope, main
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import Measured
-from hoist_demo.calibration.fit import CONFIDENCE, FOUND, RANGE_VARIANCE, REACH, fit, intervals, sensitivities
+from hoist_demo.calibration.fit import CONFIDENCE, END_TOLERANCE, RANGE_VARIANCE, REACH, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import Bench
 from hoist_demo.cases.table import find_case
@@ -24,7 +24,7 @@ from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import plain, statuses
 from hoist_demo.uncertainty.definition import Uncertain
 from hoist_demo.uncertainty.page import too_few
-from hoist_demo.uncertainty.spread import Spread, draw, remarks_of, wound
+from hoist_demo.uncertainty.spread import Spread, draw, remarks_of, wind_once
 from rope_model import Rope, Scene, rope
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
@@ -67,7 +67,7 @@ def test_the_interval_of_a_linear_rope_is_that_of_its_covariance() -> None:
 def test_the_first_shares_alone_have_the_covariance_that_they_have_among_all() -> None:
     matrix = np.random.default_rng(2).standard_normal((9, 4)) * [30.0, 60.0, 25.0, 40.0]
     found = fit(lambda u: matrix @ (u - 0.4), 4)
-    assert_allclose(found.of_first(2).covariance, found.covariance[:2, :2], rtol=1e-9)
+    assert_allclose(found.of_first_shares(2).covariance, found.covariance[:2, :2], rtol=1e-9)
 
 
 def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
@@ -76,7 +76,7 @@ def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
     found = fit(residuals := lambda u: np.array([8.0 * (u[0] ** 3 - 0.3), 5.0 * (u[0] + u[1] - 1.1)]), 2)
     low, high = intervals(residuals, found)[0]
     exact = np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0]))
-    assert_allclose([low, high], exact, rtol=FOUND)
+    assert_allclose([low, high], exact, rtol=END_TOLERANCE)
     assert found.shares[0] - low > 1.2 * (high - found.shares[0])
 
 
@@ -136,14 +136,14 @@ def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
 
 def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = identify(read(written(tmp_path, ROPE + WIDTH), Measured))
-    assert [name for name in found.names if found.told(name)] == ["bending_stiffness"]
+    assert [name for name in found.names if found.is_determined(name)] == ["bending_stiffness"]
     assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
     width, error = 3.05, 0.05
     EI = found.value("bending_stiffness")
-    datum = found.known.data["bending_stiffness"]
+    datum = found.calibrated_rope.data["bending_stiffness"]
     # EI ~ width^3
     assert_allclose(np.log(datum.high / EI), 3 * 1.645 * error / width, rtol=0.05)
-    assert found.known.data["torque_factor"] == found.measured.bench.known.data["torque_factor"]
+    assert found.calibrated_rope.data["torque_factor"] == found.measured.bench.catalogue_rope.data["torque_factor"]
     assert found.candidates[0].error <= found.wanted_error
     # two directions of the same pair, as near-equal lacks of knowledge have them
     monkeypatch.setattr(type(found.fit), "untold", lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]]))
@@ -269,7 +269,7 @@ def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None
     coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
     asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), Uncertain)
     values = {name: datum.middle for name, datum in asked.data.items()}
-    found, (told,) = wound(asked, values)
+    found, (told,) = wind_once(asked, values)
     assert np.isnan([*found.values()]).all()
     assert told.startswith("left out: the rope passed through its other leg")
 

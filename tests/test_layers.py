@@ -55,7 +55,7 @@ hoist_demo.recording: rope_model
 hoist_demo.design: .parameters .drive .control .cases .cosimulation.participants rope_model rope_model.simulation
 hoist_demo.drive_fmu: .parameters .drive .control .cases rope_model rope_model.parameter_table rope_model.scene_names
     rope_model.texts
-hoist_demo.files: .parameters .control .design .cases rope_model rope_model.catalogue rope_model.scene_names
+hoist_demo.files: .parameters .control .cases rope_model rope_model.catalogue rope_model.scene_names
     rope_model.texts
 hoist_demo.cases: .parameters .control .files rope_model
 hoist_demo.cosimulation.schemes: rope_model

@@ -63,13 +63,13 @@ def test_a_rope_is_caught_by_a_divider_and_released() -> None:
 def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() -> None:
     case, run = find_case("jammed-conveyance"), recorded("jammed-conveyance")
     (jam,) = jams(run)
-    assert (jam.side, jam.way is not None) == ("right", True)
-    assert jam.way is not None
-    assert jam.way < Jam().distance
+    assert (jam.side, jam.stopping_distance is not None) == ("right", True)
+    assert jam.stopping_distance is not None
+    assert jam.stopping_distance < Jam().distance
     assert case.hoist.jam_right is not None
     stuck = run["conveyance.right.y"]
     behind = (run.time > jam.t + 0.5) & (run.time < jam.t + 1.5)
-    assert stuck[behind] == pytest.approx(jam.height - jam.way, abs=case.hoist.jam_right.travel)
+    assert stuck[behind] == pytest.approx(jam.height - jam.stopping_distance, abs=case.hoist.jam_right.travel)
     # the other one falls back into its ropes, whose jerk pulls it up, but not out
     assert np.max(run["drive.pull_right"]) > 2.0 * case.hoist.mass_right * GRAVITY
     assert stuck[-1] < case.hoist.jam_right.height + Jam().distance
@@ -90,7 +90,7 @@ def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() 
     slid = slip(run)
     assert slid is not None
     assert run.time[seen] - 0.2 < slid.t < run.time[seen]
-    assert slid.way > np.max(rises)
+    assert slid.slid_distance > np.max(rises)
 
 
 WINDING = Winding(travel=20.0, settle=1.0)

@@ -23,7 +23,7 @@ from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study import definition
 from hoist_demo.study.cluster import cluster, run_samples
-from hoist_demo.study.definition import Sample, Study, read_study
+from hoist_demo.study.definition import Study, StudyRun, read_study
 from hoist_demo.study.metrics import measure
 from hoist_demo.study.perform import perform
 from hoist_demo.study.run import Outcome, build, execute
@@ -113,10 +113,10 @@ def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, cr
     assert (found["swing_right"] < 1e-12) == (swing == 0.0)
 
 
-def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[Sample]], list[str]]:
+def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[StudyRun]], list[str]]:
     """Carries out samples at once: the metric cycle_time is the distance of gains.speed from 2e5."""
 
-    def run(samples: Sequence[Sample]) -> list[str]:
+    def run(samples: Sequence[StudyRun]) -> list[str]:
         keys = [s.data.key(study.fmu_hash) for s in samples]
         done = store.finished_keys(keys)
         for key, sample in zip(keys, samples, strict=True):
@@ -267,11 +267,11 @@ def test_choices_are_compared_over_the_same_payloads_within_bounds(read: Read, t
         store.write(sample.data.key(study.fmu_hash), sample.data, outcome, "w")
     found = perform(study, store, lambda samples: [s.data.key(study.fmu_hash) for s in samples])
     assert found.best is not None
-    assert found.best.found == (best is not None)
+    assert found.best.feasible == (best is not None)
     if best:
         assert {study.samples[k].data.gains.speed for k in found.best.runs} == {best}
         # what a run of the best choice warns of is told with it
-        assert all(f"slip safety {safe}" in found.best.told for safe in COSTS[best][2 : 3 if "over" in goal else 4])
+        assert all(f"slip safety {safe}" in found.best.text for safe in COSTS[best][2 : 3 if "over" in goal else 4])
     # slip safety has its largest value at the third of four gains, in both rows
     assert any("slip_safety" in remark and "= 300000" in remark for remark in found.remarks) == ("slip" in goal)
 

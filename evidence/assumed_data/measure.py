@@ -21,10 +21,11 @@ from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
 from hoist_demo.files.reading import read
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.uncertainty.definition import Uncertain
-from hoist_demo.uncertainty.spread import spread
+from hoist_demo.uncertainty.spread import run_windings
 
 #: what is measured, with sigma
-PLAN: Path = DOCS.parent / "examples" / "measurements" / "example.toml"
+EXAMPLES = DOCS.parent / "examples"
+PLAN: Path = EXAMPLES / "measurements" / "example.toml"
 #: sets of ropes; of those measurements alone that have closed forms, which cost nothing
 SETS, MORE_SETS = 100, 600
 #: of the sets by which the method was judged while it was made, and of sets that were drawn once it stood
@@ -71,8 +72,8 @@ def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
     results, causes = [], []
     for scene in SCENES:
-        found = spread(read(DOCS.parent / "examples" / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
-        for name in found.asked.head.measures:
+        found = run_windings(read(EXAMPLES / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
+        for name in found.question.head.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]
     head = ("scene", "measure", "unit", "low", "middle", "high")

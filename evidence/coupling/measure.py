@@ -71,7 +71,7 @@ def wind(case: Case, scheme: Scheme, H: float) -> Run:
     result: Result = host.run()
     spent = time.process_time() - start
     r = result.recording
-    growth = host.stability.growth if host.stability is not None else math.nan
+    growth = host.stability.growth_per_step if host.stability is not None else math.nan
     exchanges = float(r["coupling.exchanges"][-1]) / result.steps
     force = np.column_stack([r["left.fy"], r["right.fy"]])
     return Run(force, spent / (result.steps * H), exchanges, growth, result.cause)

@@ -5,10 +5,10 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from hoist_demo.calibration.measurements import AnyMeasurement, Bench, InShaft, Signal
+from hoist_demo.calibration.measurements import Bench, InShaft, MeasurementEntry, Signal
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
-from hoist_demo.files.catalogue import rope_parameters, table
+from hoist_demo.files.catalogue import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, Table, flat
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.run_values import RopeQuestion
@@ -17,8 +17,7 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum
 
-#: groups of parameters that may be looked for beside the properties
-SOUGHT = ("rope", "air")
+SOUGHT = ("rope", "air")  #: Groups of parameters that may be sought beside the properties.
 
 
 class Wanted(Table):
@@ -42,19 +41,19 @@ def _sought(parameter: Parameter) -> Any:
     return Annotated[given(parameter), AfterValidator(checked)]
 
 
-_Sought = flat("Sought", {group: (table(group, _sought), None) for group in SOUGHT})
+_Sought = flat("Sought", {group: (group_table(group, _sought), None) for group in SOUGHT})
 
 
 class Measured(RopeQuestion):
-    """Declaration of all keys."""
+    """Schema of a TOML file of measurements."""
 
     sought: Annotated[dict[str, Given], _Sought] = EMPTY
-    measurements: list[AnyMeasurement] = Field(alias="measured", min_length=1)
+    measurements: list[MeasurementEntry] = Field(alias="measured", min_length=1)
     wanted: Wanted = EMPTY
 
     @cached_property
     def bench(self) -> Bench:
-        """The rope on which it is predicted."""
+        """Bench of the rope to be identified, with the ranges of [sought]."""
         where = f"range of [sought], {self.path.name}"
         ranges = {
             name: Datum(float(one.low or 0.0), float(one.high or 0.0), rope_parameters()[name].unit, "assumed", where)
@@ -64,12 +63,12 @@ class Measured(RopeQuestion):
 
     @property
     def given(self) -> dict[str, str]:
-        """Where each value of [fixed] comes from."""
+        """Status of each value of [fixed] by name."""
         return statuses(self.fixed)
 
     @model_validator(mode="after")
     def _is_within_reach(self) -> Self:
-        length = self.bench.known.length
+        length = self.bench.catalogue_rope.length
         problems = Problems(
             f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must be less than the rope's length = "
             f"{length:g} m apart, before and after a trip, and are {abs(gap):g} m: correct left_y, right_y or travel"

@@ -23,35 +23,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.special import chdtrc, ndtri  # of scipy.stats, which is slow to load
+from scipy.special import chdtrc, ndtri  # scipy.stats is slow to load
 
 Array = NDArray[np.float64]
-#: of shares (n,): prediction less measurement in standard errors (m,)
-Residuals = Callable[[Array], Array]
-
-#: of all shares before anything is measured
-MIDDLE = 0.5
-#: of a number of which only the range is known, in shares of it
-RANGE_VARIANCE = 1 / 12
-#: of the intervals that are stated
-CONFIDENCE = 0.9
-#: standard errors to either side of it
-REACH = float(ndtri(0.5 + 0.5 * CONFIDENCE))
-#: shares by which the sensitivities are taken
-DIFFERENCE = 5e-3
-#: part of an interval's half width to which its ends are found, and the most trials for each
-FOUND, TRIALS = 0.02, 6
-#: corrections of the other shares in each trial
-CORRECTIONS = 2
-#: standard errors per share by which the first fit holds all shares at the middle of their ranges
-PULL = 0.1
-#: probability below which the measurements are said to contradict the model
-UNLIKELY = 0.01
+Residuals = Callable[[Array], Array]  #: (shares (n,)) -> prediction less measurement in standard errors (m,).
+MIDDLE = 0.5  #: Value of all shares before anything is measured.
+RANGE_VARIANCE = 1 / 12  #: Variance of a share of which only the range is known.
+CONFIDENCE = 0.9  #: Confidence of the intervals.
+REACH = float(ndtri(0.5 + 0.5 * CONFIDENCE))  #: Half width of an interval in standard errors.
+DIFFERENCE = 5e-3  #: Change of a share by which the sensitivities are taken.
+END_TOLERANCE = 0.02  #: Tolerance of an interval's ends, in parts of its half width.
+END_TRIALS = 6  #: Most trials for each end of an interval.
+CORRECTIONS = 2  #: Corrections of the other shares in each trial.
+PULL = 0.1  #: Standard errors per share by which the first fit holds all shares at the middle of their ranges.
+SIGNIFICANCE = 0.01  #: p-value below which the measurements contradict the model.
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The shares found (n,), residuals (m,) in standard errors, and their sensitivities (m, n).
+    """Least-squares fit: shares (n,), residuals (m,) in standard errors and their sensitivities (m, n).
 
     ``held``: rows (k, n) that hold the shares at the middle of their ranges in directions that the data do not tell.
     """
@@ -62,19 +52,19 @@ class Fit:
     held: Array
     nuisance: int = 0  # other unknowns, each found by the residuals
 
-    def of_first(self, count: int) -> "Fit":
-        """The first ``count`` shares alone, with the others found anew for each value of them."""
-        kept, others = np.hsplit(self.sensitivities, [count])
-        kept = kept - others @ np.linalg.lstsq(others, kept, rcond=None)[0]
-        return replace(self, shares=self.shares[:count], sensitivities=kept, held=self.held[:, :count])
+    def of_first_shares(self, count: int) -> "Fit":
+        """Return the fit of the first ``count`` shares, the others refitted for each value of them."""
+        first, others = np.hsplit(self.sensitivities, [count])
+        first = first - others @ np.linalg.lstsq(others, first, rcond=None)[0]
+        return replace(self, shares=self.shares[:count], sensitivities=first, held=self.held[:, :count])
 
     @property
     def covariance(self) -> Array:
         """Covariance of the shares, no larger than that of the ranges."""
         s, directions = self._directions()
         variances = np.full(s.size, RANGE_VARIANCE)
-        told = s * s > 1 / RANGE_VARIANCE
-        variances[told] = 1 / s[told] ** 2
+        determined = s * s > 1 / RANGE_VARIANCE
+        variances[determined] = 1 / s[determined] ** 2
         return np.asarray((directions * variances) @ directions.T)
 
     def untold(self) -> list[Array]:
@@ -95,12 +85,12 @@ class Fit:
 
     @property
     def correlations(self) -> Array:
-        """Correlations of the shares."""
+        """Correlation matrix of the shares, (n, n)."""
         error = np.sqrt(np.diag(self.covariance))
         return np.asarray(self.covariance / np.outer(error, error))
 
     @property
-    def likelihood(self) -> float:
+    def p_value(self) -> float:
         """Probability of residuals at least this large by chance; 1 without more values than what was found."""
         spare = self.residuals.size - self.nuisance - (self.shares.size - len(self.untold()))
         return float(chdtrc(spare, self.residuals @ self.residuals)) if spare > 0 else 1.0
@@ -108,14 +98,11 @@ class Fit:
     @property
     def contradicted(self) -> bool:
         """Return True if the measurements contradict the model, or one another, beyond chance."""
-        return self.likelihood < UNLIKELY
+        return self.p_value < SIGNIFICANCE
 
 
 def fit(residuals: Residuals, count: int, ftol: float = 1e-8) -> Fit:
-    """Return the ``count`` shares with the least squares; undetermined ones stay at the middle of their range.
-
-    The search ends where a step lowers the squares by less than the part ``ftol``.
-    """
+    """Return the ``count`` shares with the least squares, undetermined ones at the middle, to the part ``ftol``."""
     start = np.full(count, MIDDLE)
     residuals = _where_computed(residuals, residuals(start).size)
     first = _solve(residuals, start, PULL * np.eye(count), ftol)
@@ -142,49 +129,50 @@ def _solve(residuals: Residuals, start: Array, held: Array, ftol: float) -> Fit:
     def slopes(u: Array) -> Array:
         return np.vstack((sensitivities(residuals, u), held))
 
-    found = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
-    values = found.fun.size - len(held)
-    return Fit(found.x, found.fun[:values], found.jac[:values], held)
+    solution = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
+    values = solution.fun.size - len(held)
+    return Fit(solution.x, solution.fun[:values], solution.jac[:values], held)
 
 
 def _all(residuals: Residuals, held: Array, shares: Array) -> Array:
-    """The residuals, and what holds the shares."""
+    """Concatenate the residuals and the rows that hold the shares at the middle, (m + k,)."""
     return np.concatenate((residuals(shares), held @ (shares - MIDDLE)))
 
 
-def intervals(residuals: Residuals, found: Fit) -> Array:
-    """Lower and upper end of each share's interval, (n, 2)."""
-    residuals = _where_computed(residuals, found.residuals.size)
-    return np.array([[_end(residuals, found, k, side) for side in (-1.0, 1.0)] for k in range(found.shares.size)])
+def intervals(residuals: Residuals, best_fit: Fit) -> Array:
+    """Return the lower and upper end of each share's interval, (n, 2)."""
+    residuals = _where_computed(residuals, best_fit.residuals.size)
+    return np.array([[_end(residuals, best_fit, k, side) for side in (-1.0, 1.0)] for k in range(best_fit.shares.size)])
 
 
-def _end(residuals: Residuals, found: Fit, k: int, side: float) -> float:
+def _end(residuals: Residuals, best_fit: Fit, k: int, side: float) -> float:
     """Return the value of share ``k`` at which the least squares have grown by REACH^2, within its range."""
-    column = found.covariance[:, k]
+    column = best_fit.covariance[:, k]
     along = side * column / np.sqrt(column[k])  # a standard error of share k, and how the others follow
-    limit = float(0.5 * (1 + side) - found.shares[k]) / along[k]  # standard errors to the end of the range
+    limit = float(0.5 * (1 + side) - best_fit.shares[k]) / along[k]  # standard errors to the end of the range
     reach = REACH
-    for _ in range(TRIALS):
+    for _ in range(END_TRIALS):
         reach = min(reach, limit)
-        growth = _growth(residuals, found, k, reach * along)
-        if reach == limit and growth <= REACH:
+        increase = _root_of_increase(residuals, best_fit, k, reach * along)
+        if reach == limit and increase <= REACH:
             return 0.5 * (1 + side)
-        if abs(growth - REACH) < FOUND * REACH:
+        if abs(increase - REACH) < END_TOLERANCE * REACH:
             break
         # the root of the growth is close to linear; a fit that creeps on has none
-        reach *= float(np.clip(REACH / max(growth, 1e-9), 0.5, 2.0))
-    return float(found.shares[k] + reach * along[k])
+        reach *= float(np.clip(REACH / max(increase, 1e-9), 0.5, 2.0))
+    return float(best_fit.shares[k] + reach * along[k])
 
 
-def _growth(residuals: Residuals, found: Fit, k: int, step: Array) -> float:
+def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) -> float:
     """Root of the growth of the squares ``step`` away from the fit, after the other shares have been corrected."""
-    jacobian = np.vstack((found.sensitivities, found.held))
-    others = np.arange(found.shares.size) != k
-    held = found.held @ (found.shares - MIDDLE)
-    least = float(found.residuals @ found.residuals + held @ held)
-    shares, squares = np.clip(found.shares + step, 0.0, 1.0), list[float]()
+    jacobian = np.vstack((best_fit.sensitivities, best_fit.held))
+    others = np.arange(best_fit.shares.size) != k
+    held = best_fit.held @ (best_fit.shares - MIDDLE)
+    least = float(best_fit.residuals @ best_fit.residuals + held @ held)
+    shares = np.clip(best_fit.shares + step, 0.0, 1.0)
+    squares = list[float]()
     for _ in range(CORRECTIONS + 1):
-        r = _all(residuals, found.held, shares)
+        r = _all(residuals, best_fit.held, shares)
         squares.append(float(r @ r))
         if not math.isfinite(squares[-1]):
             break
@@ -210,11 +198,11 @@ def sensitivities(predict: Callable[[Array], Array], shares: Array) -> Array:
 
 
 def error_of(covariance: Array, gradient: Array) -> float:
-    """Standard error of an output with this gradient."""
+    """Return the standard error of an output with this gradient (n,) in the shares."""
     return float(np.sqrt(gradient @ covariance @ gradient))
 
 
 def with_measurement(covariance: Array, sensitivity: Array) -> Array:
-    """The covariance that a further measurement leaves; ``sensitivity`` in its standard errors per share."""
+    """Return the covariance after one more measurement of ``sensitivity`` (n,), in its standard errors per share."""
     along = covariance @ sensitivity
     return np.asarray(covariance - np.outer(along, along) / (1 + sensitivity @ along))

@@ -9,12 +9,12 @@ import numpy as np
 from hoist_demo.calibration.definition import Measured
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import (
-    Asked,
+    AnyRopeMeasurement,
     AtRest,
     Bench,
     LoopWidth,
     Mass,
-    Measurement,
+    RopeMeasurement,
     SampleExtension,
     SampleRotation,
     SampleTorque,
@@ -24,22 +24,19 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
 from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN
-from hoist_demo.study.provenance import Known, of_rope
+from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
-#: half width of an interval, in shares, from which on the data are said not to tell: half that of a range
-OPEN = 0.25
-#: part of a direction that is named
-NAMED = 0.3
-#: correlations that are named
-STRONG = 0.7
+OPEN = 0.25  #: Half width of an interval in shares from which on a property is undetermined: half that of a range.
+NAMED = 0.3  #: Least part of a property in a direction that names it.
+STRONG = 0.7  #: Least correlation that is reported.
 
 
 @dataclass(frozen=True)
 class Candidate:
     """A measurement that could be added, and the standard error of the wanted output that it would leave."""
 
-    measurement: Measurement
+    measurement: RopeMeasurement
     error: float
 
 
@@ -49,31 +46,31 @@ class Identified:
 
     measured: Measured
     fit: Fit
-    intervals: Array  # of the shares, (n, 2)
+    intervals: Array  # intervals of the shares, (n, 2)
     data: Mapping[str, Datum]
     predicted: Array
     wanted: float
     wanted_error: float
     candidates: tuple[Candidate, ...]  # best first
-    warnings: tuple[str, ...]  # of the rope at rest, as it was found
+    warnings: tuple[str, ...]  # warnings of the identified rope at rest
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Properties that were looked for."""
+        """Names of the properties and parameters that were identified."""
         return self.measured.bench.names
 
-    def told(self, name: str) -> bool:
+    def is_determined(self, name: str) -> bool:
         """Return True if the data say more about a property than its range does."""
         return bool(self.fit.reaches[self.names.index(name)] < OPEN)
 
     def value(self, name: str) -> float:
-        """The property found."""
+        """Return the identified value of a property in its SI unit."""
         return self.measured.bench.value(name, self.fit.shares)
 
     @property
-    def known(self) -> KnownRope:
-        """The rope with the calibrated ranges."""
-        before = self.measured.bench.known
+    def calibrated_rope(self) -> KnownRope:
+        """Rope of the catalogue with the calibrated ranges."""
+        before = self.measured.bench.catalogue_rope
         return replace(before, data={name: self.data[name] for name in before.data})
 
     def open_directions(self) -> list[str]:
@@ -84,49 +81,50 @@ class Identified:
         ]
         return list(dict.fromkeys(named))
 
-    def provenance(self) -> list[Known]:
+    def provenance(self) -> list[SourcedValue]:
         """Sources of the numbers of the rope and its shaft."""
         bench = self.measured.bench
         given = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.given)
-        found = {name: datum.status for name, datum in self.data.items()}
-        given |= {name: found[name] for name in bench.sought} | following_statuses(found)
-        return of_rope(
+        data_statuses = {name: datum.status for name, datum in self.data.items()}
+        given |= {name: data_statuses[name] for name in bench.sought} | following_statuses(data_statuses)
+        return rope_provenance(
             find_case("rope-120"), scene_parameters(bench.scene_at(self.fit.shares)), given
         )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
         """Pairs of properties that the data determine together rather than apart."""
-        matrix, n = self.fit.correlations, len(self.names)
-        pairs = [(i, j) for i in range(n) for j in range(i) if abs(matrix[i, j]) > STRONG]
+        matrix = self.fit.correlations
+        pairs = [(i, j) for i in range(len(matrix)) for j in range(i) if abs(matrix[i, j]) > STRONG]
         return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
 
 
 def identify(measured: Measured) -> Identified:
-    """Fit, intervals, and candidates for the next measurement."""
+    """Fit the properties, find their intervals, and rank candidates for the next measurement."""
     bench = measured.bench
     residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
-    tracks, count = [m for m in measured.measurements if isinstance(m, Markers)], len(bench.names)
+    tracks = [m for m in measured.measurements if isinstance(m, Markers)]
+    count = len(bench.names)
     whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
-    found = whole.of_first(count)
-    ends = np.clip(found.shares[:, None] + np.outer(found.reaches, [-1.0, 1.0]), 0.0, 1.0)
-    if whole.shares.size == count:  # what follows a start is too bent for the few corrections of a profile
-        ends = intervals(residuals, found)
+    properties_fit = whole.of_first_shares(count)
+    ends = np.clip(properties_fit.shares[:, None] + np.outer(properties_fit.reaches, [-1.0, 1.0]), 0.0, 1.0)
+    if whole.shares.size == count:  # with a start, residuals are too nonlinear for the few corrections of a profile
+        ends = intervals(residuals, properties_fit)
     where: Any = dict(measured.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)
-    possible = candidates(bench, found.shares)
-    rows = sensitivities(lambda u: bench.predict(u, [wanted, *possible]), found.shares)
-    gradient, covariance = rows[0], found.covariance
+    possible = candidates(bench, properties_fit.shares)
+    rows = sensitivities(lambda u: bench.predict(u, [wanted, *possible]), properties_fit.shares)
+    gradient, covariance = rows[0], properties_fit.covariance
     left = [
         Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
         for m, row in zip(possible, rows[1:], strict=True)
     ]
-    trial = bench.trial(found.shares)
+    trial = bench.trial(properties_fit.shares)
     predicted = bench.predict(whole.shares, [*measured.measurements, wanted], trial)
     return Identified(
         measured,
-        found,
+        properties_fit,
         ends,
-        calibrated(measured, found, ends),
+        calibrated(measured, properties_fit, ends),
         predicted[:-1],
         float(predicted[-1]),
         error_of(covariance, gradient),
@@ -135,25 +133,23 @@ def identify(measured: Measured) -> Identified:
     )
 
 
-def stacked(measurements: Sequence[Asked]) -> tuple[Array, Array]:
-    """All values and their standard errors."""
+def stacked(measurements: Sequence[AnyRopeMeasurement]) -> tuple[Array, Array]:
+    """Stack all values and their standard errors, each (m,)."""
     values = [value for m in measurements for value in m.values]
     return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
 
 
-def residuals_of(bench: Bench, measurements: Sequence[Asked], values: Array, sigmas: Array) -> Residuals:
-    """Predictions of the measurements less these values, in standard errors."""
+def residuals_of(bench: Bench, measurements: Sequence[AnyRopeMeasurement], values: Array, sigmas: Array) -> Residuals:
+    """Return the function (shares) -> (predictions - values) / sigmas, (m,)."""
     return lambda shares: np.asarray((bench.predict(shares, measurements) - values) / sigmas)
 
 
-def calibrated(measured: Measured, found: Fit, ends: Array) -> dict[str, Datum]:
-    """The intervals found for ranges, where they are narrower than what was known.
-
-    Of measurements that contradict the model no interval is known: the ranges stand, and the status says so.
-    """
-    data, source = measured.bench.data, measured.path.name
-    for name, reach, interval in zip(measured.bench.names, found.reaches, ends, strict=True):
-        if reach < OPEN and found.contradicted:
+def calibrated(measured: Measured, properties_fit: Fit, ends: Array) -> dict[str, Datum]:
+    """Replace ranges by narrower calibrated intervals; if the model is contradicted, they stand with that status."""
+    data = measured.bench.data
+    source = measured.path.name
+    for name, reach, interval in zip(measured.bench.names, properties_fit.reaches, ends, strict=True):
+        if reach < OPEN and properties_fit.contradicted:
             data[name] = replace(data[name], status="contradicted", source=source)
         elif reach < OPEN:
             low, high = (data[name].at(float(share)) for share in interval)
@@ -161,7 +157,7 @@ def calibrated(measured: Measured, found: Fit, ends: Array) -> dict[str, Datum]:
     return data
 
 
-def candidates(bench: Bench, shares: Array) -> list[Measurement]:
+def candidates(bench: Bench, shares: Array) -> list[RopeMeasurement]:
     """List possible next measurements, each with its usual error [assumed]."""
     trial = bench.trial(shares)
     data = trial.scene.rope
@@ -169,14 +165,16 @@ def candidates(bench: Bench, shares: Array) -> list[Measurement]:
     torsion = trial.properties["torsional_stiffness"]
     width = bench.predict(shares, [LoopWidth(value=(1.0,), sigma=1.0)])[0]
     turn = 0.05 * load * data.diameter / torsion  # rad/m, for a torque like those of torque factors
-    torque, kilonewtons = 5e-4 * load * data.diameter, f"under {1e-3 * load:.3g} kN"
+    torque = 5e-4 * load * data.diameter
+    kilonewtons = f"under {1e-3 * load:.3g} kN"
     share = "to 0.05 % of load times diameter"
     sample: Any = {"value": 1.0, "load": load}
     level: Any = {"value": 0.0, "left_y": 0.0, "right_y": 0.0}
     twisted = f"torque of a sample {kilonewtons} turned in by {turn:.2g} rad/m, {share}"
     rotation = f"rotation of a 10 m sample {kilonewtons}, to 5 degrees"
     extension = f"extension of a 10 m sample {kilonewtons}, to 0.5 mm"
-    yaw, torque_at_rest = "yaw of the loop at equal heights, by camera, to 1 degree", "left.swivel.torque"
+    yaw = "yaw of the loop at equal heights, by camera, to 1 degree"
+    torque_at_rest = "torque of the left end at equal heights, to 0.5 N m"
     return [
         LoopWidth(name="width of the free loop, to 1 %", value=(1.0,), sigma=0.01 * width),
         Mass(name="mass, to 0.5 %", value=(1.0,), sigma=5e-3 * data.mass_per_length),
@@ -185,5 +183,5 @@ def candidates(bench: Bench, shares: Array) -> list[Measurement]:
         SampleRotation(name=rotation, sigma=np.deg2rad(5), length=(10.0,), **sample),
         SampleExtension(name=extension, sigma=5e-4, length=(10.0,), **sample),
         AtRest(name=yaw, sigma=np.deg2rad(1), signal="loop.yaw", **level),
-        AtRest(name="torque of the left end at equal heights, to 0.5 N m", sigma=0.5, signal=torque_at_rest, **level),
+        AtRest(name=torque_at_rest, sigma=0.5, signal="left.swivel.torque", **level),
     ]

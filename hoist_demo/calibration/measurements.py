@@ -34,17 +34,14 @@ from rope_model.scene_names import with_values
 from rope_model.simulation.outputs.modal import natural_modes
 
 Array = NDArray[np.float64]
-
-#: s: longer than any swing after a trip lasts, and a track takes its time to compute
-LONGEST = 3600.0
-#: s: communication step of a track, and between two values of which a largest and a smallest are taken
-COMMUNICATION, SAMPLE = 0.02, 0.1
-#: modes among which those of one plane are looked for
-MODES = 14
+LONGEST = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
+COMMUNICATION = 0.02  #: Communication step of a track [s].
+SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are taken [s].
+MODES = 14  #: Modes among which those of one plane are looked for.
 
 
 class Trial:
-    """One rope, and what is measured of it; each position in the shaft is computed once."""
+    """One rope under measurement; each position in the shaft is computed once."""
 
     def __init__(self, scene: rope_model.Scene) -> None:
         self.scene = scene.with_(model=rope_model.Model("torsional"))
@@ -56,7 +53,7 @@ class Trial:
         return properties_of(self.scene.rope)
 
     def signal(self, name: str, left: float, right: float) -> float:
-        """An output at rest with the ends at these heights (m)."""
+        """Return an output at rest with the ends at these heights [m]."""
         if (left, right) not in self._at_rest:
             rope = rope_model.balance_rope(self.scene)
             _require_rest(
@@ -68,13 +65,14 @@ class Trial:
     def track(
         self, name: str, times: Sequence[float], left: float, right: float, trip: Sequence[float]
     ) -> dict[float, float]:
-        """An output by the times (s, in order) after the left end has begun to rise from these heights (m) at rest.
+        """Return an output by time [s, in order] after the left end has begun to rise from rest at these heights [m].
 
         ``trip``: its travel, and limits of speed, acceleration and jerk.
         """
         travel, speed, acceleration, jerk = trip
         winding = Winding(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
-        motion, rope = s_curve(winding), rope_model.balance_rope(self.scene)
+        motion = s_curve(winding)
+        rope = rope_model.balance_rope(self.scene)
 
         def ends(t: float) -> tuple[rope_model.EndMotion, rope_model.EndMotion]:
             p = motion.at(t)
@@ -82,7 +80,8 @@ class Trial:
             return rising, rope_model.EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
 
         _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
-        read, found = rope.reader((name,)), {0.0: rope.signals([name])[name]}
+        read = rope.reader((name,))
+        values = {0.0: rope.signals([name])[name]}
         now = 0.0
         for target in times if times[0] > now else times[1:]:
             for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[1:].tolist():
@@ -90,8 +89,8 @@ class Trial:
                 if not status.valid:
                     raise RuntimeError(f"track of {name} at t = {t:g} s: {status.message}")
             now = target
-            found[now] = float(read()[0])
-        return found
+            values[now] = float(read()[0])
+        return values
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -128,14 +127,13 @@ Series = Annotated[
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0.0, le=LONGEST)]
-#: an output, docs/reference/variables.md
-Signal: Any = Literal[tuple(rope_model.SIGNALS)]
+Signal: Any = Literal[tuple(rope_model.SIGNALS)]  #: Name of an output, docs/reference/variables.md.
 
 
-class Measurement(Table):
+class RopeMeasurement(Table):
     """Values with their standard error, and the circumstances; a number that varies has as many as there are values."""
 
-    UNIT: ClassVar[str] = ""  # that of the signal
+    UNIT: ClassVar[str] = ""  # "": the signal's
     name: Text = ""
     what: str
     values: Series[Finite] = Field(alias="value")
@@ -143,20 +141,20 @@ class Measurement(Table):
 
     @property
     def title(self) -> str:
-        """Name in the results."""
+        """Name of the measurement in results: `name`, else its signal or kind."""
         return self.name or str(getattr(self, "signal", self.what))
 
     @property
     def unit(self) -> str:
-        """Unit of the values."""
+        """Unit of the values, as FMI spells it."""
         return self.UNIT or str(rope_model.SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
 
     def predict(self, trial: Trial) -> Sequence[float]:
-        """Predict the values."""
+        """Return the model's prediction of each value, in `unit`."""
         raise NotImplementedError
 
     def each(self, *names: str) -> list[tuple[float, ...]]:
-        """Repeat these numbers for each value."""
+        """Return the tuples of these fields for each value, single numbers repeated."""
         columns = [getattr(self, name) * (len(self.values) // len(getattr(self, name))) for name in names]
         return list(zip(*columns, strict=True))
 
@@ -168,7 +166,7 @@ class Measurement(Table):
         return self
 
 
-class LoopWidth(Measurement):
+class LoopWidth(RopeMeasurement):
     """Width of the free loop of a piece [m]."""
 
     UNIT = "m"
@@ -179,7 +177,7 @@ class LoopWidth(Measurement):
         return [float(natural_width(trial.scene))] * len(self.values)
 
 
-class Mass(Measurement):
+class Mass(RopeMeasurement):
     """Mass per length, weighed [kg/m]."""
 
     UNIT = "kg/m"
@@ -190,7 +188,7 @@ class Mass(Measurement):
         return [trial.scene.rope.mass_per_length] * len(self.values)
 
 
-class SampleTorque(Measurement):
+class SampleTorque(RopeMeasurement):
     """Torque of a sample whose ends are held, turned into the lay [N m]."""
 
     UNIT = "N.m"
@@ -202,7 +200,7 @@ class SampleTorque(Measurement):
         return [trial.lay_torque(load) + trial.torsion(load) * twist for load, twist in self.each("load", "twist")]
 
 
-class SampleRotation(Measurement):
+class SampleRotation(RopeMeasurement):
     """Rotation by which a sample with one end free unlays [rad]."""
 
     UNIT = "rad"
@@ -214,7 +212,7 @@ class SampleRotation(Measurement):
         return [trial.lay_torque(load) * length / trial.torsion(load) for load, length in self.each("load", "length")]
 
 
-class SampleExtension(Measurement):
+class SampleExtension(RopeMeasurement):
     """Extension of a sample whose ends are held, after settling [m]."""
 
     UNIT = "m"
@@ -227,7 +225,7 @@ class SampleExtension(Measurement):
         return [load * length / trial.scene.rope.Qa for load, length in self.each("load", "length")]
 
 
-class InShaft(Measurement):
+class InShaft(RopeMeasurement):
     """A measurement of the rope in its shaft, with its ends at these heights."""
 
     left_y: Series[Finite]  # m
@@ -259,16 +257,16 @@ class Swing(InShaft):
     number: Series[Annotated[float, Field(ge=1.0, multiple_of=1.0)]] = (1.0,)
 
     def predict(self, trial: Trial) -> Sequence[float]:
-        found = []
+        predicted = []
         for number, left, right in self.each("number", "left_y", "right_y"):
-            known = trial.frequencies(self.plane, left, right)
-            if number > known.size:
+            frequencies = trial.frequencies(self.plane, left, right)
+            if number > frequencies.size:
                 raise RuntimeError(
-                    f"{self.title}: number = {number:g} must be at most {known.size}, as {MODES} modes hold so many "
-                    f"{self.plane}: give a lower one"
+                    f"{self.title}: number = {number:g} must be at most {frequencies.size}, as {MODES} modes hold so "
+                    f"many {self.plane}: give a lower one"
                 )
-            found.append(float(known[round(number) - 1]))
-        return found
+            predicted.append(float(frequencies[round(number) - 1]))
+        return predicted
 
 
 class Track(InShaft):
@@ -284,27 +282,27 @@ class Track(InShaft):
 
     @property
     def apart(self) -> list[tuple[float, float, float]]:
-        """Before the trip, and after it."""
+        """Heights of both ends and their distance, before and after each trip [m]."""
         trips = zip(super().apart, self.each("travel"), strict=True)
-        return [*super().apart, *((left, right, gap + 2 * way) for (left, right, gap), (way,) in trips)]
+        return [*super().apart, *((left, right, gap + 2 * travel) for (left, right, gap), (travel,) in trips)]
 
     def predict(self, trial: Trial) -> Sequence[float]:
         return [values[0] for values in self._over_trips(trial, self.each("t"))]
 
     def _over_trips(self, trial: Trial, times: Sequence[Sequence[float]]) -> list[list[float]]:
-        """The signal at the times (s) of each value, to the millisecond; each trip is wound once."""
+        """Return the signal at the times [s] of each value, to the millisecond; each trip is wound once."""
         trips = self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
         rounded = [[round(t, 3) for t in some] for some in times]
-        asked: dict[tuple[float, ...], set[float]] = {}
+        by_trip: dict[tuple[float, ...], set[float]] = {}
         for trip, some in zip(trips, rounded, strict=True):
-            asked.setdefault(trip, set()).update(some)
-        runs = {trip: trial.track(self.signal, sorted(t), trip[0], trip[1], trip[2:]) for trip, t in asked.items()}
+            by_trip.setdefault(trip, set()).update(some)
+        runs = {trip: trial.track(self.signal, sorted(t), trip[0], trip[1], trip[2:]) for trip, t in by_trip.items()}
         return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
 
     @model_validator(mode="after")
     def _travels(self) -> Self:
         if 0.0 in self.travel:
-            raise ValueError("travel = 0 must not be 0: give the way of the left end in m")
+            raise ValueError("travel = 0 moves nothing: give the distance of the left end in m")
         return self
 
 
@@ -327,8 +325,8 @@ class Swept(Track):
         return self
 
 
-Asked = Measurement | Markers
-AnyMeasurement = Annotated[
+AnyRopeMeasurement = RopeMeasurement | Markers
+MeasurementEntry = Annotated[
     LoopWidth | Mass | SampleTorque | SampleRotation | SampleExtension | AtRest | Track | Swept | Swing | Markers,
     Field(discriminator="what"),
 ]
@@ -336,16 +334,16 @@ AnyMeasurement = Annotated[
 
 @dataclass(frozen=True)
 class Bench:
-    """The rope of which something is measured: what the catalogue knows of it, and the scene in which it hangs."""
+    """Rope under identification: its ranges of the catalogue, and the scene in which it hangs."""
 
-    known: rope_model.KnownRope
+    catalogue_rope: rope_model.KnownRope
     scene: rope_model.Scene
     sought: Mapping[str, rope_model.Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
 
     @property
     def data(self) -> dict[str, rope_model.Datum]:
         """Data of the properties and of the other parameters sought."""
-        return {**self.known.data, **self.sought}
+        return {**self.catalogue_rope.data, **self.sought}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -357,23 +355,24 @@ class Bench:
         return self.data[name].at(float(shares[self.names.index(name)]))
 
     def rope(self, shares: Array) -> rope_model.Rope:
-        """The rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
-        data = self.known.data
+        """Return the rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
+        data = self.catalogue_rope.data
         values = {name: self.value(name, shares) if name in self.names else data[name].low for name in data}
-        made = self.known.rope(**values)
+        made = self.catalogue_rope.rope(**values)
         return replace(self.scene.rope, **{name: getattr(made, name) for name in FOLLOWING})
 
     def scene_at(self, shares: Array) -> rope_model.Scene:
-        """The rope in its shaft at these shares."""
-        found = {name: self.value(name, shares) for name in self.sought}
-        return with_values(self.scene.with_(rope=self.rope(shares)), found)
+        """Return the scene with the rope at these shares of the ranges."""
+        values = {name: self.value(name, shares) for name in self.sought}
+        return with_values(self.scene.with_(rope=self.rope(shares)), values)
 
     def trial(self, shares: Array) -> Trial:
         """Return the rope that has these shares, ready to be measured."""
         return Trial(self.scene_at(shares))
 
-    def predict(self, shares: Array, measurements: Sequence[Asked], of: Trial | None = None) -> Array:
-        """All values of the measurements, one after the other; behind the rope's ``shares`` are those of starts."""
-        trial, starts = of or self.trial(shares), iter(shares[len(self.names) :].tolist())
-        found = [m.predict(trial, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
-        return np.array([value for values in found for value in values])
+    def predict(self, shares: Array, measurements: Sequence[AnyRopeMeasurement], of: Trial | None = None) -> Array:
+        """Predict all values of the measurements in turn; ``shares`` are those of the rope, then those of starts."""
+        trial = of or self.trial(shares)
+        starts = iter(shares[len(self.names) :].tolist())
+        predictions = [m.predict(trial, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
+        return np.array([value for values in predictions for value in values])

@@ -38,17 +38,15 @@ from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.ends.paths import SIDES
 
 Array = NDArray[np.float64]
-#: samples before the file begins, at rest in the mean of its first ones
-REST, FIRST = 25, 5
-#: standard errors from which on a residual counts for less
-ROBUST = 3.0
-#: frames from one with both ends within which the next follows: over longer gaps splines mistake the way of the ends
-GAP = 6
-#: samples of the running median, and standard errors from it that are a leap
-MEDIAN, LEAP = 5, 8.0
-#: steps of the ends' way to where a file begins, their standard error in parts of the rope's slack, and how many of
-#: these a range has
-STEPS, SLACK, ERRORS = 2, 0.2, 8.0
+REST = 25  #: Samples at rest that are put before the file.
+FIRST = 5  #: First samples of the file, in the mean of which the ends rest.
+ROBUST = 3.0  #: Standard errors from which on a residual counts for less.
+GAP = 6  #: Most frames from one with both ends to the next: over longer gaps splines mistake the ends' paths.
+MEDIAN = 5  #: Samples of the running median.
+LEAP = 8.0  #: Standard errors from the running median that are a leap.
+STEPS = 2  #: Steps of the ends' path to where a file begins.
+SLACK = 0.2  #: Standard error of such a step, in parts of the rope's slack.
+ERRORS = 8.0  #: Width of a step's range, in its standard errors.
 
 
 @dataclass(frozen=True)
@@ -57,17 +55,17 @@ class _Frames:
 
     t: Array  # (n,), s
     ends: Array  # (n, 2, 3), m
-    ways: Array  # (n, 2, 3), directions of the ends; (n, 0, 3) where they are plumb
+    directions: Array  # (n, 2, 3), directions of the ends; (n, 0, 3) where they are plumb
     markers: Array  # (n, markers, 3), m
 
     @cached_property
     def whole(self) -> NDArray[np.bool_]:
-        """Whether both ends are seen (n,)."""
-        return np.asarray(np.isfinite(np.hstack((self.ends, self.ways))).all(axis=(1, 2)))
+        """Mask (n,) of the frames in which both ends are seen."""
+        return np.asarray(np.isfinite(np.hstack((self.ends, self.directions))).all(axis=(1, 2)))
 
     @cached_property
     def period(self) -> float:
-        """Time from frame to frame, s."""
+        """Median time from frame to frame [s]."""
         return float(np.median(np.diff(self.t)))
 
 
@@ -81,8 +79,8 @@ class Markers(Table):
     places: dict[str, float] = Field({})  # m along the rope from its left end, by marker
     unlabelled: tuple[Text, ...] = ()  # points anywhere on the rope
     ends: Attachment = "plumb"
-    unit: Literal["m", "cm", "mm"] = "m"  # of the file
-    up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # in the axes of the file
+    unit: Literal["m", "cm", "mm"] = "m"  # unit of length in the file
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # upward direction in the axes of the file
     skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
     settle: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from rest into the motion in which the file begins
     offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
@@ -98,8 +96,8 @@ class Markers(Table):
         self._spacing, held, markers = _turned(frames, self)
         self._t, self._held = _smoothed(frames, held, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan
-        known, free = np.split(markers, [len(self.places)], axis=1)
-        self._places = np.hstack((_masked(known, self.sigma), free))
+        labelled, free = np.split(markers, [len(self.places)], axis=1)
+        self._places = np.hstack((_masked(labelled, self.sigma), free))
         if not np.isfinite(self._places).any():
             raise ValueError(
                 f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip or name one"
@@ -108,7 +106,7 @@ class Markers(Table):
 
     @property
     def starts(self) -> int:
-        """Number of shares that tell how the ends come to the places in which the file begins."""
+        """Number of fitted shares that describe the ends' path to where the file begins."""
         return 6 * STEPS if self.settle else 0
 
     @property
@@ -141,50 +139,56 @@ class Markers(Table):
 
     def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
         """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""
-        held, t = self._held.copy(), self._t[: -len(self._places)]
+        held = self._held.copy()
+        t = self._t[: -len(self._places)]
         h = (self._t[t.size] - t[0]) / STEPS
-        for k, way in enumerate(start):
+        for k, displacement in enumerate(start):
             s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
-            held[:, : t.size, :, :3] += quintic.rates(quintic.coefficients(h, way, 0.0, 0.0, 0.0, 0.0, 0.0), s)
+            held[:, : t.size, :, :3] += quintic.rates(quintic.coefficients(h, displacement, 0.0, 0.0, 0.0, 0.0, 0.0), s)
         motions = np.concatenate((*held[..., :3], np.zeros((*held.shape[1:3], 2)), held[0, ..., 3:]), axis=2)
         return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
     def wind(self, scene: Scene, start: Array) -> Array:
         """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3); ``start`` is in standard errors."""
-        ways = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
+        displacements = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
         left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
-        layout, before = replace(scene.layout, spacing=self._spacing), len(self._t) - len(self._places)
-        rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
-        known = np.array([*self.places.values()])
-        for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(ways), strict=True)):
+        layout = replace(scene.layout, spacing=self._spacing)
+        before = len(self._t) - len(self._places)
+        rope = balance_rope(scene.with_(left=left, right=right, layout=layout))
+        samples = []
+        labelled = np.array([*self.places.values()])
+        for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(displacements), strict=True)):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
             if k >= before:
-                rows, s, tangents = rope.rows(), known, np.zeros((known.size, 3))
+                rows, s, tangents = rope.rows(), labelled, np.zeros((labelled.size, 3))
                 if self.unlabelled:
                     curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
-                    free = _nearest(curve, self._places[k - before, known.size :])
-                    s, tangents = np.append(known, free), np.vstack((tangents, curve(free, 1)))
+                    free = _nearest(curve, self._places[k - before, labelled.size :])
+                    s, tangents = np.append(labelled, free), np.vstack((tangents, curve(free, 1)))
                 at = elements_at(s, np.diff(rows[:, 0]))
-                found.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents])
-        return np.array(found).swapaxes(0, 1)
+                samples.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents])
+        return np.array(samples).swapaxes(0, 1)
 
     def predict(self, trial: Any, *start: float) -> Array:
         """Residuals (m) on the scene of a measurements.Trial, and shares that tell its start; squares are the loss."""
-        begun, known = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5), len(self.places)
-        t, seen, (x, v, along) = self._t[-len(self._places) :], np.isfinite(self._places), self.wind(trial.scene, begun)
-        motion = CubicHermiteSpline(t, x[:, :known], v[:, :known])
+        start_errors = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5)
+        labelled = len(self.places)
+        t = self._t[-len(self._places) :]
+        seen = np.isfinite(self._places)
+        x, v, along = self.wind(trial.scene, start_errors)
+        motion = CubicHermiteSpline(t, x[:, :labelled], v[:, :labelled])
 
         def residuals(b: Array) -> Array:
             late = self.delay * b[-1]
             places = motion(np.clip(t + late, t[0], t[-1])) + self.offset * b[:-1].reshape(-1, 3)
-            off = np.hstack((places, x[:, known:] + late * v[:, known:])) - self._places
+            off = np.hstack((places, x[:, labelled:] + late * v[:, labelled:])) - self._places
             r = (off - (off * along).sum(axis=2, keepdims=True) * along)[seen] / self.sigma
             return np.concatenate((r * np.sqrt(2.0 / (1.0 + np.hypot(1.0, r / ROBUST))), b))
 
-        found = least_squares(residuals, np.zeros(3 * known + 1), method="lm").fun
-        return np.asarray(self.sigma * np.concatenate((found, begun)))
+        best_residuals = least_squares(residuals, np.zeros(3 * labelled + 1), method="lm").fun
+        return np.asarray(self.sigma * np.concatenate((best_residuals, start_errors)))
 
 
 def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
@@ -192,69 +196,69 @@ def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
     s = np.linspace(curve.x[0], curve.x[-1], 4 * curve.x.size)
     s = s[np.linalg.norm(points[:, None] - curve(s), axis=2).argmin(axis=1)]
     for _ in range(3):  # each leaves of the error as much as curvature times distance
-        way = curve(s, 1)
-        s = np.clip(s + ((points - curve(s)) * way).sum(axis=1) / (way**2).sum(axis=1), curve.x[0], curve.x[-1])
+        tangent = curve(s, 1)
+        s = np.clip(s + ((points - curve(s)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1), curve.x[0], curve.x[-1])
     return np.asarray(s)
 
 
-def _read(path: Path, asked: Markers) -> _Frames:
-    """Read the columns; ValueError names one that lacks."""
+def _read(path: Path, track: Markers) -> _Frames:
+    """Read the columns of a CSV file; a ValueError names one that is missing."""
     try:
         columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
-        raise ValueError(f"{asked.file} is no table of numbers ({error}): give a CSV file, names in line 1") from error
+        raise ValueError(f"{track.file} is no table of numbers ({error}): give a CSV file, names in line 1") from error
     names = columns.dtype.names or ()
 
     def vectors(of: Sequence[str], axis: str = "", unit: float = 1.0) -> Array:
         wanted = [f"{name}.{axis}{k}" for name in of for k in "xyz"]
         if missing := [one for one in wanted if one not in names]:
-            raise ValueError(f"{asked.file} has no column {missing[0]}: its columns are {', '.join(names)}")
+            raise ValueError(f"{track.file} has no column {missing[0]}: its columns are {', '.join(names)}")
         return unit * np.array([columns[one] for one in wanted]).T.reshape(-1, len(of), 3)
 
-    if taken := [side for side in SIDES if side in asked.places]:
+    if taken := [side for side in SIDES if side in track.places]:
         raise ValueError(f"places.{taken[0]} has the name of an end of the rope: give the marker another name")
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
-        raise ValueError(f"{asked.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
-    if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and asked.ends != "clamped":
-        raise ValueError(f'{asked.file} has directions, and ends = "{asked.ends}" must be "clamped" to take them')
-    unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[asked.unit]
-    ways = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
-    return _Frames(t, vectors(SIDES, unit=unit), ways, vectors([*asked.places, *asked.unlabelled], unit=unit))
+        raise ValueError(f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
+    if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and track.ends != "clamped":
+        raise ValueError(f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them')
+    unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[track.unit]
+    directions = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
+    return _Frames(t, vectors(SIDES, unit=unit), directions, vectors([*track.places, *track.unlabelled], unit=unit))
 
 
-def _checked(frames: _Frames, asked: Markers) -> _Frames:
+def _checked(frames: _Frames, track: Markers) -> _Frames:
     """Return the frames from the first with both ends to the last; ValueError names where too much is lost."""
     t = frames.t
     with np.errstate(over="ignore"):
-        lengths = np.linalg.norm(frames.ways, axis=2)
+        lengths = np.linalg.norm(frames.directions, axis=2)
     for k, side in np.argwhere((lengths == 0.0) | np.isinf(lengths)):
         where = ", ".join(f"{SIDES[side]}.d{axis}" for axis in "xyz")
-        is_none = f"{', '.join(f'{x:g}' for x in frames.ways[k, side])} is no direction"
+        is_none = f"{', '.join(f'{x:g}' for x in frames.directions[k, side])} is no direction"
         cure = "give a vector of finite length, or empty fields for a lost one"
-        raise ValueError(f"{asked.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}")
+        raise ValueError(f"{track.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}")
     if (both := np.flatnonzero(frames.whole)).size < 2 * FIRST:
-        raise ValueError(f"{asked.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
+        raise ValueError(f"{track.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
     if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
         lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
         raise ValueError(
-            f"{asked.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
+            f"{track.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
         )
     between = slice(both[0], both[-1] + 1)
-    return _Frames(t[between] - t[0], frames.ends[between], frames.ways[between], frames.markers[between])
+    return _Frames(t[between] - t[0], frames.ends[between], frames.directions[between], frames.markers[between])
 
 
-def _turned(frames: _Frames, asked: Markers) -> tuple[float, Array, Array]:
+def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
     """Spacing of the ends at the start (m), their places and leans (n, 2, 5), and the markers in the rope's axes."""
     start, end = frames.ends[frames.whole][:FIRST].mean(axis=0)
-    if not np.linalg.norm(np.cross(asked.up, end - start)) > 0.0:
-        raise ValueError(f"{asked.file}: the ends hang above each other with up = {asked.up}: give the direction of up")
-    axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [asked.up, end - start], weights=[np.inf, 1.0])
+    if not np.linalg.norm(np.cross(track.up, end - start)) > 0.0:
+        raise ValueError(f"{track.file}: the ends hang above each other with up = {track.up}: give the direction of up")
+    axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [track.up, end - start], weights=[np.inf, 1.0])
     matrix, middle, spacing = axes.as_matrix().T, 0.5 * (start + end), float(axes.apply(end - start)[0])
     ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    ways = frames.ways @ matrix if frames.ways.size else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
-    across = np.linalg.norm(ways[..., ::2], axis=2, keepdims=True)
-    leans = ways[..., ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -ways[..., 1:2])
+    directions = frames.directions @ matrix if frames.directions.size else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
+    across = np.linalg.norm(directions[..., ::2], axis=2, keepdims=True)
+    leans = directions[..., ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -directions[..., 1:2])
     return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
 
 
@@ -262,25 +266,25 @@ def _smoothed(frames: _Frames, held: Array, settle: float) -> tuple[Array, Array
     """Times (s), with those before the file begins, and values, rates and accelerations (3, n, 2, 5) of the ends."""
     frame = frames.period
     before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
-    known, seen, t = frames.t[frames.whole], held[frames.whole].reshape(-1, 10), np.concatenate((before, frames.t))
+    times, seen, t = frames.t[frames.whole], held[frames.whole].reshape(-1, 10), np.concatenate((before, frames.t))
     if not settle:
-        known = np.concatenate((before, known))
+        times = np.concatenate((before, times))
         seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))
     smooth = np.zeros((3, t.size, 2, 5))
-    for k, x in enumerate(seen.T):  # by frames: the cross-validation seeks its parameter to 1e-5
-        spline = make_smoothing_spline(known / frame, x)
+    for k, x in enumerate(seen.T):  # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
+        spline = make_smoothing_spline(times / frame, x)
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     if settle:
         x, v, a = smooth[:, before.size]
         path = quintic.coefficients(t[before.size] - t[0], x, 0.0, 0.0, x, v, a)
         smooth[:, : before.size] = quintic.rates(path, (before - t[0])[:, None, None])
-    smooth[1:, 0] = 0.0  # at first the ends rest
+    smooth[1:, 0] = 0.0  # the ends rest at first
     return t, smooth
 
 
 def _masked(markers: Array, sigma: float) -> Array:
     """``markers`` (n, markers, 3) without those that leap away from their running median."""
-    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):  # of a marker that was long lost
+    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):  # markers that were long lost warn
         away = np.abs(markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror"))
         usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)  # a normal error's, from its median
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)

@@ -13,10 +13,8 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 
-#: files of the hoists that come with the project
-FOLDER = Path(str(files("hoist_demo"))) / "hoists"
-
-#: in the order in which they are told: hoists, and what goes wrong in some of them
+FOLDER = Path(str(files("hoist_demo"))) / "hoists"  #: Folder of the hoists that come with the project.
+# names of hoists, and of scenarios in which something goes wrong, in the order of help texts
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
 SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
 NAMED = (*HOISTS, *SCENARIOS)
@@ -24,20 +22,20 @@ DEFAULT_HOIST = "rope-120"
 
 
 @dataclass(frozen=True)
-class Tail:
-    """One balance rope, or a number of equal ones: where it hangs, its break, and its own values by FMI name."""
+class BalanceRopeData:
+    """One balance rope, or several equal ones: its place, its break, and its own values by FMI name."""
 
     name: str
     values: Mapping[str, Given]
     number: int = 1
     place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
     breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
-    construction: str = ""  # of the catalogue, where it has the rope
+    construction: str = ""  # name in the catalogue, if it has the rope
     lay: str = "right-hand"
 
     @property
     def parameters(self) -> dict[str, Value]:
-        """Values alone."""
+        """Values by FMI name, without status and source."""
         return plain(self.values)
 
 
@@ -49,34 +47,34 @@ class Case:
     hoist: Hoist
     winding: Winding
     gains: Gains
-    host: Mapping[str, Given]  # all that is stated of controller, hoist.*, winding.* and others, and what follows
-    tails: tuple[Tail, ...]
+    host: Mapping[str, Given]  # stated and derived values of controller, hoist.*, winding.* and others
+    tails: tuple[BalanceRopeData, ...]
     rope: Mapping[str, Value]  # parameters of the first rope by FMI name; the rest is the rope's own
     source: str = ""
     level: Level = "standard"
     signals: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()  # on values that are far from what hoists have
+    remarks: tuple[str, ...] = ()  # sentences on values that are far from what hoists have
 
     @property
-    def ropes(self) -> tuple[Tail, ...]:
+    def ropes(self) -> tuple[BalanceRopeData, ...]:
         """Several ropes, or one with a place or a break; none where all are equal."""
         return self.tails if len(self.tails) > 1 or self.tails[0].place or self.tails[0].breaks else ()
 
     @property
     def values(self) -> dict[str, Given]:
-        """Values of the host, and of equal ropes."""
+        """Stated and derived values of the host and of equal ropes, by name."""
         return {**self.host, **({} if self.ropes else self.tails[0].values)}
 
     @property
     def given(self) -> dict[str, str]:
-        """Status of each of them."""
+        """Status of each value by name."""
         return statuses(self.values)
 
     @property
     def sources(self) -> dict[str, str]:
-        """Source of each that has one."""
+        """Source of each value that states one, by name."""
         return {key: one.source for key, one in self.values.items() if one.source}
 
-    def alone(self, tail: Tail) -> Case:
+    def alone(self, tail: BalanceRopeData) -> Case:
         """Return the hoist with one of its ropes."""
-        return replace(self, tails=(Tail(tail.name, tail.values),), rope=tail.parameters)
+        return replace(self, tails=(BalanceRopeData(tail.name, tail.values),), rope=tail.parameters)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from hoist_demo.cases.case import Case, Tail
+from hoist_demo.cases.case import BalanceRopeData, Case
 from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import DERIVED, Given, plain
@@ -14,23 +14,22 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from rope_model import rope as catalogue_rope
 
-#: m [assumed]: length of a balance rope beyond the travel: loop, and sump below the lower landing
-TAIL_SPARE = 40.0
-#: m^2/s^2 [assumed]: EA of a head rope over its mass per length, a modulus of 110 GPa of the steel
+TAIL_SPARE = 40.0  #: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
+#: EA of a head rope over its mass per length [m^2/s^2, assumed], a modulus of 110 GPa of the steel.
 HEAD_ROPE_STIFFNESS = 1.3e7
 
 
 @dataclass(frozen=True)
-class Known:
-    """What rules take: the hoist as far as it is known, its trip, and the drive's view of its balance ropes."""
+class RuleInputs:
+    """Inputs of the rules: hoist and trip as stated so far, and the balance ropes as the drive sees them."""
 
     hoist: Hoist
     winding: Winding
-    tail: Hoist  # of which number, mass and length of the balance ropes are known
+    tail: Hoist  # hoist with number, mass and length of the balance ropes alone
 
     @property
     def torque(self) -> float:
-        """Torque of the acceleration with the payload [N m]."""
+        """Torque at the sheave that accelerates hoist and payload [N m]."""
         hoist, (coulomb, viscous) = self.hoist, self.hoist.travel_loss
         imbalance = GRAVITY * abs(hoist.mass_left - hoist.mass_right)
         losses = coulomb + viscous * self.winding.speed
@@ -38,11 +37,11 @@ class Known:
 
 
 class Rule(NamedTuple):
-    """What a parameter is where the file leaves it out."""
+    """Rule for a parameter that the file leaves out."""
 
     key: str
     words: str
-    value: Callable[[Known], Value]
+    value: Callable[[RuleInputs], Value]
 
 
 LENGTH = Rule("rope.length", f"hoist.shaft_travel + {TAIL_SPARE:g} m", lambda k: k.hoist.shaft_travel + TAIL_SPARE)
@@ -72,21 +71,22 @@ RULES = (
 )
 
 
-def completed(host: Mapping[str, Given], tails: Iterable[Tail], **head: Any) -> Case:
+def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **head: Any) -> Case:
     """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
         deep = abs(float(host["winding.travel"].value))
         host["hoist.shaft_travel"] = Given(deep, DERIVED, "winding.travel")
-    found = data_of(plain(host))
-    length = Given(LENGTH.value(Known(found["hoist"], found["winding"], Hoist())), DERIVED, LENGTH.words, follows=True)
-    filled = list[Tail]()
+    sections = data_of(plain(host))
+    inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
+    length = Given(LENGTH.value(inputs), DERIVED, LENGTH.words, follows=True)
+    filled = list[BalanceRopeData]()
     with Problems() as problems:
         for k, tail in enumerate(tails, 1):
             with problems.at(f"rope {k}"):
                 filled.append(replace(tail, values={"rope.length": length, **_of_catalogue(tail), **tail.values}))
     tails = tuple(filled)
-    drive = _drive_s_view(tails)
+    drive = ropes_as_seen_by_drive(tails)
     if host.get("hoist.tail_rope_number", Given(drive.tail_rope_number)).value != drive.tail_rope_number:
         raise ValueError(
             f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
@@ -94,26 +94,26 @@ def completed(host: Mapping[str, Given], tails: Iterable[Tail], **head: Any) -> 
         )
     for rule in RULES:
         if rule.key not in host:
-            value = rule.value(Known(found["hoist"], found["winding"], drive))
+            value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
             host[rule.key] = Given(value, DERIVED, rule.words, follows=True)
-            found = data_of(plain(host))
-    require_trip_fits(found["hoist"], found["winding"])
+            sections = data_of(plain(host))
+    require_trip_fits(sections["hoist"], sections["winding"])
     far = dict.fromkeys(line for one in tails for line in remarks(plain({**host, **one.values})))
-    data = {name: found[name] for name in ("hoist", "winding", "gains")}
+    data = {name: sections[name] for name in ("hoist", "winding", "gains")}
     return Case(**head, **data, host=host, tails=tails, rope=tails[0].parameters, remarks=tuple(far))
 
 
-def _of_catalogue(tail: Tail) -> dict[str, Given]:
+def _of_catalogue(tail: BalanceRopeData) -> dict[str, Given]:
     """Return what the catalogue knows of a rope; ValueError where it has none such."""
     if not tail.construction:
         return {}
-    diameter, lay = float(tail.parameters.get("rope.diameter", 0.0)), tail.lay
-    middle = catalogue_rope(tail.construction, diameter, lay=lay).middle  # type: ignore[arg-type]  # it checks the lay
+    diameter = float(tail.parameters.get("rope.diameter", 0.0))
+    middle = catalogue_rope(tail.construction, diameter, lay=tail.lay).middle  # type: ignore[arg-type]  # checks the lay
     source = f"catalogue, {tail.construction}, middle of its range"
     return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
-def _drive_s_view(tails: tuple[Tail, ...]) -> Hoist:
+def ropes_as_seen_by_drive(tails: tuple[BalanceRopeData, ...]) -> Hoist:
     """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
     mass = rope_parameters()["rope.mass_per_length"].start
     each = [(tail.parameters.get("rope.mass_per_length", mass), tail.parameters["rope.length"]) for tail in tails]
@@ -143,7 +143,7 @@ def _stated(values: Mapping[str, Given]) -> dict[str, Given]:
     return {key: one for key, one in values.items() if not one.follows}
 
 
-#: what hoists have: beyond it a value is remarked on, as one whose unit may be another
+#: Usual ranges: a value beyond draws a remark that its unit may be wrong.
 USUAL = {
     "hoist.payload_left": (200.0, 6e4),
     "hoist.payload_right": (200.0, 6e4),

@@ -15,19 +15,19 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.results import Commands, add_command, add_results, interruption, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, gather, spread, together
+from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, flatten, gather, together
 from hoist_demo.recording.fidelity import mask_neglected, remark
 from hoist_demo.recording.incidents import incidents
 from hoist_demo.recording.time_series import TIME, Recording, write_csv
 from hoist_demo.report.html.page import number
-from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, for_people, render
+from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, in_display_unit, render
 from hoist_demo.report.summary import exposure_rows
 from hoist_demo.report.verdict import outcome
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
     from hoist_demo.duty.schedule import Schedule
-    from hoist_demo.duty.wind import Trip
+    from hoist_demo.duty.wind import WoundTrip
 
 STATE = "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
 
@@ -59,13 +59,12 @@ def add_duty(commands: Commands) -> None:
 
 
 def _duty(options: argparse.Namespace) -> int:
-    # the rope loads slowly and is needed here only
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
-    from hoist_demo.duty.wind import rows_of
-    from hoist_demo.report.rows import told
-    from hoist_demo.study.provenance import of_host, of_rope, write_data
+    from hoist_demo.duty.wind import table_rows
+    from hoist_demo.report.rows import status_rows
+    from hoist_demo.study.provenance import host_provenance, rope_provenance, write_data
     from hoist_demo.study.run import contradictions
 
     schedule = read_schedule(options.schedule, options.repeat)
@@ -80,15 +79,15 @@ def _duty(options: argparse.Namespace) -> int:
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
-    exposed = together([gather(row) for row in rows_of(trips)]) if "station.s[1]" in trips else None
+    exposed = together([gather(row) for row in table_rows(trips)]) if "station.s[1]" in trips else None
     run = schedule.pattern[0]
-    known = [*of_host(run, schedule.given), *of_rope(find_case(run.case), rope.data(), schedule.given)]
-    written = [*_write(trips, exposed, out), write_data(known, out / "data.csv")]
+    data = host_provenance(run, schedule.given) + rope_provenance(find_case(run.case), rope.data(), schedule.given)
+    written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
     print(f"{schedule.head.title}: hoist {schedule.head.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
     recording = _as_it_is(rope) if last is None else last.result.recording
     warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording)))]
-    print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *told(known)]))
+    print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():
@@ -103,16 +102,18 @@ def _duty(options: argparse.Namespace) -> int:
 
 def _wind(
     schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool], counted: bool
-) -> tuple[Recording | None, Trip | None]:
-    """The table of all trips, None for no trip, and the last trip that was wound here."""
-    from hoist_demo.duty.table import place_at_rest, row, table
-    from hoist_demo.duty.wind import read_state, wind, write_state
+) -> tuple[Recording | None, WoundTrip | None]:
+    """Wind the trips that are left; return the table of all, None for no trip, and the last trip wound here."""
+    from hoist_demo.duty.table import place_at_rest, trip_row, trip_table
+    from hoist_demo.duty.wind import read_state, wind_duty, write_state
 
-    cycle, rest = len(schedule.pattern), place_at_rest(schedule, rope)
-    rows, after, last = list[dict[str, float]](), None, None
+    cycle = len(schedule.pattern)
+    rest = place_at_rest(schedule, rope)
+    rows = list[dict[str, float]]()
+    after = last = None
     if state.is_file():
-        kept, after = read_state(state, rope, schedule)
-        rows = kept[: schedule.count]
+        saved_rows, after = read_state(state, rope, schedule)
+        rows = saved_rows[: schedule.count]
         if counted != ("station.s[1]" in rows[0]):
             raise ValueError(f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so")
         print(f"{len(rows)} of {schedule.count} trips are there already")
@@ -121,25 +122,25 @@ def _wind(
         def progress(number: int) -> Callable[[float, float], bool]:
             return lambda part, t: bar((number - 1 + part) / schedule.count, t) and not interrupted()
 
-        for trip in wind(schedule, rope, rope.data().torque_free, progress, after, len(rows)):
+        for trip in wind_duty(schedule, rope, rope.data().torque_free, progress, after, len(rows)):
             if interrupted() and trip.result.end is None:
                 break
             last = trip
             exposed = exposure(trip.result.recording, rope.data().parameters)
-            rows.append(row(trip, rest) | (spread(exposed) if exposed else {}))
+            rows.append(trip_row(trip, rest) | (flatten(exposed) if exposed else {}))
             if trip.result.end is not None:
-                write_state(state, table(rows, cycle), trip.result.end, rope, schedule)
-    return (table(rows, cycle) if rows else None), last
+                write_state(state, trip_table(rows, cycle), trip.result.end, rope, schedule)
+    return (trip_table(rows, cycle) if rows else None), last
 
 
 def _as_it_is(rope: InProcessRope) -> Recording:
-    """The rope's signals as they are, one row, without what its fidelity leaves out."""
+    """Return a recording of one row: the rope's present signals, masked by its fidelity."""
     names = [*rope.units()]
     signals = {TIME: np.zeros(1), **dict(zip(names, rope.reader(names)()[:, None], strict=True))}
     return mask_neglected(Recording(signals, {}), rope.data().torque_free)
 
 
-def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
+def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
     from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
 
     rows = []
@@ -156,14 +157,13 @@ def _summary(trips: Recording, last: Trip | None, cycle: int, warned: Sequence[s
     if math.isfinite(change := float(trips["difference"][-1])):
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
-        (value, unit), (first, _) = (for_people(x, UNITS[one.name]) for x in (one.value, one.first_cycle))
+        (value, unit), (first, _) = (in_display_unit(x, UNITS[one.name]) for x in (one.value, one.first_cycle))
         text = f"{number(value)} {unit}".rstrip() + f" in trip {one.trip} ({number(first)})"
         rows.append(SummaryRow("Worst trip (in the first cycle, from rest)", one.name, text))
     return rows
 
 
 def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:
-    # matplotlib loads slowly and is needed here only
     from hoist_demo.report.figures import write_duty_figure
 
     write_csv(trips, out / "trips.csv")

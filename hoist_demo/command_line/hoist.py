@@ -48,8 +48,9 @@ def add_hoist_commands(commands: Commands) -> None:
         show = add_command(commands, name, partial(_show, everything=name == "show"), about, _SHOW, "")
         show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(NAMED)}")
         show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
-    about, example = "the catalogue's ropes, or one as [[rope]] of a file", "balance-rope rope 34x7 --diameter 52mm"
-    rope = add_command(commands, "rope", _rope, about, f"Print {about}.", f"example: {example}")
+    about = "the catalogue's ropes, or one as [[rope]] of a file"
+    example = "example: balance-rope rope 34x7 --diameter 52mm"
+    rope = add_command(commands, "rope", _rope, about, f"Print {about}.", example)
     rope.add_argument("construction", nargs="?", metavar="KIND", help="one of the catalogue; all without it")
     rope.add_argument("--diameter", default="44mm", metavar="D", help="[m] (%(default)s)")
     rope.add_argument("--length", default="120", metavar="L", help="[m] (%(default)s)")
@@ -57,8 +58,8 @@ def add_hoist_commands(commands: Commands) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
-    asked = {p: getattr(options, p.name.replace("-", "_")) for p in WISHES}
-    chosen = {p.name: read_value(p, text) for p, text in asked.items() if text is not None}
+    texts = {p: getattr(options, p.name.replace("-", "_")) for p in WISHES}
+    chosen = {p.name: read_value(p, text) for p, text in texts.items() if text is not None}
     path = options.out or Path(f"{options.name}.toml")
     if path.exists() and not options.force:
         raise ValueError(f"{path} is there already: choose another name, or --force")
@@ -75,41 +76,41 @@ def _new(options: argparse.Namespace) -> int:
 
 def _rope(options: argparse.Namespace) -> int:
     from rope_model import CONSTRUCTIONS
-    from rope_model import rope as known
+    from rope_model import rope as catalogue_rope
 
     p = rope_parameters()
     diameter, length = (read_value(p[f"rope.{name}"], getattr(options, name)) for name in ("diameter", "length"))
     if options.construction is None:
         print(f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} m")
         for kind in CONSTRUCTIONS:
-            data = known(kind, float(diameter)).data
+            data = catalogue_rope(kind, float(diameter)).data
             cells = (data[name] for name in ("mass_per_length", "bending_stiffness", "torque_factor"))
             print(f"{kind:<12} " + " ".join(f"{one.low:>9.3g} to {one.high:<8.3g}" for one in cells))
         return 0
-    found = known(options.construction, float(diameter), float(length), options.lay)
+    rope = catalogue_rope(options.construction, float(diameter), float(length), options.lay)
     print(f'[[rope]]\nconstruction = "{options.construction}"\nlay = "{options.lay}"')
-    print(f"diameter = {found.diameter!r}  # m\nlength = {found.length!r}  # m")
+    print(f"diameter = {rope.diameter!r}  # m\nlength = {rope.length!r}  # m")
     for name in OF_CATALOGUE:
         unit = p[f"rope.{name}"].unit
-        print(f"# {name} = {getattr(found.middle, name):.6g}  # {unit}, the middle of the catalogue's range")
-    for name, datum in found.data.items():
+        print(f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's range")
+    for name, datum in rope.data.items():
         print(f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}")
     return 0
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    from hoist_demo.report.hoist import as_file, follows, problems
+    from hoist_demo.report.hoist import as_file, consequences, slip_problems
 
-    asked = settings(options.set, parameters())
-    case = with_values(find_case(options.hoist), asked)
+    values = settings(options.set, parameters())
+    case = with_values(find_case(options.hoist), values)
     if everything:
-        print(as_file(case, options.hoist, asked))
-    text, found = follows(case, options.hoist, asked)
+        print(as_file(case, options.hoist, values))
+    text, warnings = consequences(case, options.hoist, values)
     if everything:
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
-    told = [*case.remarks, *problems(case), *found]
-    for line in told:
+    remarks = [*case.remarks, *slip_problems(case), *warnings]
+    for line in remarks:
         print(f"balance-rope: {line}", file=sys.stderr)
-    if not told:
+    if not remarks:
         print(f"# {options.hoist}: nothing is remarkable")
-    return 1 if told and not everything else 0
+    return 1 if remarks and not everything else 0

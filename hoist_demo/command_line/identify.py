@@ -33,7 +33,6 @@ def add_identify(commands: Commands) -> None:
 
 
 def _identify(options: argparse.Namespace) -> int:
-    # the rope loads slowly and is needed here only
     from hoist_demo.calibration.definition import Measured
     from hoist_demo.calibration.identify import identify
     from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
@@ -45,15 +44,15 @@ def _identify(options: argparse.Namespace) -> int:
         print(f"{options.measured}: {sum(len(m.values) for m in measured.measurements)} values, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
-    found = identify(measured)
-    print(render(summary(found)))
+    result = identify(measured)
+    print(render(summary(result)))
     written = (
-        write_rope_file(found, out / "rope.toml"),
-        write_data(found.provenance(), out / "data.csv"),
-        write_page(found, out / "report.html"),
+        write_rope_file(result, out / "rope.toml"),
+        write_data(result.provenance(), out / "data.csv"),
+        write_page(result, out / "report.html"),
     )
     print("\nwritten: " + ", ".join(map(str, written)))
-    if warning := misfit(found):
+    if warning := misfit(result):
         print(f"balance-rope: warning: {warning}", file=sys.stderr)
         return 1
     return 0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import Commands, Run, add_command, named, results_folder
+from hoist_demo.command_line.results import Commands, RunCommand, add_command, named, results_folder
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -42,7 +42,7 @@ def add_linear(commands: Commands) -> None:
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
 
 
-def _add(commands: Commands, name: str, run: Run, about: str, description: str) -> argparse.ArgumentParser:
+def _add(commands: Commands, name: str, run: RunCommand, about: str, description: str) -> argparse.ArgumentParser:
     """Add a subcommand with the options that both have."""
     command = add_command(commands, name, run, about, description, _EPILOG.format(name=name))
     about = f"a file, or one of {', '.join(NAMED)} (%(default)s)"
@@ -72,14 +72,14 @@ def _linearise(options: argparse.Namespace) -> int:
 
     models = linearise(_hoist(options), options.at, options.swivels, options.held_by, speed=options.speed)
     selected = [model.selected(options.inputs, options.outputs) for model in models]
-    found = reduced(selected, options.states, options.band)
-    written = found.write(results_folder(options.out))
-    print(f"{found.A.shape[1]} states; largest errors to {found.band:g} Hz:")
+    small = reduced(selected, options.states, options.band)
+    written = small.write(results_folder(options.out))
+    print(f"{small.A.shape[1]} states; largest errors to {small.band:g} Hz:")
     print(f"{'at':>6}{'output':>16}{'input':>18}{'dB':>10}{'degrees':>10}{'of peak':>10}")
-    for k, at in enumerate(found.at):
-        for i, output in enumerate(found.outputs):
-            for j, given in enumerate(found.inputs):
-                errors = "".join(f"{float(x[k, i, j]):10.2g}" for x in (found.decibels, found.degrees, found.share))
+    for k, at in enumerate(small.at):
+        for i, output in enumerate(small.outputs):
+            for j, given in enumerate(small.inputs):
+                errors = "".join(f"{float(x[k, i, j]):10.2g}" for x in (small.decibels, small.degrees, small.share))
                 print(f"{at:6.3g}{output:>16}{given:>18}{errors}")
     print("\nwritten: " + ", ".join(map(str, written)))
     return 0
@@ -100,9 +100,9 @@ def _modes(options: argparse.Namespace) -> int:
     rows, modes = list[list[float]](), list[Modes]()
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
-        modes.append(found := model.modes(band))
-        felt = telling(model.selected(*_CHANNELS), found, band)
-        table = np.column_stack((np.full(felt.size, model.at), found.frequencies, found.damping, felt, found.shares.T))
+        modes.append(own := model.modes(band))
+        felt = telling(model.selected(*_CHANNELS), own, band)
+        table = np.column_stack((np.full(felt.size, model.at), own.frequencies, own.damping, felt, own.shares.T))
         rows += table.tolist()
         for j in np.sort(np.argsort(-felt)[: options.count]):
             print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])), flush=True)

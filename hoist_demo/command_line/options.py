@@ -44,18 +44,19 @@ def add_data(wind: argparse.ArgumentParser) -> None:
     wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=about)
 
 
-def settings(texts: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, Value]:
-    """The values by name, each of its parameter's type and within its bounds; ValueError names what is not."""
-    found: dict[str, Value] = {}
+def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[str, Value]:
+    """Parse NAME=VALUE texts into values of their parameters' types and bounds; a ValueError names a wrong one."""
+    values: dict[str, Value] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
-        if name not in known:
-            raise ValueError(f"--set {text}: {name} is not a parameter: {cure_of(name, [*known])}")
-        parameter, content = known[name], {"true": True, "false": False}.get(value.lower(), value)
-        if name in found:
-            raise ValueError(f"--set {text}: {name} is {found[name]!r} already: give it once")
+        if name not in parameters:
+            raise ValueError(f"--set {text}: {name} is not a parameter: {cure_of(name, [*parameters])}")
+        parameter = parameters[name]
+        content = {"true": True, "false": False}.get(value.lower(), value)
+        if name in values:
+            raise ValueError(f"--set {text}: {name} is {values[name]!r} already: give it once")
         code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()
-        found[name] = read_value(parameter, int(value) if code else content)
-    return found
+        values[name] = read_value(parameter, int(value) if code else content)
+    return values

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import TypeAlias
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
-Run = Callable[[argparse.Namespace], int]
+RunCommand = Callable[[argparse.Namespace], int]
 
 
 def add_command(
-    commands: Commands, name: str, run: Run, about: str, description: str, epilog: str, *others: str
+    commands: Commands, name: str, run: RunCommand, about: str, description: str, epilog: str, *others: str
 ) -> argparse.ArgumentParser:
     """Add a subcommand, which may have other names; its options hold the function to run as `run`."""
     form = argparse.RawDescriptionHelpFormatter
@@ -34,15 +34,15 @@ def add_results(command: argparse.ArgumentParser, name: str) -> None:
 
 
 def results_folder(out: Path) -> Path:
-    """``out``, made where it is not there; ValueError as by `writable`."""
+    """Make the folder ``out`` and return it; ValueError as by `writable`."""
     writable(out).mkdir(parents=True, exist_ok=True)
     return out
 
 
 def writable(out: Path) -> Path:
-    """``out``; ValueError, before anything is computed, where it cannot be made or written to."""
+    """Return ``out``; ValueError, before anything is computed, if it cannot be made or written to."""
     try:
-        # a link to nowhere is there, too: no folder can be made of it
+        # a broken link counts as existing: no folder can be made of it
         there = next(path for path in (out, *out.absolute().parents) if path.exists() or path.is_symlink())
         with tempfile.TemporaryFile(dir=there):
             pass
@@ -58,7 +58,7 @@ def named(text: str) -> Path:
     return Path(text)
 
 
-def hear_hang_ups() -> None:
+def treat_hangup_as_interrupt() -> None:
     """Make a closed terminal an interrupt (Ctrl-C), unless it is ignored, as under nohup."""
     if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:
         signal.signal(signal.SIGHUP, _interrupt)

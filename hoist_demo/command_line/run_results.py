@@ -10,17 +10,17 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.exposure import exposure, spectra_table
-from hoist_demo.recording.fidelity import fidelities_of, without_remarked
-from hoist_demo.recording.nearness import Pair
-from hoist_demo.recording.passages import without_told
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.fidelity import drop_duplicates_of_remark, fidelities_of
+from hoist_demo.recording.nearness import RopePair
+from hoist_demo.recording.passages import without_passages
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Recording, shape_rows, write_csv, write_shapes
 from hoist_demo.report.html.page import Row, unit_text
-from hoist_demo.report.html.parameter_tables import Table, rope_tables, tables, word
-from hoist_demo.report.rows import Report, told
+from hoist_demo.report.html.parameter_tables import TitledRows, parameter_tables, rope_tables, word
+from hoist_demo.report.rows import Report, status_rows
 from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.report.verdict import judge
-from hoist_demo.study.provenance import Known, of_host, statuses, write_data
+from hoist_demo.study.provenance import SourcedValue, host_provenance, statuses, write_data
 from hoist_demo.study.run import RunData, build
 
 #: Outputs that an FMU may have been exported without, and what the reports then lack.
@@ -33,61 +33,61 @@ _DRAWN = {
     "left.swivel.": "swivels.png",
 }
 
-
 REPORT = "report.html"  #: Page of a run, in its folder.
 
 
 @dataclass(frozen=True)
 class WoundRun:
-    """A run that was wound, and what is known of it."""
+    """Run that was wound, with the provenance of its data."""
 
     title: str
     run: RunData
     result: Result
     ropes: Sequence[RopeData]
-    pairs: Sequence[Pair]  # of ropes
-    known: Sequence[Known]
-    said: Sequence[str]  # warnings of host and rope
-    asked: Collection[str]  # names of the values that were set
+    pairs: Sequence[RopePair]
+    provenance: Sequence[SourcedValue]
+    warnings: Sequence[str]  # from host and rope
+    set_names: Collection[str]  # names of the values that were set
 
     def own(self, rope: RopeData) -> Recording:
         """Return the record of a rope."""
-        return of_rope(self.result.recording, rope.name)
+        return rope_signals(self.result.recording, rope.name)
 
     @cached_property
     def exposed(self) -> dict[str, Recording]:
-        """Return the load history of each place, by the ropes' names."""
-        found = {rope.name: exposure(self.own(rope), rope.parameters) for rope in self.ropes}
-        return {name: table for name, table in found.items() if table is not None}
+        """Load history of each place in the ropes that have stations, by the ropes' names."""
+        tables_by_rope = {rope.name: exposure(self.own(rope), rope.parameters) for rope in self.ropes}
+        return {name: table for name, table in tables_by_rope.items() if table is not None}
 
     @cached_property
     def report(self) -> Report:
-        """What the reports say."""
-        run, status, said = self.run, statuses(self.known), without_told(self.said)
+        """Content of the reports: verdict, summary, changed settings and data."""
+        run, status, warnings = self.run, statuses(self.provenance), without_passages(self.warnings)
         for rope in self.ropes:
-            said = without_remarked(said, self.own(rope))
+            warnings = drop_duplicates_of_remark(warnings, self.own(rope))
         names = [rope.name for rope in self.ropes]
         rows = summarize(self.result, run.hoist, run.winding, run.coupling, names, run.arrival)
-        rows += (*(row for exposed in self.exposed.items() for row in exposure_rows(*exposed)), *told(self.known))
+        rows += tuple(row for exposed in self.exposed.items() for row in exposure_rows(*exposed))
+        rows += tuple(status_rows(self.provenance))
         parts = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
-        given = tables(parts, status)
+        given = parameter_tables(parts, status)
         for rope in self.ropes:
             given += rope_tables(rope, fidelities_of(self.own(rope)), status)
-        verdict = judge(self.result, run.hoist, self.ropes, said, self.pairs, run.arrival)
+        verdict = judge(self.result, run.hoist, self.ropes, warnings, self.pairs, run.arrival)
         return Report(self.title, verdict, self._changed(), rows, given)
 
-    def _changed(self) -> Table:
-        case, own = find_case(self.run.case), build(self.run.case, {})
-        before = {**{one.name: one.value for one in of_host(own, {})}, **own.fmu}
+    def _changed(self) -> TitledRows:
+        own = build(self.run.case, {})
+        before = {**{one.name: one.value for one in host_provenance(own, {})}, **own.fmu}
         values = dict[str, Value]()
         for rope in self.ropes:
             values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
-        for tail in case.ropes:
+        for tail in find_case(self.run.case).ropes:
             before |= {f"{tail.name}.{key}": value for key, value in tail.parameters.items()}
         rows: list[Row] = [
             (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "the default")))
-            for one in self.known
-            if {one.name, one.name.partition(".")[2]} & {*self.asked}
+            for one in self.provenance
+            if {one.name, one.name.partition(".")[2]} & {*self.set_names}
             and values.get(one.name, one.value) != before.get(one.name)
         ]
         return f"Settings that differ from the case {self.run.case}", rows
@@ -105,21 +105,20 @@ def missing_outputs(units: Mapping[str, str]) -> str:
     )
 
 
-def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path]:
-    """All files of a run, report.html last; a run that stopped before its first row leaves the reports only.
+def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path]:
+    """Write all files of a run and return their paths, report.html last; without a row only the reports.
 
     `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes begin with its name.
     """
-    # matplotlib loads slowly and is needed here only
     from hoist_demo.report.figures import write_figures
-    from hoist_demo.report.hoist import complete
+    from hoist_demo.report.hoist import complete_file
     from hoist_demo.report.html.run import run_report
     from hoist_demo.report.markdown import render_markdown
     from hoist_demo.report.panels import marks
 
     result, hoist = wound.result, wound.run.hoist
     recording = result.recording
-    data = write_data(wound.known, directory / "data.csv")
+    data = write_data(wound.provenance, directory / "data.csv")
     written: list[Path] = []
     pictures: list[Path] = []
 
@@ -140,7 +139,8 @@ def write(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path
             if (spectra := spectra_table(own))["frequency"].size:
                 write_csv(spectra, add("spectra.csv", rope))
     hoist_file = directory / "hoist.toml"
-    hoist_file.write_text(complete(find_case(wound.run.case), wound.run, wound.ropes, wound.known), encoding="utf-8")
+    text = complete_file(find_case(wound.run.case), wound.run, wound.ropes, wound.provenance)
+    hoist_file.write_text(text, encoding="utf-8")
     report = directory / "report.md"
     report.write_text(render_markdown(wound.report, pictures), encoding="utf-8")
     page = run_report(result, hoist, wound.report, directory / REPORT, wound.ropes)

@@ -48,10 +48,9 @@ def _study(options: argparse.Namespace) -> int:
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
     from hoist_demo.cosimulation.participants.fmu_description import read_fmu
-    from hoist_demo.report.rows import render, told
-    from hoist_demo.report.rows import table as data_table
+    from hoist_demo.report.rows import provenance_table, render, status_rows
     from hoist_demo.study.definition import read_study
-    from hoist_demo.study.provenance import of_study, write_data
+    from hoist_demo.study.provenance import study_provenance, write_data
 
     if options.workers is not None and options.workers < 1:
         raise ValueError(f"--workers {options.workers} must be at least 1: leave it out for one per core")
@@ -76,8 +75,8 @@ def _study(options: argparse.Namespace) -> int:
                 study, store, partial(run_samples, client, study, store=store, finished=lambda *_: bar.update())
             )
     except KeyboardInterrupt:
-        kept = write_what_is_there(study, store)
-        left = "no run was finished" if kept is None else f"what is finished is kept in {kept}"
+        table_path = write_what_is_there(study, store)
+        left = "no run was finished" if table_path is None else f"what is finished is kept in {table_path}"
         print(f"\ninterrupted: {left}; the same command goes on", file=sys.stderr)
         return 130
     for run, passed in performed.passages.items():
@@ -94,7 +93,7 @@ def _study(options: argparse.Namespace) -> int:
     for remark in performed.remarks:
         print(f"not monotonic: {remark}")
     if performed.best is not None:
-        print(performed.best.told, file=sys.stdout if performed.best.found else sys.stderr)
+        print(performed.best.text, file=sys.stdout if performed.best.feasible else sys.stderr)
     results = read_results(performed.table)
     parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
     meta: dict[str, Any] = {
@@ -105,10 +104,11 @@ def _study(options: argparse.Namespace) -> int:
     }
     meta |= {"FMU": study.fmu.name, "SHA-256": study.fmu_hash}
     meta |= {"FMI version": read_fmu(study.fmu).description.fmiVersion, "version": version("balance-rope")}
-    known = of_study(study)
-    write_data(known, store.directory / "data.csv")
-    print("\n" + render(told(known)) + "\n")
-    page, data = store.directory / "report.html", [data_table(known)]
+    provenance = study_provenance(study)
+    write_data(provenance, store.directory / "data.csv")
+    print("\n" + render(status_rows(provenance)) + "\n")
+    page = store.directory / "report.html"
+    data = [provenance_table(provenance)]
     report = study_report(results.table, results.units, meta, page, data, performed, study.goal)
     print(f"open in a browser: {report}")
     return 1 if performed.causes else 0

@@ -37,32 +37,31 @@ def add_uncertain(commands: Commands) -> None:
 
 
 def _uncertain(options: argparse.Namespace) -> int:
-    # the rope loads slowly and is needed here only
     from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
     from hoist_demo.uncertainty.definition import Uncertain
     from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table
-    from hoist_demo.uncertainty.spread import spread
+    from hoist_demo.uncertainty.spread import run_windings
 
     workers = os.cpu_count() or 1 if options.workers is None else options.workers
     if workers < 1:
         raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
-    asked = read(options.scene, Uncertain)
+    question = read(options.scene, Uncertain)
     if options.check:
-        print(f"{options.scene}: {asked.head.samples} windings over {', '.join(asked.data)}, nothing wrong")
+        print(f"{options.scene}: {question.head.samples} windings over {', '.join(question.data)}, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
-    watched = partial(tqdm, desc="winding", unit="winding", total=asked.head.samples, file=sys.stderr, disable=None)
-    found = spread(asked, workers, watched)
-    print(render(summary(found)))
+    watched = partial(tqdm, desc="winding", unit="winding", total=question.head.samples, file=sys.stderr, disable=None)
+    spread = run_windings(question, workers, watched)
+    print(render(summary(spread)))
     written = (
-        write_table(found, out / "windings.csv"),
-        write_data(asked.provenance(), out / "data.csv"),
-        write_page(found, out / "report.html"),
+        write_table(spread, out / "windings.csv"),
+        write_data(question.provenance(), out / "data.csv"),
+        write_page(spread, out / "report.html"),
     )
     print("\nwritten: " + ", ".join(map(str, written)))
-    for text in remarks(found):
+    for text in remarks(spread):
         print(f"balance-rope: {text}", file=sys.stderr)
-    if text := too_few(found):
+    if text := too_few(spread):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
-    return 0 if found.completed == asked.head.samples else 1
+    return 0 if spread.completed == question.head.samples else 1

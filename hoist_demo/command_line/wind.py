@@ -12,7 +12,7 @@ from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
-from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write
+from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -32,14 +32,12 @@ from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import SummaryRow, render, render_verdict
 from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
-from hoist_demo.study.provenance import of_host
+from hoist_demo.study.provenance import host_provenance
 from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
-
 STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
-
-#: Of --quick; what goes wrong in a scenario does so later, so that its trip is left as it is.
+#: Trip of --quick; scenarios keep their travel, as what goes wrong in them does so later.
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
 _DESCRIPTION = """\
@@ -114,8 +112,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
     chosen = {key: one.value for key, one in identified.items()} | own
-    asked = _winding(options, case) | chosen
-    run = build_trip(options.hoist, asked)
+    values = _winding(options, case) | chosen
+    run = build_trip(options.hoist, values)
     for remark in case.remarks:
         _tell(remark)
     statuses = {key: one.status for key, one in identified.items()} | dict.fromkeys(own, GIVEN)
@@ -127,24 +125,26 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *hung.plant.units()])
     run = replace(run, hoist=hung.hoist)
     try:
-        with warnings_of("hoist_demo") as said:
+        with warnings_of("hoist_demo") as warnings:
             made = run.design()
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
             host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
             result = _run(host, None if case.ropes else options.out / LAST_GOOD, resume)
-        ropes, remarked, of_ropes = hung.data(), _remarks(hung), hung.provenance(statuses)
+        ropes, remarked = hung.data(), _remarks(hung)
+        rope_sources = hung.provenance(statuses)
     finally:
         hung.plant.close()
     result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}))
     run = replace(run, winding=result.winding)
-    known = [*of_host(run, statuses), *of_ropes]
+    provenance = [*host_provenance(run, statuses), *rope_sources]
     title = _title(case.name or options.hoist, run.winding)
-    wound = WoundRun(title, run, result, ropes, hung.pairs(result.recording), known, [*remarked, *said], asked)
+    pairs = hung.pairs(result.recording)
+    wound = WoundRun(title, run, result, ropes, pairs, provenance, [*remarked, *warnings], values)
     # the report of an earlier run is worth more than that of one that failed
     spared = not result.completed and (options.out / REPORT).exists()
     out = results_folder(options.out / STOPPED) if spared else options.out
     with interruption(f"the run is over, its results are being written to {out}") as interrupted:
-        written = write(wound, out, signals)
+        written = write_results(wound, out, signals)
     report = wound.report
     name, rows = report.changed
     changed = [SummaryRow(name, key, f"{f'{value} {unit}'.rstrip()}, not {own}") for key, value, unit, own in rows]
@@ -197,7 +197,7 @@ def _tell(warning: str) -> None:
 
 
 def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
-    """Trip and coupling by the names of a study; values given by hand count more than --quick."""
+    """Return trip and coupling by their names in files; options given by hand override --quick."""
     if options.estop_law and options.estop_at is None:
         raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
     chosen = {name: getattr(options, name) for name in TRIP}
@@ -240,18 +240,18 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mappin
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
     if fmu_part(chosen):
         Probe(options.fmu).require_start(run)
-    recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # of which those are dear
+    recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
     load = partial(FmuRope, options.fmu, {**kernels, **run.fmu}, recorded)
     return Ropes(case, run, (OneRope("", run.fmu, case.level, case, fmu=load),))
 
 
 def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:
-    """The run under a progress bar, until it is interrupted."""
+    """Run the host under a progress bar, until it is interrupted."""
     with interruption() as interrupted, progress_bar() as progress:
         return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)
 
 
 def _title(name: str, trip: Winding) -> str:
-    way = f"{abs(trip.travel):g} m {'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
+    trip_words = f"{abs(trip.travel):g} m {'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
     stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
-    return f"{name}: the left conveyance {way}{stop}"
+    return f"{name}: the left conveyance {trip_words}{stop}"

@@ -68,10 +68,10 @@ def emergency_brake(
 
     # regulated: the ramp begins where the brake bites
     state = BrakeState(speed) if state is None else state
-    asked = abs(state.bite_speed) - braking.deceleration * (braking.elapsed - brake.delay)
-    if asked <= 0.0:
+    target_speed = abs(state.bite_speed) - braking.deceleration * (braking.elapsed - brake.delay)
+    if target_speed <= 0.0:
         return 1.0, state
-    error = math.copysign(1.0, state.bite_speed) * speed - asked
+    error = math.copysign(1.0, state.bite_speed) * speed - target_speed
     wanted = hoist.moving_mass * braking.deceleration - resistance + gains.speed * error + state.integral
     fraction = wanted * hoist.sheave_radius / brake.torque
     if not 0.0 <= fraction <= 1.0:
@@ -138,10 +138,7 @@ class SpeedController:
         return Command(torque, limited, ControllerState(integral))
 
     def law(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any) -> tuple[Any, Any, Any]:
-        """Return the torque [N m], whether it is limited, and the integral part after h; of numbers or symbols.
-
-        `motion` is the reference's position, speed and acceleration.
-        """
+        """Return (torque [N m], limited, integral after h), also of symbols; `motion` is s, v, a of the reference."""
         force, error = self.force(motion, travel, speed, integral)
         wanted = self._holding_torque + self._radius * force
         limit = self._hoist.torque_available(speed / self._radius)
@@ -162,7 +159,7 @@ class SpeedController:
         return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)
 
     def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
-        """Motor off, brake after its law."""
+        """Return the command of a stop by the brake: no motor torque, and the brake by its law."""
         holding_force = self._holding_torque / self._radius + self._imbalance_rate * measured.travel
         resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
         fraction, brake = emergency_brake(self._hoist, self._gains, braking, measured.speed, resistance, state.brake, h)

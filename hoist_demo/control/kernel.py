@@ -17,7 +17,7 @@ ARGUMENTS = ("position", "speed_asked", "acceleration", "travel", "speed", "hold
 
 @cache
 def law_kernel(parts: Hoist) -> Any:
-    """(ARGUMENTS, Gains and hoist's numbers in one vector) -> (torque, limited, integral), of SpeedController.law.
+    """Return SpeedController.law as (ARGUMENTS, Gains and hoist's numbers in a vector) -> (torque, limited, integral).
 
     One text for all hoists with these parts (`Hoist.parts`).
     """
@@ -25,5 +25,5 @@ def law_kernel(parts: Hoist) -> Any:
     given, p = ca.SX.sym("given", len(ARGUMENTS)), ca.SX.sym("p", len(parts.numbers))
     hoist = with_numbers(parts, ca.vertsplit(p))
     s, v, a, travel, speed, hold, integral, h = ca.vertsplit(given)
-    found = SpeedController(hoist, hold, SimpleNamespace(**gains)).law((s, v, a), travel, speed, integral, h)
-    return ca.Function("law", [ca.vertcat(given, *gains.values(), p)], [ca.vertcat(*found)])
+    outputs = SpeedController(hoist, hold, SimpleNamespace(**gains)).law((s, v, a), travel, speed, integral, h)
+    return ca.Function("law", [ca.vertcat(given, *gains.values(), p)], [ca.vertcat(*outputs)])

@@ -28,7 +28,7 @@ from hoist_demo.parameters import EmergencyLaw, Winding
 
 @dataclass(frozen=True)
 class Braking:
-    """An emergency stop with the brake is under way."""
+    """Emergency stop with the brake, under way."""
 
     law: EmergencyLaw
     elapsed: float  # s, since the trip
@@ -45,7 +45,7 @@ class TrajectoryPoint(NamedTuple):
     braking: Braking | None = None  # None: the drive follows the reference
 
     def after(self, dt: float) -> TrajectoryPoint:
-        """The point dt [s] later under the same jerk."""
+        """Return the point dt [s] later under the same jerk."""
         s, v, a, j, _ = self
         position = s + dt * (v + dt * (a / 2.0 + dt * j / 6.0))
         return TrajectoryPoint(position, v + dt * (a + dt * j / 2.0), a + dt * j, j)
@@ -71,7 +71,7 @@ class Trajectory:
         return tuple(t for t, p in pairs if p.jerk == 0.0 and abs(abs(p.speed) - speed) + abs(p.acceleration) < 1e-9)
 
     def at(self, t: float) -> TrajectoryPoint:
-        """Reference at time t [s]."""
+        """Return the reference at time t [s]."""
         k = bisect_right(self.starts, t) - 1
         if k < 0:
             return self.points[0] if self.starts[0] == t else rest(self.points[0].position)
@@ -90,7 +90,7 @@ class Trajectory:
 
 
 def s_curve(winding: Winding) -> Trajectory:
-    """The trip of `winding` from rest to rest, its emergency stop included when one is asked for."""
+    """Return the trip of `winding` from rest to rest, with its emergency stop if it has one."""
     j = math.copysign(winding.jerk, winding.travel)
     if winding.creeps:
         signs, times = _creep_profile(winding)
@@ -196,15 +196,16 @@ def _creep_profile(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ..
     else:
         from scipy.optimize import brentq  # slow to load: for this case alone
 
-        # on the side on which the ramps fit, as their length is steep near c; the rounding that is left is run at v
+        # take the side on which the ramps fit, as their length is steep near c; v takes up the rounding that is left
         v = float(brentq(lambda v: ramps(v) - between, c, winding.speed, xtol=1e-15, rtol=1e-15))
         v = max(c, v - 3e-15 * (1.0 + v))
 
-    held = [(c, first - stop)] * (first > 0.0) + [(v, between - ramps(v))] + [(c, last - stop)] * (last > 0.0)
+    departure = [(c, first - stop)] if first > 0.0 else []
+    arrival = [(c, last - stop)] if last > 0.0 else []
     signs: list[float] = []
     times: list[float] = []
     speed = 0.0
-    for following, distance in [*held, (0.0, 0.0)]:
+    for following, distance in [*departure, (v, between - ramps(v)), *arrival, (0.0, 0.0)]:
         t_jerk, t_constant = _ramp(abs(following - speed), a, j)
         up = math.copysign(1.0, following - speed)
         signs += [up, 0.0, -up, 0.0]
@@ -214,7 +215,7 @@ def _creep_profile(winding: Winding) -> tuple[tuple[float, ...], tuple[float, ..
 
 
 def rest(position: float) -> TrajectoryPoint:
-    """The reference at rest."""
+    """Return the reference at rest at this position [m]."""
     return TrajectoryPoint(position, 0.0, 0.0, 0.0)
 
 
@@ -237,9 +238,9 @@ def chain(
 
 
 def _cut(trip: Trajectory, at: float, then: Trajectory) -> Trajectory:
-    """`trip` before time `at`, `then` from it on."""
-    kept = [(t, p) for t, p in zip(trip.starts, trip.points, strict=True) if t < at]
-    return Trajectory(tuple(t for t, _ in kept) + then.starts, tuple(p for _, p in kept) + then.points)
+    """Join `trip` before time `at` [s] and `then` from it on."""
+    before = [(t, p) for t, p in zip(trip.starts, trip.points, strict=True) if t < at]
+    return Trajectory(tuple(t for t, _ in before) + then.starts, tuple(p for _, p in before) + then.points)
 
 
 @dataclass(frozen=True)
@@ -255,7 +256,7 @@ class Course:
     winding: Winding
 
     def stopped(self, at: float) -> Course:
-        """The course with an emergency stop from `at` [s] on, where none has begun before."""
+        """Return the course with an emergency stop from `at` [s] on, if none has begun before."""
         begun = self.winding.emergency_at
         if at >= self.trajectory.duration or (begun is not None and begun <= at):
             return self

@@ -22,15 +22,13 @@ from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
-
-TOLD = 6  #: Differences between two runs' data at most that a message lists.
-
+MOST_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
 CONTROLLER = "the controller's state"  #: What messages call it.
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Everything at one sample of the controller."""
+    """All states at one sample of the controller."""
 
     sample: int  # number of the controller's sample, 0 at the start
     t: float  # s
@@ -39,10 +37,10 @@ class Checkpoint:
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
     memory: Memory
     rope: bytes  # b"" when the rope cannot save its state
-    recording: Recording  # of the run until it stopped, as its recorder keeps it; it goes on behind this sample's row
-    data: str  # of the run, that must be the same to go on: see Host.data
-    cause: str  # for which the run stopped
-    hoist: str = ""  # its name or file, where that is known
+    recording: Recording  # rows of the run until it stopped; a resumed run goes on behind this sample's
+    data: str  # data that a resumed run must share: see Host.data
+    cause: str  # reason why the run stopped
+    hoist: str = ""  # name or file of the hoist, if known
 
     def write(self, path: Path) -> None:
         """Write the file; ValueError, and no file, when the controller's state is no plain data."""
@@ -57,7 +55,7 @@ class Checkpoint:
             np.savez(file, **arrays)  # type: ignore[arg-type]
 
     def require_fits(self, data: str) -> None:
-        """ValueError unless a run of this data can go on from here."""
+        """Raise a ValueError unless a run of this data can go on from here."""
         if self.data != data:
             raise ValueError(
                 f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, controller, gains and "
@@ -78,28 +76,28 @@ class Checkpoint:
                 arrays = {name: file[name] for name in file.files}
             text = json.loads(arrays["text"].tobytes())
             there, controller = text.pop("version", "an earlier one"), text.pop("controller", None)
-            kept = _checkpoint(text, arrays) if there == here else None
+            checkpoint = _checkpoint(text, arrays) if there == here else None
         except OSError as error:
             raise ValueError(
                 f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
             ) from error
         except (KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
-        if kept is None:
+        if checkpoint is None:
             raise ValueError(
                 f"'{path}' must be of version {here}, it was written by {there}: go on with that version, or start "
                 "anew in another folder"
             )
-        return replace(kept, controller=decode(controller, arrays))
+        return replace(checkpoint, controller=decode(controller, arrays))
 
 
 def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:
-    """The checkpoint of an archive's text and arrays, without the controller's state."""
-    found = Checkpoint(controller=None, **{name: decode(value, arrays) for name, value in text.items()})
+    """Decode a checkpoint from an archive's text and arrays, without the controller's state."""
+    checkpoint = Checkpoint(controller=None, **{name: decode(value, arrays) for name, value in text.items()})
     kinds = {"plant": PlantState, "memory": Memory, "recording": Recording, "rope": bytes, "input": np.ndarray}
-    if wrong := [name for name, kind in kinds.items() if not isinstance(getattr(found, name), kind)]:
+    if wrong := [name for name, kind in kinds.items() if not isinstance(getattr(checkpoint, name), kind)]:
         raise TypeError(f"{', '.join(wrong)} of other kinds")
-    return found
+    return checkpoint
 
 
 def differences(there: str, here: str) -> str:
@@ -109,5 +107,5 @@ def differences(there: str, here: str) -> str:
         {f"{name} is {value} there" for name, value in old if (name, value) not in new}
         | {f"{name} is {value} here" for name, value in new if (name, value) not in old}
     )
-    more = f" and {len(changed) - TOLD} more" if len(changed) > TOLD else ""
-    return (", ".join(changed[:TOLD]) or "they differ") + more
+    more = f" and {len(changed) - MOST_DIFFERENCES} more" if len(changed) > MOST_DIFFERENCES else ""
+    return (", ".join(changed[:MOST_DIFFERENCES]) or "they differ") + more

@@ -18,9 +18,9 @@ from hoist_demo.control.kernel import ARGUMENTS, law_kernel
 from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.drive_signals import ROW
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
-from hoist_demo.cosimulation.participants.library_calls import CALLS, HEARD, STANDARDS, Access, RopeLibrary, Table
+from hoist_demo.cosimulation.participants.library_calls import CALLS, HEARD, STANDARDS, Access, OutputTable, RopeLibrary
 from hoist_demo.cosimulation.run_state import RunState
-from hoist_demo.cosimulation.schemes.interface import ENDS, KEPT, ROPE_FORCES, Sample, Stopwatch
+from hoist_demo.cosimulation.schemes.interface import ENDS, HISTORY, ROPE_FORCES, Sample, Stopwatch
 from hoist_demo.drive import integrator, plant
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUTS, SHOWN
@@ -39,7 +39,7 @@ _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 _NUMBERS: dict[str, float] = {
     **{name: getattr(integrator, name) for name in ("SHORTEST", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
     "LEAST_ROPE": plant.LEAST_ROPE,
-    "KEPT": KEPT,
+    "HISTORY": HISTORY,
     "WARNING": WARNING,
     "DISCARD": DISCARD,
     "INPUTS": len(INPUT_NAMES),
@@ -60,26 +60,28 @@ def _fields(kind: Any, names: str) -> list[tuple[str, Any]]:
     return [(name, kind) for name in names.split()]
 
 
-class _Trip(Structure):
+class TripStructure(Structure):
+    """Arguments and state of trip.c, its struct Trip."""
+
     _fields_ = (
         *_fields(c_void_p, "drive z y given"),
         *_fields(Access, "step motions valid forces sides guard"),
-        *_fields(c_void_p, "recorded warning told text heard"),
+        *_fields(c_void_p, "recorded warning warned text heard"),
         *_fields(c_int, "records warnings watched per_sample per_step"),
         *_fields(c_double, "start H period radius start_height ropes slack_tension"),
         *_fields(c_void_p, "reference samples row"),
         *_fields(c_size_t, "columns"),
         *_fields(c_double, "step_next torque integral residual exchanges drive_time rope_time"),
-        *_fields(c_int, "kept steps evaluations status"),
+        *_fields(c_int, "sample_count steps evaluations status"),
     )
 
 
-class Reached(NamedTuple):
-    """Where samples in C have ended."""
+class SampleReached(NamedTuple):
+    """Sample at which the compiled trip has ended."""
 
     sample: int  # that is to be recorded next
     cause: str = ""  # why the trip cannot go on
-    within: bool = False  # whether steps before that sample are still to be done
+    within: bool = False  # True if steps before that sample are still to be done
 
 
 class CompiledTrip:
@@ -95,16 +97,17 @@ class CompiledTrip:
         self._library = _library(hoist.parts, drive.kernels)
         self._advance = CDLL(str(drive.kernels.library)).advance
         names = run.recorder.names[len(ROW) :]
-        known = {"holding_torque": run.holding_torque, "h": coupling.sample_time}
-        arguments = (known.get(name, 0.0) for name in ARGUMENTS)
+        values = {"holding_torque": run.holding_torque, "h": coupling.sample_time}
+        arguments = (values.get(name, 0.0) for name in ARGUMENTS)
         self._given = np.array([*arguments, *astuple(gains), *hoist.numbers])
         self._table, self._forces = rope.table(names, most), rope.table(ROPE_FORCES, 1)
         self._sides = rope.table(SIDE_FORCES if hoist.play is not None else (), 1)
         self._guard = rope.table([name for name in names if name == "guard.tripped"], 1)
         self._recorded = (Access * len(self._table.accesses))(*self._table.accesses)
-        self._samples, self._heard = np.zeros((KEPT, 7)), HEARD(rope.heard)
+        self._samples = np.zeros((HISTORY, 7))
+        self._heard = HEARD(rope.heard)
         self._trajectory: Trajectory | None = None
-        self._trip = _Trip(
+        self._trip = TripStructure(
             drive=cast(self._advance, c_void_p),
             z=drive.z.ctypes.data,
             y=drive.y.ctypes.data,
@@ -117,9 +120,9 @@ class CompiledTrip:
             guard=_one(self._guard),
             recorded=addressof(self._recorded),
             records=len(self._recorded),
-            **{name: cast(getattr(rope, name), c_void_p) for name in ("warning", "told", "text")},
+            **{name: cast(getattr(rope, name), c_void_p) for name in ("warning", "warned", "text")},
             heard=cast(self._heard, c_void_p),
-            warnings=len(rope.told or ()),
+            warnings=len(rope.warned or ()),
             **{name: getattr(coupling, name) for name in ("start", "period", "per_sample", "per_step")},
             H=coupling.step,
             radius=hoist.sheave_radius,
@@ -130,28 +133,30 @@ class CompiledTrip:
             columns=len(run.recorder.names),
         )
 
-    def samples(self, first: int, last: int) -> Reached:
-        """Samples from the first on until before the last, and the steps behind each."""
+    def samples(self, first: int, last: int) -> SampleReached:
+        """Wind the samples from ``first`` to before ``last``, and the steps behind each."""
         run, trip = self._run, self._trip
         if run.course.trajectory.trip is not None or (run.controller is not None and run.controller.brake is not None):
-            return Reached(first)
+            return SampleReached(first)
         begun = run.course.winding.emergency_at
         trip.watched = begun is None or begun > first * self._coupling.period
         self._follow(run.course.trajectory)
         self._give()
-        rows, reached = run.recorder.following, c_int(first)
+        rows = run.recorder.following
+        reached = c_int(first)
         trip.row = rows.ctypes.data
         stop = _STOPS[self._library.trip_samples(byref(trip), byref(reached), last)]
         self._rope.heard()
-        done = reached.value - first + (stop not in ("WELL", "LOOK"))
+        failed = stop not in ("WELL", "LOOK")
+        done = reached.value - first + (1 if failed else 0)
         rows[:done, len(ROW) :] = self._table.read(done)
         run.recorder.count += done
         if done:
             self._take()
-            t = self._coupling.start + (run.steps - (stop == "WELL")) * self._coupling.step
+            t = self._coupling.start + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
             cause = run.pair.rope_stepped(t, self._rope.status(stop, trip.status))
-            return Reached(reached.value, cause, within=stop == "DRIVE")
-        return Reached(first)
+            return SampleReached(reached.value, cause, within=stop == "DRIVE")
+        return SampleReached(first)
 
     def _follow(self, trajectory: Trajectory) -> None:
         """Put the reference at all samples where C finds it."""
@@ -166,24 +171,25 @@ class CompiledTrip:
     def _give(self) -> None:
         """Give the run's state to C."""
         run, trip, drive, memory = self._run, self._trip, self._run.drive, self._run.memory
-        state, found = drive.state, self._drive.result
+        state, places = drive.state, self._drive.result
         parts = {"x": state.x, "works": state.works, "acting": drive.input, "shown": drive.outputs}
         self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
         for name, values in parts.items():
-            self._drive.y[found[name]] = values
-        for kept, sample in zip(self._samples, memory.samples, strict=False):
-            kept[...] = np.concatenate([[sample.t], *sample[1:]])
-        trip.kept, trip.step_next, trip.steps = len(memory.samples), state.step_next, run.steps
+            self._drive.y[places[name]] = values
+        for row, sample in zip(self._samples, memory.samples, strict=False):
+            row[...] = np.concatenate([[sample.t], *sample[1:]])
+        trip.sample_count, trip.step_next, trip.steps = len(memory.samples), state.step_next, run.steps
         trip.integral = 0.0 if run.controller is None else run.controller.integral
         trip.residual, trip.exchanges = memory.residual, memory.exchanges
         trip.evaluations = trip.drive_time = trip.rope_time = 0
 
     def _take(self) -> None:
         """Take the run's state from C."""
-        run, trip, found = self._run, self._trip, self._drive.result
-        x, works, acting, shown = (self._drive.y[found[name]].copy() for name in ("x", "works", "acting", "shown"))
+        run, trip, places = self._run, self._trip, self._drive.result
+        x, works, acting, shown = (self._drive.y[places[name]].copy() for name in ("x", "works", "acting", "shown"))
         run.drive.arrive(run.drive.state._replace(x=x, works=works, step_next=trip.step_next), acting, shown)
-        samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in self._samples[: trip.kept].copy())
+        rows = self._samples[: trip.sample_count].copy()
+        samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)
         run.memory = run.memory._replace(samples=samples, exchanges=int(trip.exchanges), residual=trip.residual)
         run.controller, run.steps = ControllerState(trip.integral), trip.steps
         run.commands = [Command(trip.torque, False, run.controller)]
@@ -193,22 +199,22 @@ class CompiledTrip:
             clock.wall += time
 
 
-def _one(table: Table) -> Access:
-    """The one access of a table, or none."""
+def _one(table: OutputTable) -> Access:
+    """Return the only access of a table, an empty one if it has none."""
     return table.accesses[0] if table.accesses else Access()
 
 
 @cache
 def _library(parts: Hoist, kernels: integrator.DriveKernels) -> CDLL:
-    """The library of trip.c for hoists with these parts; RuntimeError without a C compiler."""
+    """Compile and load trip.c for hoists with these parts; RuntimeError without a C compiler."""
     if (compiler := find_compiler()) is None:
         raise RuntimeError("no C compiler found")
-    law, given, found = law_kernel(parts), kernels.given, kernels.result
+    law, results = law_kernel(parts), kernels.result
     numbers = _NUMBERS | {
-        **{f"AT_{name.upper()}": given[name].start for name in ("s", "h", "path", "l0")},
-        **{f"AT_{name.upper()}": found[name].start for name in ("works", "error", "shown")},
-        "REACHED": found["works"].stop,
-        "SIZE": found["shown"].stop,
+        **{f"AT_{name.upper()}": kernels.given[name].start for name in ("s", "h", "path", "l0")},
+        **{f"AT_{name.upper()}": results[name].start for name in ("works", "error", "shown")},
+        "REACHED": results["works"].stop,
+        "SIZE": results["shown"].stop,
         **{f"SZ_{n.upper()}": 1 + max(getattr(f, f"sz_{n}")() for f in (law, kernels.advance)) for n in _MEMORY},
     }
     sources = {

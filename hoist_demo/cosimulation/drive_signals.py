@@ -7,9 +7,9 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Memory, Vector
-from hoist_demo.drive.equations import LOSS_NAMES, SIDES, WORK_NAMES
+from hoist_demo.drive.equations import LOSS_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import SHOWN, tension_ratio
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.time_series import TIME, Recording
 
 _REFERENCE = ("position", "speed", "acceleration", "jerk")
@@ -39,7 +39,6 @@ DRIVE_UNITS = {
     "coupling.energy": "J",
     "coupling.exchanges": "1",
 }
-
 
 _MOTION = {"y": "y", "v": "vy", "a": "ay"}
 #: Signals that are numbers of OUTPUTS.
@@ -72,31 +71,30 @@ def drive_row(
     t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, memory: Memory
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
-    state, (position, speed, acceleration, jerk, _) = drive.state, reference
-    slide = state.slide
-    numbers = (t, position, speed, acceleration, jerk, command.torque, command.limited, slide.way, slide.speed)
-    return (*numbers, memory.residual, memory.exchanges), drive.outputs, state.works
+    slide = drive.state.slide
+    numbers = (t, *reference[:4], command.torque, command.limited, slide.slid_distance, slide.speed)
+    return (*numbers, memory.residual, memory.exchanges), drive.outputs, drive.state.works
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:
-    """The signals of DRIVE_UNITS and of the rope, from a table of ROW and of the rope's."""
-    kept = rows.signals
-    motor, losses, ropes, left, right = (kept[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
-    ratio = tension_ratio(kept["drive.tension_left"], kept["drive.tension_right"])
-    kinetic, potential = kept["drive.energy_kinetic"], kept["drive.energy_potential"]
+    """Compute DRIVE_UNITS from a table of ROW, and pass on the rope's signals."""
+    recorded = rows.signals
+    motor, losses, ropes, left, right = (recorded[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
+    ratio = tension_ratio(recorded["drive.tension_left"], recorded["drive.tension_right"])
+    kinetic, potential = recorded["drive.energy_kinetic"], recorded["drive.energy_potential"]
     gained = kinetic + potential - kinetic[:1] - potential[:1]
     computed = {
-        "drive.motor_power": kept["drive.torque"] * kept[f"{_BESIDE}motor_rate"],
+        "drive.motor_power": recorded["drive.torque"] * recorded[f"{_BESIDE}motor_rate"],
         "drive.tension_ratio": ratio,
         "drive.slip_safety": hoist.slip_safety(ratio),
         "drive.work_motor": motor,
         "drive.work_losses": losses,
-        "drive.work_slip": kept[f"{_BESIDE}losses_lining"],
+        "drive.work_slip": recorded[f"{_BESIDE}losses_lining"],
         "drive.work_rope_damping": ropes,
         "drive.work_from_balance_rope": left + right,
         "drive.energy_residual": motor + left + right - losses - ropes - gained,
     }
-    drive = {name: computed[name] if name in computed else kept[name] for name in DRIVE_UNITS}
-    rope = {name: values for name, values in kept.items() if name not in ROW}
+    drive = {name: computed[name] if name in computed else recorded[name] for name in DRIVE_UNITS}
+    rope = {name: values for name, values in recorded.items() if name not in ROW}
     signals, units = drive | rope, {**rows.units, **DRIVE_UNITS}
     return Recording(signals, {name: units[name] for name in signals})

@@ -5,7 +5,7 @@
 T is H unless the controller samples less often; where it samples more often, T is H and the drive asks it within its
 step. A rope or drive that cannot go on, or a coupling that cannot be solved, ends the loop; what was recorded stays,
 and the result names the cause. A guard of the rope that trips, and head ropes that go slack, stop the hoist
-(`Course`) at the first sample that sees it. The state is kept once per second, and where the user stops the run, as a
+(`Course`) at the first sample that sees it. The state is kept every SAVE_INTERVAL, and where the user stops the run, as a
 checkpoint, from which `run` goes on.
 """
 
@@ -44,15 +44,11 @@ from rope_model import EndMotion
 from rope_model.numerics.kernels import last_words
 
 _log = logging.getLogger(__name__)
-
 #: Called after every step with the fraction done and the time [s]; False stops the run.
 Progress = Callable[[float, float], bool]
-
-
-KEPT_EVERY = 5.0  #: Simulated time from one state that is kept to the next [s].
-LOADING = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
-LOADED_EVERY = 0.1  #: Time between two changes of a payload that is being loaded [s].
-
+SAVE_INTERVAL = 5.0  #: Simulated time from one state that is kept to the next [s].
+LOADING_PARTS = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
+LOADING_INTERVAL = 0.1  #: Time between two changes of a payload that is being loaded [s].
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
 _PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]
@@ -60,7 +56,7 @@ _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
 
 class Host:
-    """Marries a drive and a rope for one trip."""
+    """Co-simulates a drive and a rope over one trip."""
 
     def __init__(
         self,
@@ -84,16 +80,16 @@ class Host:
         one's dwell they change evenly from these.
         """
         self.rope = rope
-        self.name = ""  # of the hoist, or its file: by it a run is found that is gone on with
+        self.name = ""  # name or file of the hoist, which a checkpoint states
         self.hoist = Hoist() if hoist is None else hoist
         self.winding = Winding() if winding is None else winding
         self.coupling = Coupling() if coupling is None else coupling
         if after is not None:
             self.coupling = replace(self.coupling, start=after.t)
-        times = KEPT_EVERY, LOADED_EVERY
-        self._kept_every, self._loaded_every = (max(1, round(t / self.coupling.period)) for t in times)  # in samples
+        self._save_interval = max(1, round(SAVE_INTERVAL / self.coupling.period))  # samples
+        self._loading_interval = max(1, round(LOADING_INTERVAL / self.coupling.period))  # samples
         self.scheme = find_scheme(self.coupling.scheme) if scheme is None else scheme
-        self._after = None if after is None else after.books_closed()
+        self._after = None if after is None else after.with_zeroed_totals()
         self._next_hoist = next_hoist
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
@@ -113,13 +109,14 @@ class Host:
 
     @property
     def samples(self) -> int:
-        """Recorded instants of the whole run, less one."""
+        """Number of the controller's samples in the whole run, the first not counted."""
         return math.ceil((self.trajectory.duration + self.winding.settle) / self.coupling.period - 1e-9)
 
     @property
     def data(self) -> str:
         """Data that a checkpoint and the run that continues it must share; scheme and step may change."""
-        coupling, made = self.coupling, self._controller
+        coupling = self.coupling
+        made = self._controller
         controller = getattr(made.func if isinstance(made, partial) else made, "__qualname__", "")
         data = (self.hoist, self.winding, self._gains, coupling.start, coupling.sample_time)
         recorded = f", period={coupling.period}" if coupling.per_step > 1 else ""
@@ -143,23 +140,26 @@ class Host:
             run.pair.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
             run.recorder.resume(resume.recording, resume.sample)
             run.controller, run.memory = deepcopy(resume.controller), resume.memory
-            run.first, run.steps = resume.sample, resume.sample * self.coupling.per_sample
+            run.first = resume.sample
+            run.steps = resume.sample * self.coupling.per_sample
         cause = self._wind(run, progress, save_to)
-        checkpoint, saved, end = self._checkpoint(run, cause) if cause else None, None, None
+        checkpoint = self._checkpoint(run, cause) if cause else None
+        saved = end = None
         if checkpoint is not None and save_to is not None:
             try:
                 checkpoint.write(save_to)
                 saved = save_to
-            except ValueError as error:  # the record of the run is worth more
+            except ValueError as error:  # keep the record of the run all the same
                 cause += f"; {save_to} is not written: {error}"
         if not cause and run.course == self._course:
-            t, landing = self.coupling.start + self.samples * self.coupling.period, self.trajectory.points[-1].position
-            end = TripEnd(t, self._start_height + landing, run.drive.state, run.drive.input, run.memory)
+            t = self.coupling.start + self.samples * self.coupling.period
+            landing = self._start_height + self.trajectory.points[-1].position
+            end = TripEnd(t, landing, run.drive.state, run.drive.input, run.memory)
         result = self._result(with_drive_signals(run.recorder.recording(), self.hoist), run.steps, cause, run.course)
         return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
     def _start(self) -> RunState | str:
-        """A run at rest, or behind another trip; the cause when the rope does not hang."""
+        """Return the run at rest, or behind another trip; a cause if the rope does not hang."""
         start, heights, after = self.coupling.start, self.start_heights, self._after
         read = self.rope.reader(ROPE_FORCES)
         if after is None:
@@ -171,7 +171,8 @@ class Host:
             forces = read()
         plant = HoistPlant(self.hoist)
         rest = plant.equilibrium(*heights, *forces[:2].tolist())
-        state, acting = rest, np.zeros(len(INPUT_NAMES))
+        state = rest
+        acting = np.zeros(len(INPUT_NAMES))
         acting[0], acting[list(FORCES)] = rest.x[0], forces[:2]
         if after is not None:
             state, acting = after.plant, after.input
@@ -183,11 +184,12 @@ class Host:
         return RunState(drive, pair, memory, rest.x.item(0), self._recorder(), self._course)
 
     def _checkpoint(self, run: RunState, cause: str) -> Checkpoint | None:
-        """The state that is kept, with why the run stopped; None when nothing is kept."""
-        if run.kept is None:
+        """Return the saved state with the cause of the stop; None if no state was saved."""
+        if run.saved is None:
             return None
-        k, ((plant, acting), snapshot), controller, memory = run.kept
-        rope, t = b"", self.coupling.start + k * self.coupling.period
+        k, ((plant, acting), snapshot), controller, memory = run.saved
+        rope = b""
+        t = self.coupling.start + k * self.coupling.period
         if snapshot is not None:
             try:
                 rope = self.rope.to_bytes(snapshot)
@@ -210,14 +212,15 @@ class Host:
         start, T, last = self.coupling.start, self.coupling.period, self.samples
         if self.coupling.per_step > 1:
             run.drive.per_step, run.drive.next_command = self.coupling.per_step, self._sampler(run, controller)
-        compiled, k = self._compiled(run), run.first
+        compiled = self._compiled(run)
+        k = run.first
         while k <= last:
             t = start + k * T
             stopped = run.first < k < last and progress is not None and not progress(k / last, t)
-            if stopped or (k - run.first) % self._kept_every == 0:
-                run.kept = None  # frees the memory of the state before
+            if stopped or (k - run.first) % self._save_interval == 0:
+                run.saved = None  # frees the memory of the state before
                 # the controller may change what it is handed
-                run.kept = k, run.pair.save(), deepcopy(run.controller), run.memory
+                run.saved = k, run.pair.save(), deepcopy(run.controller), run.memory
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
             if compiled is not None and k < last and not self._loads(k):
@@ -226,8 +229,9 @@ class Host:
                 cause = cause or (self._steps(run, reached) if within else "")
                 if cause:
                     return cause
-                if reached + within > k:
-                    k = reached + within
+                following = reached + 1 if within else reached
+                if following > k:
+                    k = following
                     continue
             with self.rope_clock:
                 signals = self._read_signals()
@@ -237,7 +241,7 @@ class Host:
                 return f"t = {t:.6g} s: the stop that the safety circuit asks for: {error}"
             command = self._sample(run, controller, t, signals)
             if k == run.first and save_to is not None:
-                encode(command.state, CONTROLLER, {})  # told now and not after a long run
+                encode(command.state, CONTROLLER, {})  # raise now and not after a long run
             if k < last:
                 if cause := self._exchange(run, k, command):
                     return cause
@@ -248,12 +252,14 @@ class Host:
         return ""
 
     def _looked_at(self, run: RunState, k: int) -> int:
-        """The sample behind k at which a state is kept or a payload changes."""
-        kept = k + self._kept_every - (k - run.first) % self._kept_every
-        return kept if self._next_hoist is None else min(kept, k + self._loaded_every - k % self._loaded_every)
+        """Return the next sample behind k at which a state is saved or a payload changes."""
+        next_save = k + self._save_interval - (k - run.first) % self._save_interval
+        if self._next_hoist is None:
+            return next_save
+        return min(next_save, k + self._loading_interval - k % self._loading_interval)
 
     def _compiled(self, run: RunState) -> CompiledTrip | None:
-        """The trip in C; None for what only this host winds."""
+        """Return the trip in C; None for a run that only this host winds."""
         rope, scheme = self.rope, self.scheme
         # a rope of another class may do more in its steps than its library
         library = rope.library() if type(rope) is FmuRope or type(rope) is InProcessRope else None
@@ -261,7 +267,7 @@ class Host:
         compiled = run.drive.plant.holding.kernels.library is not None
         if library is None or not (plain and compiled) or self.hoist.lining is not None:
             return None
-        gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._kept_every
+        gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._save_interval
         try:
             return CompiledTrip(run, library, self.hoist, gains, self.coupling, self._start_height, clocks, most)
         except (OSError, RuntimeError, CalledProcessError) as error:
@@ -269,7 +275,7 @@ class Host:
             return None
 
     def _heeding(self, run: RunState, t: float, signals: Array) -> Course:
-        """The course after what the safety circuit sees at t [s]: an emergency stop from its first sample on."""
+        """Return the course at t [s], with an emergency stop if the safety circuit opens."""
         course, start, T, least = run.course, self.coupling.start, self.coupling.period, self.hoist.slack_tension
         if least is not None and min(run.drive.outputs[_PULLS]) < least:
             course = course.stopped(t - start)
@@ -283,15 +289,16 @@ class Host:
         return Course(self.trajectory, self.winding)
 
     def _sample(self, run: RunState, controller: Controller, t: float, signals: Array) -> Command:
-        """The controller's command at t [s]; it and all signals are recorded."""
+        """Record all signals at t [s] and return the controller's command."""
         point = run.course.trajectory.at(t - self.coupling.start)
         command = self._command(controller, point, run.drive.outputs, run.controller)
         run.recorder.add(*drive_row(t, point, command, run.drive, run.memory), signals)
         return command
 
     def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
-        """The controller's answer to what the hoist shows, OUTPUTS of the drive."""
-        travel, speed = shown.item(_Y_LEFT) - self._start_height, self.hoist.sheave_radius * shown.item(_RATE)
+        """Ask the controller for its command, by the reference and the OUTPUTS of the drive."""
+        travel = shown.item(_Y_LEFT) - self._start_height
+        speed = self.hoist.sheave_radius * shown.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
         if not isinstance(command, Command):
             raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
@@ -310,12 +317,12 @@ class Host:
         return next_command
 
     def _exchange(self, run: RunState, k: int, command: Command) -> str:
-        """Drive and rope from sample k to the next under the command; the cause when they do not get there."""
+        """Advance drive and rope from sample k to the next under the command; "" or the cause of a failure."""
         if not (math.isfinite(command.torque) and math.isfinite(command.brake)):
             t = self.coupling.start + k * self.coupling.period
             numbers = f"torque = {command.torque:g} N m and brake = {command.brake:g}"
             return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
-        # what the rope does to conveyances that have play is held until the next sample
+        # the rope's forces on conveyances with play are held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
         self._load(run.drive.plant, k)
         run.commands = [command]
@@ -323,7 +330,7 @@ class Host:
         return self._steps(run, k)
 
     def _steps(self, run: RunState, k: int) -> str:
-        """The steps that are left to the sample behind k; the cause when they do not get there."""
+        """Do the communication steps left before sample k + 1; return the cause of a failure, else ""."""
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
         while run.steps < (k + 1) * per_sample:
             t = start + run.steps * H
@@ -338,16 +345,16 @@ class Host:
         return ""
 
     def _loads(self, k: int) -> bool:
-        """Whether a payload may change at a sample."""
-        return self._next_hoist is not None and k % self._loaded_every == 0
+        """Return True if a payload may change at sample k."""
+        return self._next_hoist is not None and k % self._loading_interval == 0
 
     def _load(self, plant: HoistPlant, k: int) -> None:
-        """The payloads at sample k of a trip during the dwell of which they change; in stairs of LOADED_EVERY."""
+        """Change the payloads at sample k of the dwell, in stairs of LOADING_INTERVAL."""
         if self._next_hoist is None or not self._loads(k):
             return
         dwelt = k * self.coupling.period - self.trajectory.duration
-        if dwelt > LOADING[0] * self.winding.settle:
-            first, last = (part * self.winding.settle for part in LOADING)
+        if dwelt > LOADING_PARTS[0] * self.winding.settle:
+            first, last = (part * self.winding.settle for part in LOADING_PARTS)
             part, now, then = min((dwelt - first) / (last - first), 1.0), self.hoist, self._next_hoist
             left = now.payload_left + part * (then.payload_left - now.payload_left)
             right = now.payload_right + part * (then.payload_right - now.payload_right)
@@ -373,7 +380,7 @@ class Host:
 
 
 def _made(make: Callable[[Hoist, float], Controller], hoist: Hoist, holding_torque: float) -> Controller:
-    """The controller of a run; ValueError where there is nothing to make it, or it gives no commands."""
+    """Make the controller of a run; ValueError if ``make`` is no class or function, or it gives no commands."""
     if not callable(make):
         raise ValueError(
             f"controller must be a class, or a function of hoist and holding torque, not a {type(make).__name__} made "

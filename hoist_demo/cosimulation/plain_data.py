@@ -18,10 +18,7 @@ KINDS = "numbers, texts, bytes, NumPy arrays, and lists, tuples, dictionaries, d
 
 
 def encode(value: Any, name: str, arrays: Arrays) -> Any:
-    """The value as JSON can write it; ValueError with its place under `name` where it is no plain data.
-
-    Arrays, NumPy's numbers and bytes go into `arrays`, by their place.
-    """
+    """Return plain data for JSON, arrays and bytes in `arrays` by their place under `name`; ValueError for others."""
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
         return value
@@ -34,9 +31,9 @@ def encode(value: Any, name: str, arrays: Arrays) -> Any:
         inside = [encode(x, f"{name}[{k!r}]", arrays) for k, x in value.items()]
         return {"dict": [*zip(keys, inside, strict=True)]}
     if kind is bytes:
-        return {"bytes": _kept(np.frombuffer(value, np.uint8), name, arrays)}
+        return {"bytes": _store_array(np.frombuffer(value, np.uint8), name, arrays)}
     if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufc":
-        return {"array" if kind is np.ndarray else "number": _kept(np.asarray(value), name, arrays)}
+        return {"array" if kind is np.ndarray else "number": _store_array(np.asarray(value), name, arrays)}
     if (names := _fields(kind)) is not None and _class(kind.__module__, kind.__qualname__) is kind:
         contents = {field: encode(getattr(value, field), f"{name}.{field}", arrays) for field in names}
         return {"class": [kind.__module__, kind.__qualname__, contents]}
@@ -47,7 +44,7 @@ def encode(value: Any, name: str, arrays: Arrays) -> Any:
     )
 
 
-def _kept(array: NDArray[Any], name: str, arrays: Arrays) -> str:
+def _store_array(array: NDArray[Any], name: str, arrays: Arrays) -> str:
     """Keep an array; return its name, with a number where another one has that."""
     name = f"{name} ({len(arrays)})" if name in arrays else name
     arrays[name] = array
@@ -65,7 +62,7 @@ def decode(value: Any, arrays: Arrays) -> Any:
 
 
 def _fields(kind: type[Any]) -> tuple[str, ...] | None:
-    """Names of the values in a data class or named tuple; None for another class."""
+    """Return the field names of a data class or named tuple; None for another class."""
     if is_dataclass(kind):
         return tuple(field.name for field in fields(kind))
     names: tuple[str, ...] | None = getattr(kind, "_fields", None) if issubclass(kind, tuple) else None
@@ -73,15 +70,15 @@ def _fields(kind: type[Any]) -> tuple[str, ...] | None:
 
 
 def _class(module: str, name: str) -> Any:
-    """A loaded class by its name; None where there is none."""
-    found: Any = sys.modules.get(module)
+    """Return a loaded class by its name; None if there is none."""
+    target: Any = sys.modules.get(module)
     for part in name.split("."):
-        found = getattr(found, part, None)
-    return found
+        target = getattr(target, part, None)
+    return target
 
 
 def _construct(content: list[Any], arrays: Arrays) -> Any:
-    """A data class or named tuple with these values."""
+    """Construct a data class or named tuple with these values."""
     module, name, inside = content
     kind = _class(module, name)
     names = _fields(kind) if isinstance(kind, type) else None

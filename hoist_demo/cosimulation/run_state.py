@@ -28,15 +28,16 @@ class TripEnd:
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
     memory: Memory
 
-    def books_closed(self) -> TripEnd:
+    def with_zeroed_totals(self) -> TripEnd:
         """Return the state with work and exchanges counted anew."""
-        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=self.plant.slide._replace(way=0.0))
+        slide = self.plant.slide._replace(slid_distance=0.0)
+        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=slide)
         return replace(self, plant=plant, memory=self.memory._replace(exchanges=0, taken_back=0, residual=0.0))
 
 
 @dataclass
 class RunState:
-    """Everything at the latest communication point, and at the latest sample that is kept."""
+    """States at the latest communication point, and at the latest sample that was saved."""
 
     drive: HoistPartner
     pair: Pair  # drive and rope, for the scheme
@@ -45,11 +46,11 @@ class RunState:
     recorder: Recorder
     course: Course
     controller: Any = None  # the controller's state
-    commands: list[Command] = field(default_factory=list)  # since the latest communication point that is recorded
+    commands: list[Command] = field(default_factory=list)  # commands since the latest recorded communication point
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
     #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
-    kept: tuple[int, tuple[Any, Any], Any, Memory] | None = None
+    saved: tuple[int, tuple[Any, Any], Any, Memory] | None = None
 
 
 @dataclass(frozen=True)
@@ -61,11 +62,11 @@ class Result:
     cause: str  # "" when completed
     steps: int  # communication steps done
     trajectory: Trajectory
-    winding: Winding  # with the emergency stop that a guard of the rope asked for
-    drive_clock: Stopwatch  # of the drive's steps
-    rope_clock: Stopwatch  # of the rope's steps, reading its outputs included
-    start_clock: Stopwatch  # of the rope's initialization
-    warning: str = ""  # of the coupling, before the start
+    winding: Winding  # trip as wound, with a guard's emergency stop
+    drive_clock: Stopwatch  # time of the drive's steps
+    rope_clock: Stopwatch  # time of the rope's steps, reading its outputs included
+    start_clock: Stopwatch  # time of the rope's initialization
+    warning: str = ""  # warning about the coupling's stability
     checkpoint: Checkpoint | None = None  # the last state that was kept, when the run stopped after its first sample
-    saved: Path | None = None  # where it was written
-    end: TripEnd | None = None  # for the trip after this one, when completed without an emergency stop by a guard
+    saved: Path | None = None  # file of the checkpoint
+    end: TripEnd | None = None  # start of the next trip, when completed without a guard's emergency stop

@@ -34,10 +34,10 @@ typedef struct {
     double *z, *y; /* what it is given and finds */
     double *given; /* to the law */
 
-    Access step, motions, valid, forces, sides, guard; /* of the rope; without a function what it has not got */
+    Access step, motions, valid, forces, sides, guard; /* of the rope; without a function where it lacks one */
     const Access *recorded;
     Function warning;
-    char *told, *text;
+    char *warned, *text;
     void (*heard)(void);
     int records, warnings, watched;
 
@@ -49,7 +49,7 @@ typedef struct {
     double *row;     /* of the record, where the first sample goes */
     size_t columns;
     double step_next, torque, integral, residual, exchanges, drive_time, rope_time;
-    int kept, steps, evaluations, status;
+    int sample_count, steps, evaluations, status;
 } Trip;
 
 static double now(void) {
@@ -64,12 +64,12 @@ static double now(void) {
 
 Kernel law;
 
-static void evaluate(Kernel *kernel, const double *given, double *found) {
+static void evaluate(Kernel *kernel, const double *given, double *result) {
     const double *arg[SZ_ARG];
     double *res[SZ_RES], w[SZ_W];
     long long iw[SZ_IW];
     arg[0] = given;
-    res[0] = found;
+    res[0] = result;
     kernel(arg, res, iw, w, 0);
 }
 
@@ -101,10 +101,10 @@ static bool holds(const Access *a) {
 /* warnings about a valid state are heard when they are new */
 static void listen(Trip *m) {
     for (int i = 0; i < m->warnings; i++) {
-        if (m->told[i]) continue;
+        if (m->warned[i]) continue;
         ((void (*)(void *, int, char *))m->warning)(m->step.rope, i, m->text);
         if (!m->text[0]) continue;
-        m->told[i] = 1;
+        m->warned[i] = 1;
         m->heard();
     }
 }
@@ -172,30 +172,30 @@ static double work(const Trip *m) {
 /* the command of the law that holds from now on; tells whether it is limited */
 static double command(Trip *m, const double reference[4]) {
     const double *shown = m->y + AT_SHOWN;
-    double found[3];
+    double result[3];
     memcpy(m->given, reference, 3 * sizeof(double));
     m->given[TRAVEL] = shown[Y_LEFT] - m->start_height;
     m->given[SPEED] = m->radius * shown[RATE];
     m->given[INTEGRAL] = m->integral;
-    evaluate(law, m->given, found);
-    m->torque = found[0];
-    m->integral = found[2];
-    return found[1];
+    evaluate(law, m->given, result);
+    m->torque = result[0];
+    m->integral = result[2];
+    return result[1];
 }
 
 /* both partners over one step from t, as GaussSeidel(1) and Pair.exchanged */
 static int exchange(Trip *m, double t, const double (*reference)[4]) {
     const double H = m->H, begun = now(), work_before = work(m), integral = m->integral, torque = m->torque,
                  size = m->step_next;
-    double *path = m->z + AT_PATH, *y = m->y, way[2], before[SIZE], left;
-    const Sample *last = m->samples + m->kept - 1;
+    double *path = m->z + AT_PATH, *y = m->y, distance[2], before[SIZE], left;
+    const Sample *last = m->samples + m->sample_count - 1;
     const double *force = (const double *)m->forces.values;
     Sample sample;
     int failed = WELL;
     for (int i = 0; i < 2; i++) {
         path[FORCE + i] = last->force[i];
         path[INPUTS + FORCE + i] =
-            m->kept > 1 ? (last->force[i] - last[-1].force[i]) / -((last[-1].t - last->t) / H) : 0.0;
+            m->sample_count > 1 ? (last->force[i] - last[-1].force[i]) / -((last[-1].t - last->t) / H) : 0.0;
     }
     memcpy(before, y, sizeof before);
     for (int k = 0; k < m->per_step && !failed; k++) {
@@ -220,15 +220,15 @@ static int exchange(Trip *m, double t, const double (*reference)[4]) {
         sample.force[i] = force[i];
         sample.mean[i] = force[2 + i];
         sample.acceleration[i] = y[AT_SHOWN + A_LEFT + i];
-        way[i] = y[AT_SHOWN + Y_LEFT + i] - before[AT_SHOWN + Y_LEFT + i];
+        distance[i] = y[AT_SHOWN + Y_LEFT + i] - before[AT_SHOWN + Y_LEFT + i];
     }
-    m->residual += work(m) - work_before - (sample.mean[0] * way[0] + sample.mean[1] * way[1]);
+    m->residual += work(m) - work_before - (sample.mean[0] * distance[0] + sample.mean[1] * distance[1]);
     m->exchanges++;
-    if (m->kept == KEPT)
-        memmove(m->samples, m->samples + 1, (KEPT - 1) * sizeof sample);
+    if (m->sample_count == HISTORY)
+        memmove(m->samples, m->samples + 1, (HISTORY - 1) * sizeof sample);
     else
-        m->kept++;
-    m->samples[m->kept - 1] = sample;
+        m->sample_count++;
+    m->samples[m->sample_count - 1] = sample;
     return WELL;
 }
 

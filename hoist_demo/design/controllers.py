@@ -13,9 +13,10 @@ from dataclasses import dataclass, replace
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, s_curve
-from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise, require_no_creep
-from hoist_demo.design.shaping import Shaper, shape
+from hoist_demo.design.optimal_trajectory import optimise, require_no_creep
+from hoist_demo.design.shaping import shape
 from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters.trip_design import CONTROLLERS, Shaper, TrajectoryOptions
 
 
 @dataclass(frozen=True)
@@ -63,3 +64,4 @@ DESIGNS: dict[str, Callable[[Task], Drive]] = {
     ),
 }
 _OWN_TRIP = ("input-shaping", "optimised-trajectory")
+assert tuple(DESIGNS) == CONTROLLERS

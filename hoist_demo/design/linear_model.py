@@ -47,7 +47,7 @@ class LinearModel:
     at: float  # height of the left conveyance over the travel
     names: tuple[str, ...]
     held: int  # number of held coordinates
-    lags: int  # and of those that lag
+    lags: int  # number of coordinates that lag
     mass: sp.csc_matrix
     damping: sp.csc_matrix
     stiffness: sp.csc_matrix
@@ -67,14 +67,14 @@ class LinearModel:
     def response(self, s: Iterable[complex]) -> NDArray[np.complex128]:
         """Transfer functions (len(s), outputs, inputs) at complex frequencies [rad/s]."""
         C, C_v, C_a = self.maps
-        found = []
+        responses = []
         for z in s:
             x = splu((z * z * self.mass + z * self.damping + self.stiffness).tocsc()).solve(self.B.astype(complex))
-            found.append((C + z * C_v + z * z * C_a) @ x + self.through)
-        return np.array(found)
+            responses.append((C + z * C_v + z * z * C_a) @ x + self.through)
+        return np.array(responses)
 
     def modes(self, highest: float) -> Modes:
-        """All modes up to the frequency [Hz], held coordinates at rest and without what lags."""
+        """Return the modes up to a frequency [Hz], held coordinates at rest and without what lags."""
         n = self.free
         K, M = (0.5 * (A + A.T).toarray() for A in (self.stiffness[:n, :n], self.mass[:n, :n]))
         squares, shapes = eigh(K, M, subset_by_value=(-np.inf, (2 * np.pi * highest) ** 2))

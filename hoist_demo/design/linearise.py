@@ -23,17 +23,16 @@ import scipy.sparse as sp
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
 from hoist_demo.design.linear_model import Array, LinearModel
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations, extra_coordinates, state_names
+from hoist_demo.drive.equations import INPUT_NAMES, equations, extra_coordinates, state_names
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.place import Place
 from rope_model import EndMotion, Level, RopeSimulator, Scene
 from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
 HeldBy = Literal["motor", "brake"]
-
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 #: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
@@ -97,30 +96,30 @@ def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearM
 
 def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
     """Return the linear model of a rope alone, at rest between these ends, whose accelerations are the inputs."""
-    tail = _Tail(_rope(scene))
-    return _assembled(0.0, [(tail, _hung(tail.rope, left, right))], _Hoist.none())
+    tail = LinearTail(_rope(scene))
+    return _assembled(0.0, [(tail, _hung(tail.rope, left, right))], LinearHoist.none())
 
 
-class _Tail(NamedTuple):
-    """One balance rope, or a number of equal ones."""
+class LinearTail(NamedTuple):
+    """One balance rope, or several equal ones."""
 
     rope: RopeSimulator
     number: int = 1
-    name: str = ""  # of ropes that differ
+    name: str = ""  # name of one of several ropes that differ
     place: Place = Place()
 
 
-def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[_Tail]:
-    """Return the ropes of a hoist."""
+def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[LinearTail]:
+    """Return the balance ropes of a hoist, ready to hang."""
     if not case.ropes:
         scene = rope_data({**case.rope, **_swivels(swivels)}, level)
-        return [_Tail(_rope(scene), case.hoist.tail_rope_number)]
-    found = []
+        return [LinearTail(_rope(scene), case.hoist.tail_rope_number)]
+    tails = []
     for tail in case.ropes:
         place = Place(**tail.place)
         scene = rope_data({**tail.parameters, **_swivels(swivels)}, level, place)
-        found.append(_Tail(_rope(scene), tail.number, tail.name, place))
-    return found
+        tails.append(LinearTail(_rope(scene), tail.number, tail.name, place))
+    return tails
 
 
 def _swivels(wanted: Swivels) -> dict[str, int]:
@@ -154,8 +153,8 @@ def _smooth(hoist: Hoist, held_by: HeldBy) -> Hoist:
 
 
 @dataclass(frozen=True)
-class _Hoist:
-    """The hoist's part: `coordinates` first, what lags behind. Matrices are dense, (coordinates + lags) square."""
+class LinearHoist:
+    """Linear model of the hoist: `coordinates` first, then `lags`. Matrices are dense, (coordinates + lags) square."""
 
     coordinates: tuple[str, ...]
     lags: tuple[str, ...]
@@ -169,10 +168,10 @@ class _Hoist:
     rest_outputs: Array
 
     @staticmethod
-    def none() -> _Hoist:
-        """Nothing, for a rope alone."""
+    def none() -> LinearHoist:
+        """Return an empty model, for a rope alone."""
         empty = np.zeros((0, 0))
-        return _Hoist((), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0))
+        return LinearHoist((), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0))
 
 
 @cache
@@ -190,7 +189,7 @@ def _derivatives(parts: Hoist) -> Any:
 
 def _linear_hoist(
     hoist: Hoist, heights: tuple[float, float], forces: tuple[float, float], held_by: HeldBy, speed: float
-) -> _Hoist:
+) -> LinearHoist:
     """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
     plant = HoistPlant(hoist, "portable")
     state = plant.equilibrium(*heights, *forces) if held_by == "motor" else plant.hanging_state(*heights, *forces)
@@ -213,14 +212,16 @@ def _linear_hoist(
     u[0] = x[0]
 
     coordinates = ("phi", "y_left", "y_right", *extra_coordinates(hoist))
-    n, short = len(coordinates), {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
+    n = len(coordinates)
+    short = {"phi": "phi_rate", "y_left": "v_left", "y_right": "v_right"}
     q = [names.index(name) for name in coordinates]
     v = [names.index(short.get(name, f"{name}_rate")) for name in coordinates]
     deflection = "brake_deflection"
     x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
     lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
     numbers = hoist.numbers
-    derivatives, still = _derivatives(hoist.parts), np.zeros(n)
+    derivatives = _derivatives(hoist.parts)
+    still = np.zeros(n)
     if speed:  # the motor makes up for the losses
         by_x, _, _, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
         u[0] = x[0] = x[0] - values[0, 0] / by_x[0, 0]
@@ -244,19 +245,19 @@ def _linear_hoist(
     seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
     C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
-    return _Hoist(
+    return LinearHoist(
         coordinates, tuple(names[k] for k in lag), (M, D, K), (*given, "torque", "force_left", "force_right"), B,
         (*_TENSIONS, *_SHOWN), (C, C_v, C_a), np.zeros((len(seen), B.shape[1])),
         np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]), values[seen].ravel(),
     )  # fmt: skip
 
 
-_Hung = Sequence[tuple[_Tail, LinearRope]]
+_Hung = Sequence[tuple[LinearTail, LinearRope]]
 
 
 def _parts(
-    hoist: Hoist, tails: Iterable[_Tail], at: float, held_by: HeldBy, speed: float = 0.0
-) -> tuple[_Hung, _Hoist]:
+    hoist: Hoist, tails: Iterable[LinearTail], at: float, held_by: HeldBy, speed: float = 0.0
+) -> tuple[_Hung, LinearHoist]:
     """Return ropes and hoist at this part of the travel."""
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
@@ -277,13 +278,13 @@ def _end_coordinates(rope: LinearRope) -> dict[str, int]:
     return {f"{side}.{name}": firsts[side] + k for side in SIDES for name, k in _END.items()}
 
 
-def _is_moved(tail: _Tail, rope: LinearRope, name: str) -> bool:
+def _is_moved(tail: LinearTail, rope: LinearRope, name: str) -> bool:
     """Return True if a conveyance that moves so takes the rope's end along."""
-    side, _, way = name.partition(".")
-    return not rope.free[_end_coordinates(rope)[name]] or (way == "yaw" and any(tail.place.at(side)))
+    side, _, direction = name.partition(".")
+    return not rope.free[_end_coordinates(rope)[name]] or (direction == "yaw" and any(tail.place.at(side)))
 
 
-def _carried(tail: _Tail, rope: LinearRope, first: int, shared: Mapping[str, int], total: int) -> sp.csc_matrix:
+def _carried(tail: LinearTail, rope: LinearRope, first: int, shared: Mapping[str, int], total: int) -> sp.csc_matrix:
     """Return a rope's coordinates by those of the model: its own from `first` on, its ends' by the `shared` ones."""
     ends = _end_coordinates(rope)
     entries = [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())]
@@ -302,7 +303,7 @@ def _carried(tail: _Tail, rope: LinearRope, first: int, shared: Mapping[str, int
     return sp.csc_matrix((values, (rows, columns)), shape=(rope.free.size, total))
 
 
-def _assembled(at: float, hung: _Hung, hoist: _Hoist) -> LinearModel:
+def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     """Return hoist and ropes, joined at the heights of the ends."""
     drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
     heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}

@@ -29,7 +29,6 @@ from hoist_demo.drive.plant import HoistPlant, PlantState
 from hoist_demo.parameters import GRAVITY, Hoist
 
 Vector = NDArray[np.float64]
-
 STATES = 11
 
 
@@ -43,10 +42,11 @@ class LowFidelityModel:
 
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
-    """The closed loop for a trip that begins at rest with the conveyances at the given heights [m]."""
+    """Return the closed loop for a trip that begins at rest with the conveyances at these heights [m]."""
     hoist = replace(hoist, head_rope_modes=0, drive_shaft=None, brake=None, lining=None, power_limit=None)
     hoist = replace(hoist, guides=None, play=None, jam_left=None, jam_right=None)
-    plant, R = HoistPlant(hoist), hoist.sheave_radius
+    plant = HoistPlant(hoist)
+    R = hoist.sheave_radius
     weights = [-GRAVITY * hoist.tail_rope_mass * leg for leg in _legs(hoist, y_left, y_right)]
     rest = plant.hanging_state(y_left, y_right, *weights)
     held = float(rest.x[0]) / R
@@ -54,7 +54,8 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     # the controller; forces at the rim
     reference, q, v = ca.SX.sym("r", 3), ca.SX.sym("q", 3), ca.SX.sym("v", 3)
     motor, integral, jerk = ca.SX.sym("m"), ca.SX.sym("I"), ca.SX.sym("j")
-    controller, motion = SpeedController(hoist, held, gains), ca.vertsplit(reference)
+    controller = SpeedController(hoist, held, gains)
+    motion = ca.vertsplit(reference)
     force, error = controller.force(motion, q[1], v[0], integral)
 
     drive = ca.vertcat(R * motor, q[0] / R, y_left + q[1], y_right + q[2], v[0] / R, v[1:])
@@ -101,5 +102,5 @@ def _mass_and_load(hoist: Hoist) -> Any:
 
 
 def _legs(hoist: Hoist, y_left: Any, y_right: Any) -> tuple[Any, Any]:
-    """Lengths of a balance rope's legs [m]."""
+    """Return the lengths of a balance rope's legs [m]."""
     return (hoist.tail_rope_length + y_left - y_right) / 2, (hoist.tail_rope_length - y_left + y_right) / 2

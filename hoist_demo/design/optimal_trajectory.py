@@ -10,7 +10,7 @@ is again a chain of constant-jerk segments, which the host samples like any S-cu
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -20,7 +20,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, chain, rest, s_curve
 from hoist_demo.design.low_fidelity import STATES, LowFidelityModel, low_fidelity
 from hoist_demo.parameters import Hoist, Winding, start_heights
-from hoist_demo.parameters.quantity import Bounds, Stated, quantity
+from hoist_demo.parameters.trip_design import TrajectoryOptions
 
 _INSIDE = 0.9  # 1, share of the limits that the first guess uses
 _SUBSTEP = 0.05  # s, at most a sixth of the period of the swings that matter
@@ -32,16 +32,6 @@ _IPOPT: dict[str, Any] = {
     "hessian_approximation": "limited-memory",
 }
 _SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
-
-
-@dataclass(frozen=True)
-class TrajectoryOptions(Stated):
-    """Options of the optimisation, with defaults of ours [assumed]."""
-
-    swing_speed: float = quantity(0.01, "m/s", "of the conveyances after arrival, that is worth swing_price")
-    swing_price: float = quantity(1.0, "s")
-    hold: float = quantity(1.5, "s", "after arrival, over which the swing counts")
-    intervals: int = quantity(120, "1", "of the trip", Bounds(20, 2000, cure="take about 8 per second"))
 
 
 def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Trajectory:
@@ -95,8 +85,9 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOpt
         raise RuntimeError(
             f"trajectory optimisation: IPOPT ended with {status}: change trajectory.intervals or relax the limits"
         ) from error
-    duration, found = float(solution.value(T)), winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
-    return chain(winding.start_delay, rest(0.0), found.tolist(), [duration / N] * N, end=winding.travel)
+    duration = float(solution.value(T))
+    optimal_jerks = winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
+    return chain(winding.start_delay, rest(0.0), optimal_jerks.tolist(), [duration / N] * N, end=winding.travel)
 
 
 def require_no_creep(winding: Winding) -> None:
@@ -123,5 +114,5 @@ def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
     step = ca.Function("step", [x, j, h], [z, squares])
     T, jerks = ca.MX.sym("T"), ca.MX.sym("jerks", 1, N)
     rest = ca.DM.zeros(1, N_hold)
-    _, found = step.mapaccum(N + N_hold)(model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold))
-    return ca.Function("swing", [T, jerks], [ca.sum2(found[N:]) / N_hold])
+    _, squared_speeds = step.mapaccum(N + N_hold)(model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold))
+    return ca.Function("swing", [T, jerks], [ca.sum2(squared_speeds[N:]) / N_hold])

@@ -43,9 +43,11 @@ ALPHA = 2 * np.pi * SLOWEST  #: 1/s.
 LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
 _FIT = 1e-2  #: Price of a change of C and D by the fit, over that of an error.
 _SHIFT = 0.3  #: Re s / 2 pi of the basis [Hz].
-_TURNS = (0.5, 0.447, 1.2)  #: Im s over the band: the first, from one to the next, and where they begin again.
-_APART = 1e-3  #: Least kinetic energy of a motion that is new to a basis, over all that are new.
-_NEW = 1e-12  #: And over the energy of what it comes from.
+_FIRST_SHIFT = 0.5  #: Im s of the first shift, over the band.
+_SHIFT_STEP = 0.447  #: Im s from one shift to the next, over the band.
+_SHIFT_WRAP = 1.2  #: Im s at which the shifts begin again, over the band.
+_RANK_TOLERANCE = 1e-3  #: Least kinetic energy of a motion that is new to a basis, over all that are new.
+_RELATIVE_RANK_TOLERANCE = 1e-12  #: Least kinetic energy of the new motions, over that of what they come from.
 _LEAST = 1e-9  #: Of a channel's largest gain: less is no response.
 
 
@@ -93,7 +95,8 @@ class ReducedModel:
         part, X, u = (
             ca.MX.sym(name, size) for name, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2]))
         )
-        at, options = self.at, {"degree": [min(3, len(self.at) - 1)]}
+        at = self.at
+        options = {"degree": [min(3, len(self.at) - 1)]}
         inside = ca.fmin(ca.fmax(part, at[0]), at[-1])
 
         def between(values: Array) -> Any:
@@ -104,12 +107,13 @@ class ReducedModel:
             return ca.reshape(ca.interpolant("part", "bspline", [at], flat, options)(inside), *values.shape[1:])
 
         A, B, C, D = (between(values) for values in (self.A, self.B, self.C, self.D))
-        growth, known = ca.Function("A", [part], [A]), max(0.0, np.linalg.eigvals(self.A).real.max())
+        interpolated_A = ca.Function("A", [part], [A])
+        largest_rate = max(0.0, np.linalg.eigvals(self.A).real.max())
         for x in np.interp(np.arange(0, len(at) - 0.9, 0.25), range(len(at)), at):
-            if (found := np.linalg.eigvals(growth(x).full()).real.max()) > known + ALPHA:
+            if (rate := np.linalg.eigvals(interpolated_A(x).full()).real.max()) > largest_rate + ALPHA:
                 raise ValueError(
-                    f"the model at = {x:.3g}, between heights, grows by {found:.3g} 1/s and must by no more than "
-                    f"{known + ALPHA:.3g}: take more heights, denser at the ends, or fewer states"
+                    f"the model at = {x:.3g}, between heights, grows by {rate:.3g} 1/s and must by no more than "
+                    f"{largest_rate + ALPHA:.3g}: take more heights, denser at the ends, or fewer states"
                 )
         values = [A @ X + B @ u, C @ X + D @ u]
         return ca.Function("plant", [part, X, u], values, ["at", "X", "u"], ["X_rate", "y"])
@@ -195,7 +199,7 @@ Complex = NDArray[np.complex128]
 
 
 def _line(band: float) -> NDArray[np.complex128]:
-    """Complex frequencies at which errors are measured [rad/s]."""
+    """Return the complex frequencies at which errors are measured [rad/s]."""
     # a response on this line has no detail finer than alpha
     return np.asarray(ALPHA + 2j * np.pi * np.arange(SLOWEST, band, SLOWEST / 2), dtype=np.complex128)
 
@@ -210,31 +214,31 @@ def _states(A: Array, B: Array, s: Complex) -> Complex:
     return np.asarray(x, dtype=np.complex128)
 
 
-def _errors(found: Complex, exact: Complex) -> tuple[Array, Array, Array]:
+def _errors(response: Complex, exact: Complex) -> tuple[Array, Array, Array]:
     """Largest errors [dB], [degrees] and over the largest gain, (outputs, inputs); 0 where there is no response."""
     largest = np.abs(exact).max(axis=0)
     some = np.abs(exact) > _LEAST * largest
-    ratio = np.where(some, found, 1.0) / np.where(some, exact, 1.0)
-    share = np.abs(found - exact).max(axis=0) / np.where(largest > 0.0, largest, 1.0)
+    ratio = np.where(some, response, 1.0) / np.where(some, exact, 1.0)
+    share = np.abs(response - exact).max(axis=0) / np.where(largest > 0.0, largest, 1.0)
     decibels = np.abs(20 * np.log10(np.maximum(np.abs(ratio), 1e-300)))
     return decibels.max(axis=0), np.abs(np.angle(ratio, deg=True)).max(axis=0), share
 
 
-def _told(model: LinearModel) -> list[int]:
-    """Held coordinates that an input moves."""
+def driven_coordinates(model: LinearModel) -> list[int]:
+    """Return the held coordinates that an input moves."""
     return [k for k in range(model.free, model.free + model.held) if model.B[k].any()]
 
 
 def _bases(models: Sequence[LinearModel], band: float, states: int) -> list[Array]:
     """Motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
     first = models[0]
-    told = len(_told(first))
-    count, least = (states - first.lags) // 2 - told, first.lags + 2 * told
+    driven = len(driven_coordinates(first))
+    count, least = (states - first.lags) // 2 - driven, first.lags + 2 * driven
     if len(models) > 1:
         return _krylov_bases(models, band, count, least)
-    found = first.modes(BEYOND * band)
-    _require_states(count, 1, found.frequencies.size, least)
-    return [found.shapes[:, np.argsort(-telling(first, found, band))[:count]]]
+    modes = first.modes(BEYOND * band)
+    _require_states(count, 1, modes.frequencies.size, least)
+    return [modes.shapes[:, np.argsort(-telling(first, modes, band))[:count]]]
 
 
 def _require_states(count: int, fewest: int, most: int, others: int) -> None:
@@ -251,12 +255,13 @@ def _krylov_bases(models: Sequence[LinearModel], band: float, count: int, others
     masses = [0.5 * (m.mass + m.mass.T)[:n, :n] for m in models]
     bases = [_orthonormal(_followed(m, own), M) for m, M in zip(models, masses, strict=True)]
     pushes = [
-        np.hstack((M @ W, m.stiffness[:n, _told(m)].toarray())) for m, M, W in zip(models, masses, bases, strict=True)
+        np.hstack((M @ W, m.stiffness[:n, driven_coordinates(m)].toarray()))
+        for m, M, W in zip(models, masses, bases, strict=True)
     ]
     for k in range(count):
         if not (missing := count - bases[0].shape[1]):
             break
-        s = 2 * np.pi * complex(_SHIFT, band * ((_TURNS[0] + k * _TURNS[1]) % _TURNS[2]))
+        s = 2 * np.pi * complex(_SHIFT, band * ((_FIRST_SHIFT + k * _SHIFT_STEP) % _SHIFT_WRAP))
         news = [_answers(*of, s) for of in zip(models, masses, bases, pushes, strict=True)]
         T = _new_at_all([x.T @ (M @ x) for x, M in zip(news, masses, strict=True)], missing)
         if not T.size:
@@ -288,41 +293,41 @@ def _answers(model: LinearModel, M: sp.csc_matrix, W: Array, push: Array, s: com
 
 def _new_at_all(energies: Sequence[Array], most: int) -> Array:
     """Combinations (answers, up to ``most``) of answers with these kinetic energies that are new at every height."""
-    if min(np.trace(energy) for energy in energies) < _NEW:
+    if min(np.trace(energy) for energy in energies) < _RELATIVE_RANK_TOLERANCE:
         return np.empty((len(energies[0]), 0))
     shares = [energy / np.trace(energy) for energy in energies]
     T = np.linalg.eigh(sum(shares))[1][:, ::-1][:, :most]
-    while T.shape[1] > 1 and min(np.linalg.eigvalsh(T.T @ share @ T)[0] for share in shares) < _APART:
+    while T.shape[1] > 1 and min(np.linalg.eigvalsh(T.T @ share @ T)[0] for share in shares) < _RANK_TOLERANCE:
         T = T[:, :-1]
     return T
 
 
 def _orthonormal(W: Array, M: sp.csc_matrix) -> Array:
-    """W (W^T M W)^(-1/2)."""
+    """Return W (W^T M W)^(-1/2), the orthonormal basis nearest to W."""
     squares, axes = np.linalg.eigh(W.T @ (M @ W))
     return np.asarray(W @ (axes / np.sqrt(squares)) @ axes.T)
 
 
 def _projected(model: LinearModel, basis: Array) -> _System:
     """First-order model of the motions, what follows held ends, and what lags."""
-    n, total, count, told = model.free, len(model.names), basis.shape[1], _told(model)
-    others = np.eye(total)[:, [*told, *range(n + model.held, total)]]
+    n, total, count, driven = model.free, len(model.names), basis.shape[1], driven_coordinates(model)
+    others = np.eye(total)[:, [*driven, *range(n + model.held, total)]]
     W = np.hstack((np.vstack((basis, np.zeros((total - n, count)))), others))
     V = W.copy()
-    if told:
+    if driven:
         stiff = (model.stiffness[:n, :n] + ALPHA**2 * model.mass[:n, :n]).tocsc()
-        V[:n, count : count + len(told)] = -splu(stiff).solve(model.stiffness[:n, told].toarray())
+        V[:n, count : count + len(driven)] = -splu(stiff).solve(model.stiffness[:n, driven].toarray())
     return _first_order(model, V, W)
 
 
 def telling(model: LinearModel, modes: Modes, band: float) -> Array:
     """Largest part (modes,) that each mode makes up of any channel on s = alpha + i omega in the band."""
-    n, s = model.free, _line(band)[:, None]
+    s = _line(band)[:, None]
     omega = 2 * np.pi * modes.frequencies
     # inputs by way of what lags, or by held ends, act on the modes, too
     b = modes.shapes.T @ _pushes(model, s[:, 0])
     b = b / (s**2 + 2 * s * modes.damping * omega + omega**2)[:, :, None]
-    c = [np.asarray(A[:, :n] @ modes.shapes) for A in model.maps]
+    c = [np.asarray(A[:, : model.free] @ modes.shapes) for A in model.maps]
     share = np.zeros(omega.size)
     for i, k in np.ndindex(model.through.shape):
         parts = b[:, :, k] * (c[0][i] + s * c[1][i] + s**2 * c[2][i])
@@ -337,11 +342,11 @@ def _pushes(model: LinearModel, s: NDArray[np.complex128]) -> NDArray[np.complex
     others = slice(n, len(model.names))
     M, D, K = (A[:n, others].toarray() for A in (model.mass, model.damping, model.stiffness))
     M_o, D_o, K_o = (A[others, others].toarray() for A in (model.mass, model.damping, model.stiffness))
-    found = []
+    forces = []
     for z in s:
         moved = np.linalg.solve(z * z * M_o + z * D_o + K_o, model.B[others])
-        found.append(model.B[:n] - (z * z * M + z * D + K) @ moved)
-    return np.array(found)
+        forces.append(model.B[:n] - (z * z * M + z * D + K) @ moved)
+    return np.array(forces)
 
 
 def _first_order(model: LinearModel, V: Array, W: Array) -> _System:
@@ -362,15 +367,17 @@ def _first_order(model: LinearModel, V: Array, W: Array) -> _System:
 def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) -> tuple[Array, Array]:
     """Return C and D changed as little as the fit to samples needs, channels without response as they are."""
     x = _states(A, B, s)
-    known = np.concatenate((x, np.broadcast_to(np.eye(B.shape[1]), (len(s), *[B.shape[1]] * 2))), axis=1)
-    missing, found = exact - (C @ x + D), np.hstack((C, D))
+    regressors = np.concatenate((x, np.broadcast_to(np.eye(B.shape[1]), (len(s), *[B.shape[1]] * 2))), axis=1)
+    missing = exact - (C @ x + D)
+    coefficients = np.hstack((C, D))
     for i, row in enumerate(missing.swapaxes(0, 1)):
         size = np.abs(exact[:, i])
         weight = np.where(size > _LEAST * size.max(axis=0), 1.0 / np.maximum(size, 1e-300), 0.0)
-        left, right = np.moveaxis(known * weight[:, None, :], 1, 2).reshape(-1, known.shape[1]), (row * weight).ravel()
+        left = np.moveaxis(regressors * weight[:, None, :], 1, 2).reshape(-1, regressors.shape[1])
+        right = (row * weight).ravel()
         unit = np.linalg.norm(left, axis=0)
         unit[unit == 0.0] = 1.0  # a lag that no input moves
         both = np.vstack((left.real / unit, left.imag / unit, _FIT * np.eye(unit.size)))
         given = np.concatenate((right.real, right.imag, np.zeros(unit.size)))
-        found[i] += np.linalg.lstsq(both, given, rcond=None)[0] / unit
-    return found[:, : len(A)], found[:, len(A) :]
+        coefficients[i] += np.linalg.lstsq(both, given, rcond=None)[0] / unit
+    return coefficients[:, : len(A)], coefficients[:, len(A) :]

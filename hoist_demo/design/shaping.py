@@ -10,30 +10,10 @@ Source: N. C. Singer and W. P. Seering, Preshaping command inputs to reduce syst
 Control 112, 1990.
 """
 
-import math
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
 
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
-from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
-
-
-@dataclass(frozen=True)
-class Shaper(Stated):
-    """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study) or modelled."""
-
-    kind: Literal["ZV", "ZVD"] = quantity("ZVD", "")
-    frequency: float = quantity(0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", VANISHING)
-    damping: float = quantity(0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it"))
-
-    @property
-    def impulses(self) -> tuple[tuple[float, float], ...]:
-        """Pairs of time [s] and amplitude [1]; the amplitudes sum to 1."""
-        K = math.exp(-self.damping * math.pi / math.sqrt(1.0 - self.damping**2))
-        half = 0.5 / self.frequency
-        weights = (1.0, K) if self.kind == "ZV" else (1.0, 2.0 * K, K**2)
-        return tuple((k * half, weight / sum(weights)) for k, weight in enumerate(weights))
+from hoist_demo.parameters.trip_design import Shaper
 
 
 def shape(trip: Trajectory, shaper: Shaper) -> Trajectory:

@@ -8,10 +8,8 @@ import numpy as np
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 from rope_model import BalanceRope, EndMotion
 
-#: Slip safeties that design rules of friction hoists ask for, of the hoist at rest and of normal winding [assumed].
-AT_REST, MOVING = 1.75, 1.25
-#: what is read of a rope at rest
-READ = ("left.fy", "right.fy", "left.my", "loop.yaw", "loop.y", "loop.turns", "stress.bending_max")
+AT_REST = 1.75  #: Slip safety that design rules require of a hoist at rest [assumed].
+MOVING = 1.25  #: Slip safety that design rules require in normal winding [assumed].
 
 
 @dataclass(frozen=True)
@@ -19,9 +17,9 @@ class Hold:
     """Head ropes on the sheave, at one instant."""
 
     when: str
-    ratio: float  # of the tensions of both sides
+    ratio: float  # larger over smaller tension of both sides
     safety: float  # friction that there is over friction asked for
-    asked: float
+    required: float  # safety
 
 
 def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float, float]:
@@ -30,12 +28,12 @@ def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float
     `height` is that of the left conveyance [m], `acceleration` its own, upwards [m/s^2]; the balance ropes hang in two
     legs, whose lengths differ by twice the conveyances' distance from the middle.
     """
-    found = []
+    tensions = []
     for mass, y, sign in ((hoist.mass_left, height, 1.0), (hoist.mass_right, hoist.shaft_travel - height, -1.0)):
         leg = 0.5 * (hoist.tail_rope_length + 2.0 * y - hoist.shaft_travel)
         moved = mass + hoist.rope_mass * (hoist.sheave_height - y) + hoist.tail_rope_number * hoist.tail_rope_mass * leg
-        found.append(moved * (GRAVITY + sign * acceleration))
-    return found[0], found[1]
+        tensions.append(moved * (GRAVITY + sign * acceleration))
+    return tensions[0], tensions[1]
 
 
 def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
@@ -43,9 +41,9 @@ def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
 
     The conveyances are rigidly hung: swing of the head ropes, which jerk excites, lowers what a winding shows.
     """
-    found = []
+    instants = []
     up = 1.0 if winding.travel > 0.0 else -1.0
-    for when, acceleration, asked in (
+    for when, acceleration, required in (
         ("at rest", 0.0, AT_REST),
         ("speeding up", up * winding.acceleration, MOVING),
         ("slowing down", -up * winding.acceleration, MOVING),
@@ -57,8 +55,8 @@ def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
             left, right = pulls(hoist, height, acceleration)
             ratios.append(max(left, right) / min(left, right) if min(left, right) > 0.0 else np.inf)
         ratio = max(ratios)
-        found.append(Hold(when, ratio, hoist.slip_safety(ratio), asked))
-    return found
+        instants.append(Hold(when, ratio, hoist.slip_safety(ratio), required))
+    return instants
 
 
 def at_rest(rope: BalanceRope, hoist: Hoist, heights: Sequence[float]) -> Iterator[tuple[float, Mapping[str, float]]]:

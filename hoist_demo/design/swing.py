@@ -16,11 +16,11 @@ _NO_MODE = "no single damped mode fits what swings"
 
 @dataclass(frozen=True)
 class SwingMode:
-    """One damped mode of a record."""
+    """Damped mode that was fitted to a record."""
 
     frequency: float  # Hz, damped
     damping: float  # 1, ratio
-    amplitude: float  # of the record's unit, at its first instant
+    amplitude: float  # unit of the record, at its first instant
 
 
 def fit_swing(time: Array, x: Array) -> SwingMode | str:

@@ -21,61 +21,61 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+FIRST_STEP = 0.2  #: Radius of the trust region at the start, in parts of the ranges.
+LAST_STEP = 5e-3  #: Radius of the trust region at the end, in parts of the ranges.
 
-FIRST_STEP, LAST_STEP = 0.2, 5e-3  #: Radii of the trust region at the start and at the end, in parts of the ranges.
 
-
-class Judged(NamedTuple):
-    """Judgement of a point; cost and excess are infinite where a run failed."""
+class Score(NamedTuple):
+    """Score of a point; cost and excess are infinite where a run failed."""
 
     cost: float
     excess: tuple[float, ...] = ()  # over each bound, as a part of it; 0 or less where it is kept
 
     @property
     def finite(self) -> bool:
-        """True if there is something to compare."""
+        """True if the score can be compared."""
         return all(map(math.isfinite, (self.cost, *self.excess)))
 
     @property
-    def kept(self) -> bool:
+    def feasible(self) -> bool:
         """True if all bounds are kept."""
         return self.finite and max(self.excess, default=0.0) <= 0.0
 
     @property
     def rank(self) -> tuple[float, float]:
-        """Smaller is better: bounds come before the cost."""
+        """Key by which scores are sorted, smaller is better: bounds come before the cost."""
         return max(0.0, *self.excess, 0.0), self.cost
 
 
 #: Judges points, shape (points, dimensions), each coordinate between 0 and 1; called from several threads.
-Evaluate = Callable[[Array], Sequence[Judged]]
+Evaluate = Callable[[Array], Sequence[Score]]
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Extent of a search."""
+    """Sizes of the hypercube and of the searches."""
 
     sample: int  # points of the hypercube
-    searches: int  # from the best of them
+    searches: int  # number of searches, from the best points
     steps: int  # points of each search at most
     seed: int
 
 
 @dataclass(frozen=True)
-class Found:
-    """All points in their order, the same at each repetition, and what they have come to."""
+class SearchResult:
+    """Points of a search in their order, the same at each repetition, and their scores."""
 
     points: Array  # (points, dimensions)
-    judged: tuple[Judged, ...]
+    scores: tuple[Score, ...]
 
     @property
     def best(self) -> int:
         """Place of the best point, which need not keep its bounds."""
-        return min(range(len(self.judged)), key=lambda k: self.judged[k].rank)
+        return min(range(len(self.scores)), key=lambda k: self.scores[k].rank)
 
 
-def search(evaluate: Evaluate, dimensions: int, plan: Plan) -> Found:
-    """Points tried."""
+def search(evaluate: Evaluate, dimensions: int, plan: Plan) -> SearchResult:
+    """Minimise by a Latin hypercube and COBYQA from its best ``plan.searches`` points; return all points tried."""
     from scipy.stats import qmc  # slow to load, as the methods of minimise: most studies search nothing
 
     points = qmc.LatinHypercube(d=dimensions, rng=np.random.default_rng(plan.seed)).random(plan.sample)
@@ -85,14 +85,14 @@ def search(evaluate: Evaluate, dimensions: int, plan: Plan) -> Found:
         raise RuntimeError("search: no run of it completed: look at the causes in the results, or narrow the ranges")
     starts = sorted(finite, key=lambda k: judged[k].rank)[: plan.searches]
     walks = _walks([_Walk(evaluate, points[k], judged[k], [judged[i] for i in finite]) for k in starts], plan.steps)
-    return Found(
+    return SearchResult(
         np.vstack([points, *(x for walk in walks for x in walk.points)]),
-        (*judged, *(point for walk in walks for point in walk.judged)),
+        (*judged, *(point for walk in walks for point in walk.scores)),
     )
 
 
 def _walks(walks: Sequence[_Walk], steps: int) -> Sequence[_Walk]:
-    """The searches, one thread each; those that are left when one is interrupted end with their next point."""
+    """Run the searches, one thread each; when one is interrupted, the others end with their next point."""
     with ThreadPoolExecutor(len(walks)) as threads:
         running = [threads.submit(walk.minimise, steps) for walk in walks]
         try:
@@ -106,16 +106,16 @@ def _walks(walks: Sequence[_Walk], steps: int) -> Sequence[_Walk]:
 
 
 class _Walk:
-    """One search from a point; it collects what it tries beyond that point."""
+    """One search from a point, and the points that it tries beyond that."""
 
-    def __init__(self, evaluate: Evaluate, start: Array, judged: Judged, sample: Sequence[Judged]) -> None:
+    def __init__(self, evaluate: Evaluate, start: Array, judged: Score, sample: Sequence[Score]) -> None:
         costs = [point.cost for point in sample]
-        # of a run that failed: worse than any, but no cliff for the quadratic models
-        self._failed = Judged(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.excess))
+        # a run that failed scores worse than any, but makes no cliff for the quadratic models
+        self._failed = Score(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.excess))
         self._evaluate, self._start = evaluate, start
         self._seen = {start.tobytes(): judged}
         self.points: list[Array] = []
-        self.judged: list[Judged] = []
+        self.scores: list[Score] = []
         self.stopped = threading.Event()
 
     def minimise(self, steps: int) -> None:
@@ -132,12 +132,12 @@ class _Walk:
             options={"maxfev": steps, "initial_tr_radius": FIRST_STEP, "final_tr_radius": LAST_STEP},
         )
 
-    def _at(self, x: Array) -> Judged:
+    def _at(self, x: Array) -> Score:
         key = np.asarray(x, dtype=np.float64).tobytes()
         if key not in self._seen:
             if self.stopped.is_set():
                 raise InterruptedError("the search is given up")
             (self._seen[key],) = self._evaluate(x[None].copy())
             self.points.append(x.copy())
-            self.judged.append(self._seen[key])
+            self.scores.append(self._seen[key])
         return self._seen[key] if self._seen[key].finite else self._failed

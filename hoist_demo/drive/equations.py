@@ -32,20 +32,17 @@ import casadi as ca
 import numpy as np
 
 from hoist_demo.drive.legs import Friction, Leg, make_leg
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
 STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")  #: First entries of every state.
 
-SIDES = ("left", "right")
 INPUT_NAMES = (
     *("torque_command", "force_left", "force_right", "brake"),
     *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
 LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
-
-
 FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)  #: Places of the two vertical forces in an input.
 #: Places of the two vertical accelerations in the rates.
 ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
@@ -65,7 +62,7 @@ def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
 def state_names(hoist: Hoist) -> tuple[str, ...]:
     """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections.
 
-    Ropes that slide have the way slip [m] that they have slid, positive as the sheave's rotation, and their sense.
+    Ropes that slide have the distance slip [m] that they have slid, positive as the sheave's rotation, and their sense.
     """
     extra = extra_coordinates(hoist)
     brake = ("brake_pressure", "brake_deflection") if hoist.brake is not None else ()
@@ -76,15 +73,12 @@ def state_names(hoist: Hoist) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Equations:
-    """CasADi functions of hoists with the same parts.
-
-    x is the state, u the input in the order of INPUT_NAMES, l0 the free lengths, p the hoist's numbers.
-    """
+    """CasADi functions of hoists with the same parts; x: state, u: input, l0: free lengths, p: the hoist's numbers."""
 
     rates: Any  # (x, u, l0, p) -> dx/dt
     powers: Any  # the same arguments -> W, in the order of WORK_NAMES and LOSS_NAMES
     outputs: Any  # the same arguments -> OUTPUTS
-    mobility: Any  # the same arguments -> change of the conveyances' accelerations per force on either, (2, 2) [1/kg]
+    accelerance: Any  # the same arguments -> acceleration of each conveyance per force on either, (2, 2) [1/kg]
     hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
     lagrange: Any  # (x, a, u, l0, p) -> mass matrix times accelerations less forces, tensions; of ropes that hold
 
@@ -97,7 +91,7 @@ class Coordinates:
         self.q, self.v = ca.SX.sym("q", len(self.names)), ca.SX.sym("v", len(self.names))
 
     def __call__(self, name: str) -> tuple[Any, Any]:
-        """Coordinate and its rate; zeros where the hoist has not got it."""
+        """Coordinate and its rate; zeros where the hoist lacks it."""
         if name not in self.names:
             return 0.0, 0.0
         k = self.names.index(name)
@@ -106,7 +100,7 @@ class Coordinates:
 
 @cache
 def equations(parts: Hoist) -> Equations:
-    """The equations of motion of all hoists with these parts, `Hoist.parts` of one of them."""
+    """Return the equations of motion of all hoists with these parts (`Hoist.parts`)."""
     at, p = Coordinates(parts), ca.SX.sym("p", len(parts.numbers))
     hoist = with_numbers(parts, ca.vertsplit(p))
     q, v, R = at.q, at.v, hoist.sheave_radius
@@ -130,7 +124,7 @@ def equations(parts: Hoist) -> Equations:
     play_damping = sum(leg.play_damping for leg in legs)
     D = shaft_damping + rope_damping + play_damping
 
-    # what acts from outside and the dry friction, as generalised forces
+    # generalised forces: what acts from outside, and dry friction
     rim = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
     brake = _brake_friction(hoist, given["brake"], rim_speed)
     outside = {"phi": motor - R * rim - brake.force, "twist": motor}
@@ -171,13 +165,13 @@ def equations(parts: Hoist) -> Equations:
         rate + twist_rate, brake.force, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
         *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
     )  # fmt: skip
-    mobility = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
+    accelerance = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
     arguments, given_a = [x, u, l0, p], ca.SX.sym("a", len(at.names))
     return Equations(
         rates=_function("rates", arguments, rates),
         powers=_function("powers", arguments, powers),
         outputs=_function("outputs", arguments, shown),
-        mobility=_function("mobility", arguments, mobility),
+        accelerance=_function("accelerance", arguments, accelerance),
         hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
         lagrange=_function(
             "lagrange", [x, given_a, *arguments[1:]], ca.vertcat(mass_matrix @ given_a - forces, *tensions(given_a))
@@ -219,13 +213,13 @@ def _rotation(hoist: Hoist, at: Coordinates) -> tuple[Any, Any, Any]:
     return kinetic, shaft.stiffness * twist**2 / 2, damping * twist_rate**2 / 2
 
 
-def _brake_friction(hoist: Hoist, asked: Any, rim_speed: Any) -> Friction:
-    """Torque of the brake [N m]."""
+def _brake_friction(hoist: Hoist, command: Any, rim_speed: Any) -> Friction:
+    """Return the brake's friction, its torque in N m."""
     if (brake := hoist.brake) is None:
         return Friction()
     pressure, z = ca.SX.sym("brake_pressure"), ca.SX.sym("brake_deflection")
     rates = (
-        (ca.fmin(ca.fmax(asked, 0.0), 1.0) - pressure) / brake.lag,
+        (ca.fmin(ca.fmax(command, 0.0), 1.0) - pressure) / brake.lag,
         rim_speed - ca.fabs(rim_speed) * z / brake.travel,
     )
     return Friction(brake.torque * pressure * z / brake.travel, (pressure, z), rates)

@@ -41,20 +41,17 @@ from rope_model.numerics.kernels import Kernel, KernelForm, build_library, cache
 Vector = NDArray[np.float64]
 Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 #: Where steps have ended: all that `advance` gives there, size of the next one, s.
-Reached = tuple[Vector, float, float]
-
+StepEnd = tuple[Vector, float, float]
 SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
-SAFETY, SHRINKS, GROWS = 0.9, 0.5, 1.5  #: Of its steps: factor from the error, and its bounds.
+SAFETY = 0.9  #: Factor on the step that the error allows.
+SHRINKS = 0.5  #: Smallest factor from one step to the next.
+GROWS = 1.5  #: Largest factor from one step to the next.
 LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
 TOLERANCE = 1e-8  #: Of a step's error, relative and in SI units.
-
 WORKS = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
 PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
-
 ORDER = 5
-
-#: of the last stage, which is the result
-_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
+_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)  #: Weights b of the result, the last stage.
 _A = (
     (1 / 5,),
     (3 / 40, 9 / 40),
@@ -64,8 +61,7 @@ _A = (
     _B,
 )
 _C = (1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
-#: b - b*
-_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
+_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)  #: Weights b - b*.
 
 
 def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: Any) -> tuple[Any, Any, Any]:
@@ -85,7 +81,7 @@ def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: An
 
 
 def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
-    """Weighted sum of the stages, without those of no weight."""
+    """Return the weighted sum of the stages, without those of no weight."""
     terms = [weight * stage for weight, stage in zip(weights, stages, strict=True) if weight]
     return sum(terms[1:], terms[0])
 
@@ -94,36 +90,36 @@ def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
 class DriveKernels:
     """CasADi functions of hoists with the same parts, and places in the argument and in the result of `advance`."""
 
-    names: tuple[str, ...]  # of the states
+    names: tuple[str, ...]  # names of the states
     given: dict[str, slice]
     result: dict[str, slice]
     advance: Any
-    mobility: Any  # of the equations
-    hold: Any  # likewise
+    accelerance: Any  # function of the equations
+    hold: Any  # function of the equations
     library: Path | None  # that has `advance` compiled
 
 
 @cache
 def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
     """Return the kernels for all hoists with these parts (`Hoist.parts`)."""
-    of, names, numbers = drive.equations(parts), drive.state_names(parts), len(parts.numbers)
-    held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": numbers}
+    of, names = drive.equations(parts), drive.state_names(parts)
+    held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(parts.numbers)}
     given = _slices({"x": len(names), "works": WORKS, "s": 1, "h": 1, **held})
     shown = {"error": 1, "acting": len(drive.INPUT_NAMES), "shown": len(OUTPUTS)}
     result = _slices({"x": len(names), "works": WORKS, **shown})
-    functions = [_advance(of, given), of.mobility]
+    functions = [_advance(of, given), of.accelerance]
     made: list[Path] = []
 
     def build(compiler: Sequence[str]) -> Path:
         made.append(build_library(functions, compiler, cache_folder(), "hoist_drive"))
         return made[0]
 
-    (advance, mobility), found = prepare(functions, build, form)
-    return DriveKernels(names, given, result, advance, mobility, of.hold, made[0] if found == "compiled" else None)
+    (advance, accelerance), kind = prepare(functions, build, form)
+    return DriveKernels(names, given, result, advance, accelerance, of.hold, made[0] if kind == "compiled" else None)
 
 
 def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
-    """(one vector) -> one vector."""
+    """Return `advance` as a CasADi function of one vector that gives one vector."""
     n, held_from = given["x"].stop, given["H"].start
     numbers = given["p"].stop - held_from
     slope = _slope(of, n, numbers)
@@ -135,13 +131,13 @@ def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
     new, _, error = runge_kutta_step(lambda at, x: slope(x, at, held), s, y, k, h)
     error = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
     acting, shown = _loads_and_outputs(of, n, numbers)(new[:n], s + h, held)
-    # what is not finite anywhere passes as no step; a comparison with NaN is false
+    # a step with any value that is not finite fails; a comparison with NaN is false
     error = ca.if_else(ca.sumsqr(ca.vertcat(new, error, acting, shown)) < ca.inf, error, ca.inf)
     return ca.Function("advance", [z], [ca.vertcat(new[:n], z[given["works"]] + new[n:], error, acting, shown)])
 
 
 def _slope(of: drive.Equations, states: int, numbers: int) -> Any:
-    """(y, s, held) -> dy/ds."""
+    """Return the CasADi function (y, s, held) -> dy/ds."""
     y, s = ca.SX.sym("y", states + WORKS), ca.SX.sym("s")
     x = y[:states]
     held, H, u, l0, p = _symbols(of, numbers, x, s)
@@ -150,7 +146,7 @@ def _slope(of: drive.Equations, states: int, numbers: int) -> Any:
 
 
 def _loads_and_outputs(of: drive.Equations, states: int, numbers: int) -> Any:
-    """(x, s, held) -> input that acts, outputs."""
+    """Return the CasADi function (x, s, held) -> input that acts, outputs."""
     x, s = ca.SX.sym("x", states), ca.SX.sym("s")
     held, _, u, l0, p = _symbols(of, numbers, x, s)
     return ca.Function("loads_and_outputs", [x, s, held], ca.cse([u, of.outputs(x, u, l0, p)]))
@@ -165,9 +161,9 @@ def _symbols(of: drive.Equations, numbers: int, x: Any, s: Any) -> tuple[Any, An
 
 
 def _acting(of: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
-    """The input with its forces less the added masses times the accelerations that come out."""
+    """Return the input with its forces less the added masses times the accelerations that come out."""
     a = of.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
-    B = of.mobility(x, u, l0, p)
+    B = of.accelerance(x, u, l0, p)
     given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
     acting = ca.SX(u)
     for k, place in enumerate(drive.FORCES):
@@ -176,11 +172,11 @@ def _acting(of: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: An
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:
-    found, start = {}, 0
+    places, start = {}, 0
     for name, size in sizes.items():
-        found[name] = slice(start, start + size)
+        places[name] = slice(start, start + size)
         start += size
-    return found
+    return places
 
 
 class Integrator:
@@ -193,8 +189,8 @@ class Integrator:
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
         self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
         self.given = {name: self.z[place] for name, place in kernels.given.items()}
-        self._hold, self._mobility = kernels.hold, Kernel(kernels.mobility, [(2, 2)])
-        self.evaluations = 0  # of `advance` with a step, so far
+        self._hold, self._accelerance = kernels.hold, Kernel(kernels.accelerance, [(2, 2)])
+        self.evaluations = 0  # calls of `advance` with a step, so far
         self.give(p=hoist.numbers)
 
     def give(self, **values: Any) -> None:
@@ -206,23 +202,20 @@ class Integrator:
         """Return the motor's torque that holds the state at rest [N m]."""
         return float(self._hold(x, lengths, self.given["p"]))
 
-    def mobility(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
-        """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
-        (columns,) = self._mobility(x, u, np.array(lengths), self.given["p"])
+    def accelerance(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
+        """Return the change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
+        (columns,) = self._accelerance(x, u, np.array(lengths), self.given["p"])
         return columns.T
 
-    def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> Reached | None:
-        """Integrate to the end, or to where the watched function becomes positive; None on failure.
-
-        Begins with steps of this size, a share of h [s].
-        """
-        growth = GROWS
+    def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> StepEnd | None:
+        """Integrate in steps of `size` [parts of h] at first, to the end or where `watch` turns positive; else None."""
+        largest_factor = GROWS
         while size * h > SHORTEST:
             steps = max(1, math.ceil((end - s) / size - 1e-9))
             used = (end - s) / steps
             y = self.evaluate(s, used)
             error = y.item(self._error)
-            size = min(used * _change(error), size * growth)
+            size = min(used * _change(error), size * largest_factor)
             if error <= 1.0:
                 if watch is not None and watch(y) > 0.0:
                     y, used = self._first(y, s, used, h, watch)
@@ -232,18 +225,18 @@ class Integrator:
                 self.z[self._reached] = y[self._reached]
                 s += used
             else:
-                growth = 1.0
+                largest_factor = 1.0
         return None
 
     def evaluate(self, s: float, used: float = 0.0) -> Vector:
-        """All that `advance` gives after a step of the size used from the state given, at s; 0: in that state."""
+        """Return all that `advance` gives after a step of the size `used` from s; 0: in the state given."""
         self.give(s=s, h=used)
         self._advance.evaluate()
-        self.evaluations += used > 0.0
+        self.evaluations += 1 if used > 0.0 else 0
         return self.y.copy()
 
     def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:
-        """The result where what is watched has just become positive, and the size of the steps to there."""
+        """Locate where what is watched has just become positive; return the result there and the size of the step."""
         low = 0.0
         while (used - low) * h > LOCATED:
             middle = (low + used) / 2.0

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam
 
-At = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where the hoist has not got it.
+At = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where the hoist lacks it.
 
 
 class Friction(NamedTuple):
@@ -52,13 +52,13 @@ class Friction(NamedTuple):
 
 @dataclass(frozen=True)
 class Leg:
-    """One side's share of the equations; forces are generalised, one per coordinate."""
+    """Energies and forces of one side; forces are generalised, one per coordinate."""
 
     kinetic: Any
     potential: Any
     rope_damping: Any  # dissipation function of the head ropes
     rope_power: Any  # W, that it takes
-    play_damping: Any  # of the conveyance's motion between its guides
+    play_damping: Any  # dissipation function of the conveyance between its guides
     friction: Any  # N, of the guides along y, the jam's included
     jam: Friction
     pull: Any  # N, of the head ropes on the conveyance, without their inertia
@@ -83,14 +83,15 @@ def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) ->
     speed_vector = ca.vertcat(*speeds)
     kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
     lateral = _lateral(hoist, at, side, mass, mu * length)
-    stretched, kinetic = height + lateral.pull / (2 * height), kinetic + lateral.kinetic
+    stretched = height + lateral.pull / (2 * height)
+    kinetic = kinetic + lateral.kinetic
     # slack ones hang as far down as their weight stretches them
     hanging_free = length + mu * g * length**2 / (2 * EA)
     slack, elastic = ca.fmax(hanging_free - stretched, 0.0), EA * ca.fmax(stretched - hanging_free, 0.0) / length
     potential -= mu * g * length * (height + slack) / 2
     potential += lateral.potential + EA * (stretched + slack - length) ** 2 / (2 * length)
 
-    # with the rate cut where damping reaches the elastic pull; fmax for a damping of 0
+    # damping cuts the rate where it reaches the elastic pull; fmax for a damping of 0
     c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
     stretching, most = w - vy, elastic / ca.fmax(c, 1.0)
     damped = ca.fmin(ca.fmax(stretching, -most), most)
@@ -116,7 +117,7 @@ def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) ->
         play_damping=lateral.damping,
         friction=friction,
         jam=jam,
-        pull=ca.fmax(elastic + c * damped, 0.0),  # of rounding
+        pull=ca.fmax(elastic + c * damped, 0.0),  # rounding could make it negative
         slack=slack,
         side_force=hoist.tail_rope_number * ca.vertcat(*pulls),
         static_tension=g * (mass + mu * length + hoist.tail_mass * hanging),
@@ -142,7 +143,7 @@ class _Lateral(NamedTuple):
 
 
 def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _Lateral:
-    """Energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
+    """Return the energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
     if (play := hoist.play) is None:
         return _Lateral()
     k, c, arm = play.stiffness, play.clearance, play.arm
@@ -164,7 +165,7 @@ def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _L
 
 
 def _jam_friction(jam: Jam | None, side: str, y: Any, vy: Any) -> Friction:
-    """Force along the guides [N] in the narrow place of one side."""
+    """Return the force along the guides [N] in the narrow place of one side."""
     if jam is None:
         return Friction()
     z = ca.SX.sym(f"jam_deflection_{side}")

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from hoist_demo.parameters import SIDES
 
+Array = NDArray[np.float64]
 _AXES = ("x", "z", "yaw")
 _LATERAL = ("{}", "v{}", "a{}")
 _TURNING = ("{}", "{}_rate", "{}_acceleration")
@@ -20,11 +21,11 @@ OUTPUTS = (
     "motor_rate",  # rad/s
     "brake_torque",  # N m, on the sheave, positive against positive rotation
     *("static_tension_left", "static_tension_right"),  # N, at the sheave, were everything at rest here
-    # of a conveyance from the middle of its guides: x in the plane of the loop, z out of it, yaw about the vertical,
+    # place of a conveyance in its guides: x in the plane of the loop, z out of it, yaw about the vertical,
     # each with its rate and second derivative
     *(
         f"{name.format(axis)}_{side}"
-        for side in ("left", "right")
+        for side in SIDES
         for axis in _AXES
         for name in (_TURNING if axis == "yaw" else _LATERAL)
     ),

@@ -21,17 +21,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, STATE_NAMES
+from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
 from hoist_demo.drive.integrator import SHORTEST, WORKS, Integrator, Vector, Watch
 from hoist_demo.drive.outputs import SHOWN
-from hoist_demo.parameters import GRAVITY, Hoist
+from hoist_demo.parameters import GRAVITY, SIDES, Hoist
 from rope_model.numerics.kernels import KernelForm
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
 LEAST_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
 MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
-_TENSIONS, _RATE = (SHOWN["tension_left"], SHOWN["tension_right"]), STATE_NAMES.index("phi_rate")
+_TENSIONS = (SHOWN["tension_left"], SHOWN["tension_right"])
+_RATE = STATE_NAMES.index("phi_rate")
 
 
 class Slide(NamedTuple):
@@ -39,7 +40,7 @@ class Slide(NamedTuple):
 
     sense: float = 0.0  # 1 or -1 while they slide, 0 while they hold
     speed: float = 0.0  # m/s, of the ropes on the sheave
-    way: float = 0.0  # m, that they have slid since the start
+    slid_distance: float = 0.0  # m, since the start
     slip: float = 0.0  # m, the part of it that is not in the free lengths: since they hold no longer
 
 
@@ -50,7 +51,7 @@ class PlantState(NamedTuple):
     works: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
-    slide: Slide = Slide()  # of the head ropes on the sheave
+    slide: Slide = Slide()  # state of the head ropes on the sheave
 
 
 class PlantStep(NamedTuple):
@@ -64,16 +65,16 @@ class PlantStep(NamedTuple):
 
 
 class HoistPlant:
-    """The drive of one hoist; states are explicit and never changed in place. Not to be shared between threads."""
+    """Drive of one hoist; states are explicit and never changed in place. Not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
         self.hoist, self._form = hoist, form
-        self.holding = Integrator(_without_lining(hoist), form)  # of head ropes that hold on the sheave
+        self.holding = Integrator(_without_lining(hoist), form)  # for head ropes that hold on the sheave
         self.state_names = self.holding.names
 
     @cached_property
     def _sliding(self) -> Integrator:
-        """Made when it is needed: many hoists with a lining never slip."""
+        """Integrator of ropes that slide, made on first use: many hoists with a lining never slip."""
         return Integrator(self.hoist, self._form)
 
     @property
@@ -81,7 +82,7 @@ class HoistPlant:
         return [self.holding, *([self._sliding] if "_sliding" in vars(self) else [])]
 
     def reload(self, hoist: Hoist) -> None:
-        """Go on with the numbers of a hoist of the same parts: with another payload."""
+        """Take over the numbers of a hoist of the same parts: another payload."""
         self.hoist = hoist
         for integrator, alike in zip(self._made, (_without_lining(hoist), hoist), strict=False):
             integrator.give(p=alike.numbers)
@@ -92,10 +93,7 @@ class HoistPlant:
         return sum(integrator.evaluations for integrator in self._made)
 
     def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
-        """State at rest with the conveyances at the given heights [m] and the motor holding the imbalance.
-
-        The conveyances hang in the middle of their guides, under the vertical forces of one balance rope [N].
-        """
+        """Return the state at rest at these heights [m], under forces of one balance rope [N], held by the motor."""
         state = self.hanging_state(y_left, y_right, force_left, force_right)
         if not abs(state.x[0]) <= self.hoist.torque_limit:
             raise ValueError(
@@ -117,7 +115,7 @@ class HoistPlant:
         for j in range(1, hoist.head_rope_modes + 1):
             k = j * math.pi
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
-            for side, length in zip(("left", "right"), lengths, strict=True):
+            for side, length in zip(SIDES, lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
         x[0] = self.holding.holding_torque(x, lengths)
         if hoist.drive_shaft is not None:
@@ -128,14 +126,15 @@ class HoistPlant:
         self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
     ) -> PlantStep:
         """Advance with the path's three inputs, of INPUT_NAMES each, in one vector, from s = begin to its end."""
-        old, size = state, (state.step_next or h) / h
+        old = state
+        size = (state.step_next or h) / h
         for _ in range(MOST_SWITCHES):
             integrator, x, watch = self._at(state)
             integrator.give(x=x, works=state.works, l0=state.free_lengths, H=h, path=path, added_mass=added_mass)
-            found = integrator.integrate(h, size, begin, end, watch)
-            if found is None:
+            reached = integrator.integrate(h, size, begin, end, watch)
+            if reached is None:
                 return PlantStep(False, f"drive: {_not_finite(path, h, added_mass)}", old)
-            (y, fits, begin), result = found, integrator.result
+            (y, fits, begin), result = reached, integrator.result
             # the rest of a step behind a switch may be as short as it likes, and says nothing of what fits
             size = fits if state is old else max(size, fits)
             state = self._reached(state, y[result["x"]], y[result["works"]], size * h)
@@ -149,7 +148,7 @@ class HoistPlant:
         return PlantStep(False, f"drive: the head ropes slip and hold {often}: shorten the step", old)
 
     def _at(self, state: PlantState) -> tuple[Integrator, Vector, Watch | None]:
-        """The equations that hold in a state, the state as they have it, and what ends them."""
+        """Return the integrator for a state, the state in its coordinates, and the function to watch."""
         slide = state.slide
         if slide.sense == 0.0:
             return self.holding, state.x, None if self.hoist.lining is None else self._excess
@@ -161,29 +160,30 @@ class HoistPlant:
         return self._sliding, np.array([values[name] for name in names]), lambda y: -slide.sense * y.item(rate)
 
     def _excess(self, y: Vector) -> float:
-        """Tension that the friction does not hold [N], of ropes that hold."""
-        hoist, shown = self.hoist, self.holding.result["shown"].start
+        """Return the tension beyond what friction holds [N], of ropes that hold."""
+        hoist = self.hoist
         off = hoist.rope_mass * (hoist.sheave_radius * y.item(_RATE)) ** 2
+        shown = self.holding.result["shown"].start
         low, high = sorted(y.item(shown + k) for k in _TENSIONS)
         return high - off - hoist.tension_ratio_limit * max(low - off, 0.0)
 
     def _reached(self, state: PlantState, x: Vector, works: Vector, step_next: float) -> PlantState:
-        """The state where the integrator has ended, there in x."""
+        """Return the state in which the integrator has ended, from its coordinates x."""
         slide = state.slide
         if slide.sense != 0.0:
             values = dict(zip(self._sliding.names, x.tolist(), strict=True))
-            slip, way = values["slip"], slide.way + (values["slip"] - slide.slip)
+            slid_distance = slide.slid_distance + (values["slip"] - slide.slip)
             x = np.array([values[name] for name in self.state_names])
-            slide = Slide(slide.sense, values["slip_rate"], way, slip)
+            slide = Slide(slide.sense, values["slip_rate"], slid_distance, values["slip"])
         return PlantState(x, works, state.free_lengths, step_next, slide)
 
-    def mobility(self, state: PlantState) -> Vector:
-        """Change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]; exact, they are linear."""
+    def accelerance(self, state: PlantState) -> Vector:
+        """Return the change of (a_left, a_right) per force on either conveyance, exact, shape (2, 2) [1/kg]."""
         integrator, x, _ = self._at(state)
-        return integrator.mobility(x, np.zeros(len(INPUT_NAMES)), state.free_lengths)
+        return integrator.accelerance(x, np.zeros(len(INPUT_NAMES)), state.free_lengths)
 
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
-        """The input that acts at s, and OUTPUTS."""
+        """Return the input that acts at s, and OUTPUTS."""
         integrator, x, _ = self._at(state)
         integrator.give(x=x, works=state.works, l0=state.free_lengths, H=0.0, path=path, added_mass=added_mass)
         y, result = integrator.evaluate(s), integrator.result
@@ -222,5 +222,6 @@ def _switched(state: PlantState, shown: Vector) -> PlantState:
     (left, right), slide = state.free_lengths, state.slide
     if slide.sense == 0.0:
         sense = 1.0 if shown[_TENSIONS[1]] > shown[_TENSIONS[0]] else -1.0
-        return state._replace(slide=Slide(sense, way=slide.way))
-    return state._replace(slide=Slide(way=slide.way), free_lengths=(left - slide.slip, right + slide.slip))
+        return state._replace(slide=Slide(sense, slid_distance=slide.slid_distance))
+    lengths = (left - slide.slip, right + slide.slip)
+    return state._replace(slide=Slide(slid_distance=slide.slid_distance), free_lengths=lengths)

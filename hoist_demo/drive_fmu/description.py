@@ -7,12 +7,13 @@ from importlib.resources import files
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import Trajectory, s_curve
-from hoist_demo.drive_fmu.interface import START_PULLS, Tail, Variable, force_inputs, holding, plant_outputs, variables
+from hoist_demo.drive_fmu.interface import START_PULLS, DriveTail, force_inputs, holding, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
 from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
 from hoist_demo.parameters.problems import Problems
 from rope_model import Inputs
+from rope_model.scene_names import Variable
 from rope_model.texts import html_text
 
 NAME = "HoistDrive"
@@ -33,19 +34,16 @@ class DriveModel:
 
 
 def duration(winding: Winding, trajectory: Trajectory | None = None) -> float:
-    """Return the duration of a trip with the waits before and after it, in whole seconds [s].
-
-    ``trajectory`` is another trip than the winding's S-curve, without the wait before it.
-    """
+    """Return a trip's duration with waits, in whole seconds; ``trajectory``, without waits, replaces the S-curve."""
     reached = s_curve(winding).duration if trajectory is None else winding.start_delay + trajectory.duration
     return float(math.ceil(reached + winding.settle))
 
 
-def drive_model(case: Case, tails: Sequence[Tail] = (), trajectory: Trajectory | None = None) -> DriveModel:
+def drive_model(case: Case, tails: Sequence[DriveTail] = (), trajectory: Trajectory | None = None) -> DriveModel:
     """Hoist and trip of ``case`` as C; the trip is part of the export.
 
     ``tails`` are its balance ropes where they differ; the hoist of the case has them as one.  ``trajectory`` as for
-    duration.  The brake is left out: it is for emergency stops, which an exported trip has not got; ValueError names
+    duration.  The brake is left out: it is for emergency stops, which an exported trip lacks; ValueError names
     what else an exported drive cannot hold.
     """
     Problems(obstacles(case)).refuse()
@@ -65,11 +63,11 @@ def drive_model(case: Case, tails: Sequence[Tail] = (), trajectory: Trajectory |
         "drive_kernels.c": generated.c,
         "drive_table.h": _table(case, table, generated, tails, reference),
     }
-    lasts, held = duration(case.winding, trajectory), initial(case, tails)
-    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, held)
+    lasts = duration(case.winding, trajectory)
+    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, initial(case, tails))
 
 
-def initial(case: Case, tails: Sequence[Tail] = ()) -> dict[str, tuple[str, ...]]:
+def initial(case: Case, tails: Sequence[DriveTail] = ()) -> dict[str, tuple[str, ...]]:
     """Return the inputs, and the parameters in their place, that the outputs follow during initialisation.
 
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
@@ -117,9 +115,9 @@ static const double DRIVE_TRIP[][5] = {trip};
 
 
 def _table(
-    case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail], reference: Trajectory
+    case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[DriveTail], reference: Trajectory
 ) -> str:
-    """drive_table.h: sizes, places in the table and the trip."""
+    """Return the text of drive_table.h: sizes, places in the table and the trip."""
     trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
     hardest = [i for i, name in enumerate(plant_outputs(case.hoist, tails)) if name.endswith((".ax", ".ay", ".az"))]
     integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
@@ -139,7 +137,7 @@ def _table(
     )
 
 
-def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[Tail]) -> dict[str, int]:
+def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[DriveTail]) -> dict[str, int]:
     """Sizes of kernels and trip, and places in the table of variables."""
     names, shown = [v.name for v in table], plant_outputs(case.hoist, tails)
     forces = force_inputs(tails)
@@ -169,7 +167,7 @@ def _rows(rows: Sequence[Sequence[float]]) -> str:
 
 
 def attachments(description: str, table: Sequence[Variable]) -> dict[str, bytes]:
-    """Files by their paths in the FMU."""
+    """Return documentation and picture by their paths in the FMU."""
     rows = "\n".join(
         f"<tr><td><code>{html_text(v.name)}</code></td><td>{v.causality}</td><td>{html_text(v.unit)}</td>"
         f"<td>{'' if v.start is None else f'{v.start:g}'}</td><td>{html_text(v.description)}</td></tr>"

@@ -15,16 +15,15 @@ from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import SIDE_FORCES
-from hoist_demo.parameters import GRAVITY, Hoist, start_heights
+from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
 from hoist_demo.parameters.place import MOVED, Place
 from hoist_demo.parameters.quantity import leaves
 from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
-from rope_model.scene_names import Variable as Variable
+from rope_model.scene_names import Variable
 
-_SIDES = ("left", "right")
-INPUTS = tuple(f"{side}.fy_mean" for side in _SIDES)
-START_PULLS = tuple(f"{side}.fy_start" for side in _SIDES)
+INPUTS = tuple(f"{side}.fy_mean" for side in SIDES)
+START_PULLS = tuple(f"{side}.fy_start" for side in SIDES)
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
 #: Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side.
 _LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
@@ -66,8 +65,8 @@ _FORCES = {
 }
 
 
-class Tail(NamedTuple):
-    """One of several balance ropes."""
+class DriveTail(NamedTuple):
+    """One of several balance ropes, as the drive takes it."""
 
     name: str
     mass_per_length: float  # kg/m
@@ -75,24 +74,24 @@ class Tail(NamedTuple):
     place: Place = Place()
 
 
-def force_inputs(tails: Sequence[Tail]) -> tuple[str, ...]:
+def force_inputs(tails: Sequence[DriveTail]) -> tuple[str, ...]:
     """Names of the vertical forces: left and right, of each rope where there are several."""
     return tuple(f"{tail.name}.{force}" for tail in tails for force in INPUTS) or INPUTS
 
 
-def holding(tails: Sequence[Tail]) -> dict[str, tuple[str, ...]]:
+def holding(tails: Sequence[DriveTail]) -> dict[str, tuple[str, ...]]:
     """Outputs that hold the balance ropes' weight, and what says how much: inputs, and parameters in their place."""
     names = (*force_inputs(tails), *START_PULLS)
     return {
         **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), names),
-        **{f"drive.tension_{side}": names[k::2] for k, side in enumerate(_SIDES)},
+        **{f"drive.tension_{side}": names[k::2] for k, side in enumerate(SIDES)},
     }
 
 
-def rest_forces(case: Case, tail: Tail | None = None) -> tuple[float, float]:
+def rest_forces(case: Case, tail: DriveTail | None = None) -> tuple[float, float]:
     """Weight of a balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
     left, right = start_heights(case.hoist, case.winding)
-    rope = tail or Tail("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
+    rope = tail or DriveTail("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
     weight = GRAVITY * rope.mass_per_length
     middle = 0.5 * rope.length
     return -weight * (middle + 0.5 * (left - right)), -weight * (middle - 0.5 * (left - right))
@@ -100,30 +99,30 @@ def rest_forces(case: Case, tail: Tail | None = None) -> tuple[float, float]:
 
 def motions(hoist: Hoist) -> dict[str, str]:
     """Outputs that a balance rope at the conveyances' centres takes in, and their names in OUTPUTS."""
-    found = {f"{side}.{name}": f"{field}_{side}" for side in _SIDES for name, field in _UPRIGHT.items()}
+    names = {f"{side}.{name}": f"{field}_{side}" for side in SIDES for name, field in _UPRIGHT.items()}
     if hoist.play is not None:
-        found |= {f"{side}.{name}": f"{name}_{side}" for side in _SIDES for name in _LATERAL}
-    return found
+        names |= {f"{side}.{name}": f"{name}_{side}" for side in SIDES for name in _LATERAL}
+    return names
 
 
-def side_forces(hoist: Hoist, tails: Sequence[Tail]) -> tuple[str, ...]:
+def side_forces(hoist: Hoist, tails: Sequence[DriveTail]) -> tuple[str, ...]:
     """Inputs beyond the vertical forces: of each rope, in the order of the plant's."""
     if hoist.play is None:
         return ()
     return tuple(f"{tail.name}.{force}" for tail in tails for force in SIDE_FORCES) or SIDE_FORCES
 
 
-def placed_motions(hoist: Hoist, tails: Sequence[Tail]) -> list[str]:
+def placed_motions(hoist: Hoist, tails: Sequence[DriveTail]) -> list[str]:
     """Outputs that the ropes beside the centres take in, by rope and end MOVED: there a conveyance's yaw counts."""
-    return [f"{tail.name}.{side}.{name}" for tail in placed(hoist, tails) for side in _SIDES for name in MOVED]
+    return [f"{tail.name}.{side}.{name}" for tail in placed(hoist, tails) for side in SIDES for name in MOVED]
 
 
-def placed(hoist: Hoist, tails: Sequence[Tail]) -> list[Tail]:
+def placed(hoist: Hoist, tails: Sequence[DriveTail]) -> list[DriveTail]:
     """Ropes beside the centres of conveyances that may yaw."""
     return [tail for tail in tails if hoist.play is not None and tail.place != Place()]
 
 
-def plant_outputs(hoist: Hoist, tails: Sequence[Tail]) -> tuple[str, ...]:
+def plant_outputs(hoist: Hoist, tails: Sequence[DriveTail]) -> tuple[str, ...]:
     """Names of the plant's outputs, in the order of the table."""
     return (*motions(hoist), *placed_motions(hoist, tails), *(name for name, _, _ in _DRIVE.values()))
 
@@ -133,8 +132,8 @@ def shown_as(hoist: Hoist) -> dict[str, str]:
     return motions(hoist) | {name: shown for shown, (name, _, _) in _DRIVE.items()}
 
 
-def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Variable, ...]:
-    """The table; ``step`` is the largest internal step [s], ``tails`` are the balance ropes where there are several."""
+def variables(case: Case, step: float, tails: Sequence[DriveTail] = ()) -> tuple[Variable, ...]:
+    """Return the table of FMI variables; ``step`` is the largest internal step [s], ``tails`` are several ropes."""
     outputs = [(name, *_words(_MOTIONS, name)) for name in (*motions(case.hoist), *placed_motions(case.hoist, tails))]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
     assert {*shown_as(case.hoist).values()} <= SHOWN.keys()
@@ -147,22 +146,22 @@ def variables(case: Case, step: float, tails: Sequence[Tail] = ()) -> tuple[Vari
     )
 
 
-def _parameters(case: Case, step: float, tails: Sequence[Tail]) -> Iterator[Variable]:
-    start, wait = case.winding.start_delay, "wait before the trip begins"
-    yield Variable("trip.start", "parameter", "fixed", "Real", "s", start, wait, 0.0, _MOST)
+def _parameters(case: Case, step: float, tails: Sequence[DriveTail]) -> Iterator[Variable]:
+    text = "wait before the trip begins"
+    yield Variable("trip.start", "parameter", "fixed", "Real", "s", case.winding.start_delay, text, 0.0, _MOST)
     pulls = np.sum([rest_forces(case, tail) for tail in tails or (None,)], axis=0)
-    for side, name, pull in zip(_SIDES, START_PULLS, pulls, strict=True):
+    for side, name, pull in zip(SIDES, START_PULLS, pulls, strict=True):
         text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
         yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
     for p in leaves(Gains):
-        value, low, high = getattr(case.gains, p.name), 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
-        about = _GAINS[p.name]
+        low, high = 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
+        value, about = getattr(case.gains, p.name), _GAINS[p.name]
         yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, about, low, high)
 
 
-def _inputs(case: Case, tails: Sequence[Tail]) -> Iterator[Variable]:
+def _inputs(case: Case, tails: Sequence[DriveTail]) -> Iterator[Variable]:
     upright, sides = force_inputs(tails), side_forces(case.hoist, tails)
     forces = [force for tail in tails or (None,) for force in rest_forces(case, tail)] + [0.0] * len(sides)
     for name, force in zip((*upright, *sides), forces, strict=True):

@@ -22,29 +22,27 @@ import numpy as np
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.kernel import ARGUMENTS, law_kernel
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES, equations
+from hoist_demo.drive.equations import INPUT_NAMES, equations
 from hoist_demo.drive.integrator import runge_kutta_step
 from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.drive_fmu.interface import Tail, placed, plant_outputs, shown_as, side_forces
-from hoist_demo.parameters import GRAVITY, Hoist, start_heights
+from hoist_demo.drive_fmu.interface import DriveTail, placed, plant_outputs, shown_as, side_forces
+from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
 from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
 
 #: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.
 LIMIT = 0.25
-
 DEGREE = 4
-
-_ONE = Tail("", 0.0, 0.0)  #: The rope of a hoist with one, or with equal ones.
+_ONE = DriveTail("", 0.0, 0.0)  #: The rope of a hoist with one, or with equal ones.
 
 
 @dataclass(frozen=True)
 class Kernels:
-    """The C text, and what the C code around it needs to know."""
+    """C text of the kernels, with the sizes that the C code around it needs."""
 
     c: str
     states: int
-    inputs: int  # of the plant; torque command and the two forces come first
+    inputs: int  # number of the plant's inputs; torque command and the two forces come first
     step: float  # s, largest stable and accurate
     lowest_force: float  # N, the state at rest is known from here to 0
     work: tuple[int, int, int, int]  # sizes of arg, res, iw and w
@@ -53,7 +51,7 @@ class Kernels:
 _HOST = Path(__file__).resolve().parent.parent
 
 
-def kernels(case: Case, tails: Sequence[Tail] = ()) -> Kernels:
+def kernels(case: Case, tails: Sequence[DriveTail] = ()) -> Kernels:
     """C functions drive_rest, _input, _step, _outputs and _control; the installed package brings some."""
     brought = kernels_file(_HOST, case)
     if tails or not brought.exists():
@@ -70,8 +68,8 @@ def kernels_file(package: Path, case: Case) -> Path:
     return package / "drive_fmu" / "prebuilt" / f"kernels-{digest.hexdigest()[:20]}.json"
 
 
-def generate(case: Case, tails: Sequence[Tail] = ()) -> Kernels:
-    """The kernels, made anew."""
+def generate(case: Case, tails: Sequence[DriveTail] = ()) -> Kernels:
+    """Generate the kernels as C."""
     plant = HoistPlant(case.hoist)
     lowest = -2.0 * GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length
     rest = _rest(plant, case, lowest)
@@ -120,16 +118,17 @@ def _rates(plant: HoistPlant, x: Any, u: Any, l0: Any) -> Any:
 
 
 def _step(plant: HoistPlant) -> Any:
-    """(x, u, l0, h) -> x after h."""
+    """Return the step (x, u, l0, h) -> x after h."""
     x, u, l0 = _arguments(plant)
     h = ca.SX.sym("h")
     new, _, _ = runge_kutta_step(lambda _, at: _rates(plant, at, u, l0), 0.0, x, _rates(plant, x, u, l0), h)
     return ca.Function("drive_step", [x, u, l0, h], [new])
 
 
-def _input(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
+def _input(plant: HoistPlant, tails: Sequence[DriveTail]) -> Any:
     """(x, forces of the ropes in the order of the table) -> the plant's input but for the torque."""
-    x, ropes = ca.SX.sym("x", len(plant.state_names)), tails or (_ONE,)
+    x = ca.SX.sym("x", len(plant.state_names))
+    ropes = tails or (_ONE,)
     forces = ca.SX.sym("F", 2 * len(ropes) + len(side_forces(plant.hoist, tails)))
     total = dict.fromkeys(INPUT_NAMES[1:], ca.SX(0.0))
     upright, sides = forces[: 2 * len(ropes)], forces[2 * len(ropes) :]
@@ -148,30 +147,30 @@ def _input(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
     return ca.Function("drive_input", [x, forces], [ca.vertcat(*total.values())])
 
 
-def _outputs(plant: HoistPlant, tails: Sequence[Tail]) -> Any:
-    """(x, u, l0) -> the outputs of the interface."""
+def _outputs(plant: HoistPlant, tails: Sequence[DriveTail]) -> Any:
+    """Return the function (x, u, l0) -> outputs of the interface."""
     x, u, l0 = _arguments(plant)
     shown = equations(plant.hoist.parts).outputs(x, u, l0, plant.hoist.numbers)
-    found = {name: shown[SHOWN[field]] for name, field in shown_as(plant.hoist).items()}
+    signals = {name: shown[SHOWN[field]] for name, field in shown_as(plant.hoist).items()}
     for tail in placed(plant.hoist, tails):
         for side in SIDES:
-            centre, yaw = [found[f"{side}.{name}"] for name in MOVED], found[f"{side}.yaw"]
-            growth = shown[SHOWN[f"yaw_acceleration_{side}"]]
-            moved = motion_at(tail.place.at(side), centre, yaw, found[f"{side}.yaw_rate"], growth)
-            found |= {f"{tail.name}.{side}.{name}": value for name, value in zip(MOVED, moved, strict=True)}
+            centre, yaw = [signals[f"{side}.{name}"] for name in MOVED], signals[f"{side}.yaw"]
+            yaw_acceleration = shown[SHOWN[f"yaw_acceleration_{side}"]]
+            moved = motion_at(tail.place.at(side), centre, yaw, signals[f"{side}.yaw_rate"], yaw_acceleration)
+            signals |= {f"{tail.name}.{side}.{name}": value for name, value in zip(MOVED, moved, strict=True)}
     names = plant_outputs(plant.hoist, tails)
-    return ca.Function("drive_outputs", [x, u, l0], [ca.vertcat(*(found[name] for name in names))])
+    return ca.Function("drive_outputs", [x, u, l0], [ca.vertcat(*(signals[name] for name in names))])
 
 
 def _control(hoist: Hoist) -> Any:
-    """The control law: (its ARGUMENTS, gains) -> (M_c, I)."""
+    """Return the control law (its ARGUMENTS, gains) -> (M_c, I)."""
     sample, gains = ca.SX.sym("sample", len(ARGUMENTS)), ca.SX.sym("gains", len(fields(Gains)))
     torque, _, grown = ca.vertsplit(law_kernel(hoist.parts)(ca.vertcat(sample, gains, ca.DM(hoist.numbers))))
     return ca.Function("drive_control", [sample, gains], [torque, grown])
 
 
 def _largest_step(plant: HoistPlant, case: Case, rest: Any) -> float:
-    """Two significant digits [s]; the fastest oscillation is that of the shortest head rope, at either landing."""
+    """Return the largest step in two digits [s], of the fastest oscillation: the shortest head rope, at a landing."""
     x, u, l0 = _arguments(plant)
     jacobian = ca.Function("J", [x, u, l0], [ca.jacobian(_rates(plant, x, u, l0), x)])
     fastest = 0.0

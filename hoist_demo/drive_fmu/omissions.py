@@ -25,7 +25,7 @@ OMISSIONS = {
 
 
 def leave_out(case: Case, names: Collection[str]) -> Case:
-    """The case without what OMISSIONS call by these names, and without its brake, which nothing else asks for."""
+    """Return the case without the parts of these OMISSIONS, and without its brake."""
     chosen = [OMISSIONS[name] for name in names if name in OMISSIONS]
     parts: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.hoist)
     stops: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.winding)

@@ -22,26 +22,26 @@ _ROUNDING = 1e-9  #: Of heights [m].
 
 
 class Duty(LevelHead):
-    """Head of the file."""
+    """Table [duty] at the head of a schedule's file."""
 
     repeat: int = Field(1, ge=1, description="how often the trips are wound one after the other")
 
 
 class Schedule(RunFile):
-    """Trips that are wound one after the other, again and again."""
+    """Schema of a schedule's TOML file: trips that are wound one after the other, again and again."""
 
     head: Duty = Field({}, alias="duty", validate_default=True)
     trips: list[Values] = Field(alias="trip", min_length=1)
 
     @property
     def given(self) -> dict[str, str]:
-        """Where each value that is set comes from, by name."""
+        """Status of each value that is set, by name."""
         return {key: status for one in (self.fixed, *self.trips) for key, status in statuses(one).items()}
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
-        """Data of the trips."""
-        found = []
+        """Data of the listed trips, once each."""
+        runs = []
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
                 problems += [
@@ -51,16 +51,16 @@ class Schedule(RunFile):
                     if key not in _PAYLOADS and not key.startswith("winding.")
                 ]
                 with problems.at(f"trip {k}"):
-                    found.append(build(self.head.hoist, self.fixed, varied=trip))
-        return tuple(found)
+                    runs.append(build(self.head.hoist, self.fixed, varied=trip))
+        return tuple(runs)
 
     @property
     def count(self) -> int:
-        """Number of all trips."""
+        """Number of trips, repetitions included."""
         return self.head.repeat * len(self.pattern)
 
     def trip(self, number: int) -> RunData:
-        """Data of a trip, the first being 1; beyond the last one the pattern goes on."""
+        """Return the data of a trip, the first being 1; beyond the last one the pattern goes on."""
         return self.pattern[(number - 1) % len(self.pattern)]
 
     def landing(self, number: int) -> float:
@@ -77,7 +77,8 @@ class Schedule(RunFile):
     def _follow_one_another(self) -> Self:
         top = self.trip(1).hoist.shaft_travel
         for k in range(1, self.count + 1):
-            winding, end = self.trip(k).winding, self.landing(k)
+            winding = self.trip(k).winding
+            end = self.landing(k)
             if not -_ROUNDING <= end <= top + _ROUNDING:
                 raise ValueError(
                     f"trip {k}: winding.travel = {winding.travel:g} m leads to {end:g} m, which must be within 0 and "

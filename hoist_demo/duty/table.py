@@ -12,7 +12,7 @@ import numpy as np
 
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
-from hoist_demo.duty.wind import Trip
+from hoist_demo.duty.wind import WoundTrip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.study.metrics import METRICS, ROPE_SIGNALS, measure
 from rope_model import EndMotion
@@ -53,7 +53,6 @@ COLUMNS = {
 }
 
 UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1"}
-
 _SMALLEST_IS_WORST = ("clearance", "slip_safety")
 #: Columns of which the worst trip is told.
 JUDGED = (
@@ -67,7 +66,7 @@ NEGLIGIBLE = {"N": 1.0, "m": 1e-3, "rad": 1e-3, "N.m": 0.1}
 
 @dataclass(frozen=True)
 class Worst:
-    """The worst trip by one column, and what the first cycle, from rest, would have shown."""
+    """Worst trip by one column, and the worst of the first cycle, which begins at rest."""
 
     name: str
     value: float
@@ -88,52 +87,52 @@ def place_at_rest(schedule: Schedule, rope: RopePlant) -> tuple[float, float]:
     return x, z
 
 
-def row(trip: Trip, rest: tuple[float, float]) -> dict[str, float]:
-    """The row of a trip; `rest` is where the loop's lowest point hung at rest, x and z [m]."""
+def trip_row(trip: WoundTrip, rest: tuple[float, float]) -> dict[str, float]:
+    """Return the row of a trip; `rest` is x and z of the loop's lowest point at rest [m]."""
     recording, data = trip.result.recording, trip.data
     measured = measure(trip.result, data.hoist, data.winding, data.arrival).metrics
-    found = dict.fromkeys(COLUMNS, math.nan) | {name: measured[name] for name in _MEASURED}
-    found |= {"trip": float(trip.number), "start": float(recording.time[0])}
+    columns = dict.fromkeys(COLUMNS, math.nan) | {name: measured[name] for name in _MEASURED}
+    columns |= {"trip": float(trip.number), "start": float(recording.time[0])}
     if trip.result.end is not None:
-        found["landing"] = trip.result.end.landing
+        columns["landing"] = trip.result.end.landing
     for name, signal, place in (("sway", "loop.x", rest[0]), ("sway_across", "loop.z", rest[1])):
-        found[name] = float(np.max(np.abs(recording[signal] - place)))
-    found["turns"] = float(np.max(np.abs(recording["loop.turns"])))
-    return found | _yaw(recording, trip.result.trajectory.duration)
+        columns[name] = float(np.max(np.abs(recording[signal] - place)))
+    columns["turns"] = float(np.max(np.abs(recording["loop.turns"])))
+    return columns | _yaw(recording, trip.result.trajectory.duration)
 
 
 def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
     yaw, t = recording["loop.yaw"], recording.time - recording.time[0] - arrived
-    found = {"yaw_start": float(yaw[0]), "yaw_end": float(yaw[-1])}
+    columns = {"yaw_start": float(yaw[0]), "yaw_end": float(yaw[-1])}
     dwelling = np.flatnonzero(t >= 0.0)
     if dwelling.size and np.isfinite(yaw).all():
         most = dwelling[np.argmax(np.abs(yaw[dwelling]))]
-        found |= {"yaw_dwelling": float(abs(yaw[most])), "yaw_dwelling_at": float(t[most])}
-    return found
+        columns |= {"yaw_dwelling": float(abs(yaw[most])), "yaw_dwelling_at": float(t[most])}
+    return columns
 
 
-def table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
-    """All rows as columns, with what differs from the trip a cycle before."""
+def trip_table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
+    """Return all rows as columns, with the change from the trip a cycle before."""
     columns = {name: np.array([row[name] for row in rows]) for name in rows[-1]}
     return Recording(columns | {"difference": differences(columns, cycle)}, UNITS)
 
 
 def differences(columns: Mapping[str, Array], cycle: int) -> Array:
     """Largest change of REPEATING against the trip a cycle before, as a part of the column's largest; NaN at first."""
-    found = np.full(columns["trip"].size, math.nan)
-    if found.size <= cycle:
-        return found
-    found[cycle:] = 0.0
+    changes = np.full(columns["trip"].size, math.nan)
+    if changes.size <= cycle:
+        return changes
+    changes[cycle:] = 0.0
     for name in REPEATING:
         values = columns[name]
         if np.isfinite(values).all():
             largest = max(float(np.max(np.abs(values))), NEGLIGIBLE[UNITS[name]] / STEADY)
-            found[cycle:] = np.maximum(found[cycle:], np.abs(values[cycle:] - values[:-cycle]) / largest)
-    return found
+            changes[cycle:] = np.maximum(changes[cycle:], np.abs(values[cycle:] - values[:-cycle]) / largest)
+    return changes
 
 
 def steady_from(trips: Recording, cycle: int) -> int | None:
-    """The first trip from which on each repeats the one a cycle before, for a cycle at least; None: there is none."""
+    """Return the first trip from which on each repeats the one a cycle before, for a cycle at least; else None."""
     unlike = np.flatnonzero(~(trips["difference"] <= STEADY))
     first = int(unlike[-1]) + 1 if unlike.size else 0
     return int(trips["trip"][first]) if first + cycle <= trips["trip"].size else None
@@ -141,12 +140,12 @@ def steady_from(trips: Recording, cycle: int) -> int | None:
 
 def worst(trips: Recording, cycle: int) -> list[Worst]:
     """Return the worst trip by each column of JUDGED that the rope's fidelity shows."""
-    found = []
+    worst_trips = []
     for name in JUDGED:
         values = trips[name]
         if np.isfinite(values).all():
             sign = -1.0 if name in _SMALLEST_IS_WORST else 1.0
             k = int(np.argmax(sign * values))
             first = sign * float(np.max(sign * values[:cycle]))
-            found.append(Worst(name, float(values[k]), int(trips["trip"][k]), first))
-    return found
+            worst_trips.append(Worst(name, float(values[k]), int(trips["trip"][k]), first))
+    return worst_trips

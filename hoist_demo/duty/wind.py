@@ -22,22 +22,22 @@ from hoist_demo.study.run import RunData
 
 
 @dataclass(frozen=True)
-class Trip:
-    """One of the trips that were wound."""
+class WoundTrip:
+    """Trip of a duty that was wound, with its result."""
 
     number: int  # 1 for the first
     data: RunData
     result: Result
 
 
-def wind(
+def wind_duty(
     schedule: Schedule,
     rope: RopePlant,
     torque_free: bool,
     progress: Callable[[int], Progress] | None = None,
     after: TripEnd | None = None,
     done: int = 0,
-) -> Iterator[Trip]:
+) -> Iterator[WoundTrip]:
     """Wind the trips after the first `done`, from the drive and coupling in `after` and the rope as it is.
 
     `torque_free` is whether the rope carries no torque; `progress` gives each trip whom to tell. The last trip is one
@@ -45,7 +45,8 @@ def wind(
     """
     drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
-        run, chosen = schedule.trip(number), drives[(number - 1) % len(drives)]
+        run = schedule.trip(number)
+        chosen = drives[(number - 1) % len(drives)]
         host = Host(
             rope,
             run.hoist,
@@ -60,7 +61,7 @@ def wind(
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again
             result = replace(result, end=None)
-        yield Trip(number, run, replace(result, recording=mask_neglected(result.recording, torque_free)))
+        yield WoundTrip(number, run, replace(result, recording=mask_neglected(result.recording, torque_free)))
         after = result.end
         if after is None:
             return
@@ -89,16 +90,16 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[di
     """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
     checkpoint = Checkpoint.read(path)
     if checkpoint.data != schedule.data:
-        found = differences(checkpoint.data, schedule.data)
-        raise ValueError(f"'{path}' must be of this schedule, but {found}: give another --out")
+        changes = differences(checkpoint.data, schedule.data)
+        raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
     rope.restore(rope.from_bytes(checkpoint.rope))
     end = TripEnd(
         checkpoint.t, schedule.landing(checkpoint.sample), checkpoint.plant, checkpoint.input, checkpoint.memory
     )
-    return rows_of(checkpoint.recording), end
+    return table_rows(checkpoint.recording), end
 
 
-def rows_of(trips: Recording) -> list[dict[str, float]]:
-    """The rows of a table."""
+def table_rows(trips: Recording) -> list[dict[str, float]]:
+    """Return the rows of a table of trips."""
     columns: Mapping[str, np.ndarray] = trips.signals
     return [{name: float(values[k]) for name, values in columns.items()} for k in range(trips["trip"].size)]

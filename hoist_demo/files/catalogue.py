@@ -12,12 +12,10 @@ from typing import Any
 from pydantic import Field, ValidationError, create_model
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.design.controllers import DESIGNS
-from hoist_demo.design.optimal_trajectory import TrajectoryOptions
-from hoist_demo.design.shaping import Shaper
 from hoist_demo.files.reading import table_of
-from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
+from hoist_demo.parameters import SIDES, Arrival, Coupling, Hoist, Winding
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value, leaves
+from hoist_demo.parameters.trip_design import CONTROLLERS, Shaper, TrajectoryOptions
 from rope_model import Scene
 from rope_model.scene_names import choices_of, named_parameters
 
@@ -30,9 +28,7 @@ SECTIONS: dict[str, type[Any]] = {
     "trajectory": TrajectoryOptions,
     "arrival": Arrival,
 }
-CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=tuple(DESIGNS))
-
-
+CONTROLLER = Parameter("controller", "1", "String", "pi-feed-forward", choices=CONTROLLERS)
 _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.items()})  # type: ignore[call-overload]
 
 
@@ -52,14 +48,14 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
 @cache
 def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
-    found = dict[str, Parameter]()
+    by_name = dict[str, Parameter]()
     for p in named_parameters(Scene()):
-        unit, about, bounds, choices = p.facts.unit, p.facts.description, (p.minimum, p.maximum), choices_of(p.name)
-        found[p.name] = Parameter(p.name, unit or "1", p.kind, p.value, Bounds(*bounds), choices, about)
-    return found
+        bounds, choices = Bounds(p.minimum, p.maximum), choices_of(p.name)
+        by_name[p.name] = Parameter(p.name, p.facts.unit or "1", p.kind, p.value, bounds, choices, p.facts.description)
+    return by_name
 
 
-SWIVELS, ENDS = "swivels", ("left", "right")
+SWIVELS = "swivels"  #: Table with parameters of both swivels.
 
 
 @cache
@@ -69,34 +65,34 @@ def swivel_parameters() -> tuple[Parameter, ...]:
     return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in own)
 
 
-def of_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Return values by name, with those of both swivels at each end."""
-    found = dict[str, Any]()
+def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Return values by name, with those of `swivels` repeated for both ends."""
+    expanded = dict[str, Any]()
     for key, one in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
         table, dot, name = key.partition(f"{SWIVELS}.")
-        found |= {key: one} if table or not dot else {f"{end}.swivel.{name}": one for end in ENDS}
-    return found
+        expanded |= {key: one} if table or not dot else {f"{end}.swivel.{name}": one for end in SIDES}
+    return expanded
 
 
 @cache
 def host_parameters() -> dict[str, Parameter]:
     """Return the parameters of hoist, trip, controller and coupling by their names in files."""
-    found = {p.name: p for section, data in SECTIONS.items() for p in leaves(data, f"{section}.")}
-    return {CONTROLLER.name: CONTROLLER, **found}
+    by_name = {p.name: p for section, data in SECTIONS.items() for p in leaves(data, f"{section}.")}
+    return {CONTROLLER.name: CONTROLLER, **by_name}
 
 
 @cache
-def table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
+def group_table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
     """Return the type of a table that all parameters of a group have, which `leaf` gives theirs."""
     every = (*host_parameters().values(), *rope_parameters().values(), *swivel_parameters())
     return table_of(group, [p for p in every if p.name.startswith(f"{group}.")], leaf)
 
 
-def of_run(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
+def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
     """Return the fields of a model with all parameters of a run by their names, each of the type that `leaf` gives."""
     names = (*host_parameters(), *rope_parameters())
     groups = dict.fromkeys(name.partition(".")[0] for name in names if name != CONTROLLER.name)
-    tables = {group: (table(group, leaf), Field(default=None)) for group in groups}
+    tables = {group: (group_table(group, leaf), Field(default=None)) for group in groups}
     return {CONTROLLER.name: (leaf(CONTROLLER), Field(default=None)), **tables}
 
 

@@ -14,26 +14,28 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
 from pydantic.json_schema import GenerateJsonSchema
 
-from hoist_demo.cases.case import FOLDER, NAMED, Case, Tail
+from hoist_demo.cases.case import FOLDER, NAMED, BalanceRopeData, Case
 from hoist_demo.cases.rules import completed
-from hoist_demo.files.catalogue import ENDS, host_parameters, of_ends, of_run, rope_parameters, swivel_parameters
+from hoist_demo.files.catalogue import at_both_ends, host_parameters, rope_parameters, run_fields, swivel_parameters
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, leaves
 from rope_model import Level
 
-PLACE, BREAK = ("x_left", "x_right", "z"), ("breaks_at", "breaks_s")
+PLACE = ("x_left", "x_right", "z")
+BREAK = ("breaks_at", "breaks_s")
 _BREAKS = (
     Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
     Parameter("rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"),
 )
-#: where a rope of several hangs and breaks
+#: Parameters of the place and break of one of several ropes, by name.
 PLACE_PARAMETERS = {p.name: p for p in (*leaves(Place, "rope."), *_BREAKS)}
-#: what decides another rope, and what of it the catalogue has not
-_DECIDES, _ASKED = ("construction", "from"), ("rope.length", "rope.diameter")
+_DECIDES = ("construction", "from")  #: Keys that decide for another rope.
+_CATALOGUE_INPUTS = ("rope.length", "rope.diameter")  #: Parameters that the catalogue does not know.
 
 
 def _rope_parameters() -> list[Parameter]:
@@ -54,10 +56,10 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
     lay: Text = Field("right-hand", description="sense of the lay, of the catalogue")
 
 
-def _said(table: RopeTable) -> dict[str, Any]:
+def _stated_values(table: RopeTable) -> dict[str, Any]:
     """Return all that a [[rope]] sets; values by FMI name."""
-    found = of_ends(contents(table)).items()
-    return {f"rope.{key}" if isinstance(one, Given) and "." not in key else key: one for key, one in found}
+    values = at_both_ends(contents(table)).items()
+    return {f"rope.{key}" if isinstance(one, Given) and "." not in key else key: one for key, one in values}
 
 
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
@@ -67,11 +69,11 @@ def _base(content: Any, info: ValidationInfo) -> HoistFile:
     return read(path, HoistFile, opened_by(info))
 
 
-_OF_ALL = {name: field for name, field in of_run(given).items() if name not in ("rope", *ENDS)}
+_OF_ALL = {name: field for name, field in run_fields(given).items() if name not in ("rope", *SIDES)}
 
 
 class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: ignore[misc]
-    """Declaration of all keys."""
+    """Schema of a hoist's TOML file."""
 
     name: Text = Field(description="of the hoist, in titles")
     source: Text = Field("", description="where the data come from")
@@ -81,10 +83,10 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     )
     level: Level = Field("standard", description="accuracy against speed of the rope")
     signals: list[Text] = Field([], description="time series to record, * for any letters")
-    rope: list[Annotated[dict[str, Any], Flat(RopeTable, _said)]] = Field([])
+    rope: list[Annotated[dict[str, Any], Flat(RopeTable, _stated_values)]] = Field([])
 
     def says(self) -> dict[str, Any]:
-        """Return all that the file sets, over what the hoist has that it is like; each value with its status."""
+        """Return all values that the file sets, over those of the hoist that it is like; each with its status."""
         below = self.like.says() if self.like else {}
         own = {key: one for key, one in contents(self) if key not in ("like", "status", "rope")}
         own |= stated(own.items(), self.status)
@@ -92,22 +94,22 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         if ropes and "rope" in below:
             # ropes of another number go on from the first
             bases = below["rope"] if len(below["rope"]) == len(ropes) else below["rope"][:1] * len(ropes)
-            ropes = [_kept(base, rope) | rope for base, rope in zip(bases, ropes, strict=True)]
+            ropes = [_inherited(base, rope) | rope for base, rope in zip(bases, ropes, strict=True)]
         return {**below, **own, **({"rope": ropes} if ropes else {})}
 
     @cached_property
     def case(self) -> Case:
-        """The hoist; ValueError with all that is wrong."""
-        said = self.says()
-        values = {key: one for key, one in said.items() if isinstance(one, Given)}
+        """Hoist of the file; a ValueError lists all that is wrong."""
+        settings = self.says()
+        values = {key: one for key, one in settings.items() if isinstance(one, Given)}
         host = {key: one for key, one in values.items() if key in host_parameters()}
         shared = {key: one for key, one in values.items() if key not in host}
-        with Problems([] if "rope" in said else ["rope is missing: write [[rope]] above what it has"]) as problems:
-            tails = [_tail(k, rope, shared, problems) for k, rope in enumerate(said.get("rope", ()), 1)]
+        with Problems([] if "rope" in settings else ["rope is missing: write [[rope]] above what it has"]) as problems:
+            tails = [_tail(k, rope, shared, problems) for k, rope in enumerate(settings.get("rope", ()), 1)]
             names = [tail.name for tail in tails]
             problems += [f"rope name = {n!r} must be given once: name each rope" for n in names if names.count(n) > 1]
-        head = {name: said[name] for name in ("source", "level") if name in said}
-        return completed(host, tails, name=self.name, signals=tuple(said.get("signals", ())), **head)
+        head = {name: settings[name] for name in ("source", "level") if name in settings}
+        return completed(host, tails, name=self.name, signals=tuple(settings.get("signals", ())), **head)
 
     @model_validator(mode="after")
     def _is_a_hoist(self) -> Self:
@@ -115,29 +117,31 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         return self
 
 
-def _kept(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
-    """Return what a rope keeps of the one that it goes on from: nothing that decides another rope."""
+def _inherited(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Return what a rope inherits from the one of `like`: nothing that decides another rope."""
     if not own.keys() & {*_DECIDES}:
         return base
     return {
         key: one
         for key, one in base.items()
-        if key not in (*_DECIDES, "lay") and (key in _ASKED or not key.startswith("rope.") or key in PLACE_PARAMETERS)
+        if key not in (*_DECIDES, "lay")
+        and (key in _CATALOGUE_INPUTS or not key.startswith("rope.") or key in PLACE_PARAMETERS)
     }
 
 
-def _tail(k: int, said: dict[str, Any], shared: dict[str, Given], problems: list[str]) -> Tail:
+def _tail(k: int, settings: dict[str, Any], shared: dict[str, Given], problems: list[str]) -> BalanceRopeData:
     """Return a rope; add what is wrong to the problems."""
-    own = {key: one for key, one in said.items() if isinstance(one, Given) and key not in PLACE_PARAMETERS}
-    at = {key: float(said[f"rope.{key}"].value) for key in (*PLACE, *BREAK) if f"rope.{key}" in said}
-    number, breaks = said.get("number", 1), {key: at.pop(key) for key in BREAK if key in at}
+    own = {key: one for key, one in settings.items() if isinstance(one, Given) and key not in PLACE_PARAMETERS}
+    at = {key: float(settings[f"rope.{key}"].value) for key in (*PLACE, *BREAK) if f"rope.{key}" in settings}
+    number = settings.get("number", 1)
+    breaks = {key: at.pop(key) for key in BREAK if key in at}
     if len(breaks) == 1:
         problems.append(f"rope {k}: breaks_at and breaks_s must stand together: give both or none")
     if breaks and number > 1:
         problems.append(f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own [[rope]]")
-    values = {**shared, **said.get("from", {}), **own}
-    kind = {name: said[name] for name in ("construction", "lay") if name in said}
-    return Tail(said.get("name") or f"rope{k}", values, number, at, breaks, **kind)
+    values = {**shared, **settings.get("from", {}), **own}
+    kind = {name: settings[name] for name in ("construction", "lay") if name in settings}
+    return BalanceRopeData(settings.get("name") or f"rope{k}", values, number, at, breaks, **kind)
 
 
 class _WithoutDefaults(GenerateJsonSchema):
@@ -149,5 +153,5 @@ class _WithoutDefaults(GenerateJsonSchema):
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of a hoist's file."""
-    found: dict[str, Any] = HoistFile.model_json_schema(schema_generator=_WithoutDefaults)
-    return found
+    json_schema: dict[str, Any] = HoistFile.model_json_schema(schema_generator=_WithoutDefaults)
+    return json_schema

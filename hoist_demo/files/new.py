@@ -13,14 +13,13 @@ from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
 
-#: Hz [assumed]: of the motor against the sheave
-_SHAFT = 12.0
+_SHAFT = 12.0  #: Frequency of the motor against the sheave [Hz, assumed].
 _ABOUT = """\
 Written by balance-rope new. Values are SI or { value, unit, status, source }, status: published, data sheet, measured,
 given, derived (by the rule behind it) or assumed. Replace what you know and say where it comes from; what you delete
 follows by a rule or is a default: balance-rope show FILE prints it all."""
 LAYS = ("right-hand", "left-hand", "alternate")
-#: what may be known of a new hoist; without a start it must be, but for the conveyance's mass
+#: Inputs for a new hoist; those without a start are required, but for the conveyance's mass.
 WISHES = (
     Parameter("depth", "m", "Real", "", Bounds(1.0, 4000.0), meaning="way between the landings"),
     Parameter("payload", "kg", "Real", "", Bounds(1.0), meaning="in the left conveyance"),
@@ -39,13 +38,13 @@ WISHES = (
 
 def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
-    known = {p.name: Given(chosen.get(p.name, p.start), GIVEN if p.name in chosen else "assumed") for p in WISHES}
-    wish = {key: float(one.value) for key, one in known.items() if not isinstance(one.value, str)}
-    kind, payload, depth = str(known["rope"].value), wish["payload"], wish["depth"]
+    inputs = {p.name: Given(chosen.get(p.name, p.start), GIVEN if p.name in chosen else "assumed") for p in WISHES}
+    wish = {key: float(one.value) for key, one in inputs.items() if not isinstance(one.value, str)}
+    kind, payload, depth = str(inputs["rope"].value), wish["payload"], wish["depth"]
     mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length
     if "conveyance" not in chosen:
-        known["conveyance"] = Given(0.9 * payload, DERIVED, "0.9 of the payload")
-    conveyance, number = float(known["conveyance"].value), int(wish["ropes"])
+        inputs["conveyance"] = Given(0.9 * payload, DERIVED, "0.9 of the payload")
+    conveyance, number = float(inputs["conveyance"].value), int(wish["ropes"])
     head_mass = number * mass / wish["head-ropes"]
     head_diameter = math.sqrt(head_mass / 4000.0)
     radius, sheave = _rounded(50.0 * head_diameter), _rounded(1.5 * payload)
@@ -59,10 +58,10 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         return Given(value, "assumed")
 
     values = {
-        "hoist.shaft_travel": known["depth"],
-        "hoist.payload_left": known["payload"],
-        "hoist.conveyance_mass": known["conveyance"],
-        "hoist.head_rope_number": known["head-ropes"],
+        "hoist.shaft_travel": inputs["depth"],
+        "hoist.payload_left": inputs["payload"],
+        "hoist.conveyance_mass": inputs["conveyance"],
+        "hoist.head_rope_number": inputs["head-ropes"],
         "hoist.head_rope_mass": rule(head_mass, "the balance ropes' mass over the head ropes' number"),
         "hoist.head_rope_stiffness": rule(HEAD_ROPE_STIFFNESS * head_mass, "110 GPa of the steel"),
         "hoist.head_rope_damping": ours(0.02),
@@ -83,22 +82,22 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         "hoist.guides.viscous": rule(_rounded(0.01 * payload), "0.01 1/s of the payload"),
         "hoist.play.clearance": ours(5e-3),
         "winding.travel": rule(depth, "from landing to landing"),
-        "winding.speed": known["speed"],
-        "winding.acceleration": known["acceleration"],
-        "winding.jerk": known["jerk"],
+        "winding.speed": inputs["speed"],
+        "winding.acceleration": inputs["acceleration"],
+        "winding.jerk": inputs["jerk"],
         "winding.settle": ours(15.0),
         "winding.emergency_deceleration": ours(2.0),
-        "layout.spacing": known["spacing"],
+        "layout.spacing": inputs["spacing"],
     }
-    alternate = known["lay"].value == LAYS[-1] and number > 1
-    lays = [LAYS[k % 2] for k in range(number)] if alternate else [known["lay"].value]
+    alternate = inputs["lay"].value == LAYS[-1] and number > 1
+    lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]
     ropes = []
     for k, lay in enumerate(lays):
         rope = {} if alternate else {"rope.number": Given(number)}
         if alternate:
             z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
             rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
-        rope |= {"rope.construction": Given(kind), "rope.lay": Given(lay), "rope.diameter": known["diameter"]}
+        rope |= {"rope.construction": Given(kind), "rope.lay": Given(lay), "rope.diameter": inputs["diameter"]}
         rope |= {"rope.length": rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")}
         ropes.append(rope | {"rope.swivels.mode": Given("coulomb")})
     return hoist_text(name, values, ropes, _ABOUT)

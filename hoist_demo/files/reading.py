@@ -22,7 +22,7 @@ from rope_model.texts import printable
 
 
 class FileError(ValueError):
-    """All that is wrong with a file, one line each."""
+    """Problems of a file, one line each."""
 
     def __init__(self, path: Path, problems: Iterable[str]) -> None:
         self.problems = tuple(dict.fromkeys(map(printable, problems)))
@@ -30,23 +30,23 @@ class FileError(ValueError):
 
 
 class Table(pydantic.BaseModel):
-    """A table of a file, all keys of which are known."""
+    """TOML table whose keys are all known."""
 
     model_config = pydantic.ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
 
 
 class File(Table):
-    """A whole file."""
+    """Whole TOML file, with the path from which it was read."""
 
     _path: Path = pydantic.PrivateAttr(Path())
 
     def model_post_init(self, context: tuple[Path, ...] | None) -> None:
-        """Keep the path."""
+        """Store the path of the file that is read."""
         self._path = context[-1] if context else Path()
 
     @property
     def path(self) -> Path:
-        """Where it was read."""
+        """Path from which the file was read."""
         return self._path
 
 
@@ -73,9 +73,9 @@ def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Paramet
     for parameter in parameters:
         inside.setdefault(parameter.name.removeprefix(f"{name}.").partition(".")[0], []).append(parameter)
     fields: dict[str, Any] = {}
-    for number, (key, found) in enumerate(inside.items()):
-        plain = found[0].name == f"{name}.{key}"
-        kind = leaf(found[0]) if plain else table_of(f"{name}.{key}", found, leaf)
+    for number, (key, members) in enumerate(inside.items()):
+        plain = members[0].name == f"{name}.{key}"
+        kind = leaf(members[0]) if plain else table_of(f"{name}.{key}", members, leaf)
         # brackets in a key are no identifier
         fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
     made: type[Table] = pydantic.create_model("".join(map(str.title, name.split("."))), __base__=Table, **fields)
@@ -100,10 +100,7 @@ def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None
 def read(
     path: Path, model: type[T], opened: Sequence[Path] = (), over: Mapping[str, Mapping[str, object]] | None = None
 ) -> T:
-    """Return the contents of a file; raise FileError with all problems.
-
-    `opened` are the files that led to it; `over` are keys of tables that replace the file's.
-    """
+    """Return a file's contents or raise FileError; files `opened` led to it, keys of `over` replace the file's."""
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
     try:
@@ -120,7 +117,7 @@ def read(
 
 
 @contextmanager
-def of_file(path: Path) -> Iterator[None]:
+def errors_of_file(path: Path) -> Iterator[None]:
     """Raise what is refused inside, beyond what files say of themselves, as FileError of this one."""
     try:
         yield
@@ -170,14 +167,12 @@ def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
 
 
 def _place(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
-    """Return line and column."""
-    found = re.search(r"line (\d+), column (\d+)", str(error))
-    return (int(found[1]), int(found[2])) if found else _END
+    """Return line and column of a TOML error, or _END."""
+    match = re.search(r"line (\d+), column (\d+)", str(error))
+    return (int(match[1]), int(match[2])) if match else _END
 
 
 _END = (sys.maxsize, 0)  # the text ends too soon
-
-
 _ONE, _SEVERAL = "one table: write [{place}] above it", "a list: write [[{place}]] above each table, or [a, b]"
 _MUST = {
     **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _ONE),
@@ -195,23 +190,24 @@ _WORDS = _MUST | {
 
 def _problems(names: Sequence[str], error: Any) -> list[str]:
     """Return the lines on one error of pydantic's, in a file that has these keys."""
-    # where a table may be of several kinds, its kind stands in the place, too, and is no key
+    # the place of a table of several kinds names its kind, too, which is no key
     keys = {part for name in names for part in name.split(".")} | {*error["loc"][-1:]}
     loc = [part for part in error["loc"] if isinstance(part, int) or part in keys]
     context, place, short = error.get("ctx", {}), _place_of(loc), repr(error["input"])
     if error["type"] == "value_error":
-        return [_said(place, line) for line in str(context["error"]).splitlines()]
+        return [_located(place, line) for line in str(context["error"]).splitlines()]
     facts = {"place": place, "short": short if len(short) <= 60 else f"{short[:57]}..."}
     cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
     if "." in str(loc[-1]):
         cure = "leave out the quotation marks"
-    asked, key = error["msg"].partition(" should ")[2] or error["msg"], context.get("discriminator", "").strip("'")
-    words = _WORDS.get(error["type"], "{place} = {short} must {asked}: correct it")
-    return [words.format(**context | facts, cure=cure, asked=asked, key=key)]
+    requirement = error["msg"].partition(" should ")[2] or error["msg"]
+    key = context.get("discriminator", "").strip("'")
+    words = _WORDS.get(error["type"], "{place} = {short} must {requirement}: correct it")
+    return [words.format(**context | facts, cure=cure, requirement=requirement, key=key)]
 
 
-def _said(place: str, text: str) -> str:
-    """Return the place with what is wrong there, which may begin with the key."""
+def _located(place: str, text: str) -> str:
+    """Return a problem behind its place, unless it begins with the key itself."""
     name = text.partition(" ")[0]
     table = place.removesuffix(name).removesuffix(name.removeprefix("rope.")).rstrip(" .")
     return f"{table}: {text}" if table else text
@@ -234,16 +230,16 @@ _OLD = {
 }
 
 
-def cure_of(key: str, known: Sequence[str]) -> str:
+def cure_of(key: str, keys: Sequence[str]) -> str:
     """Return what may have been meant by a key that is none of those known."""
     if old := [words for name, words in _OLD.items() if f".{key}".endswith(f".{name}")]:
         return old[0]
-    if key in known:
+    if key in keys:
         return "it is of another kind of that table: leave it out"
     table, dot, last = key.rpartition(".")
-    within = [name.removeprefix(table + dot) for name in known if name.rpartition(".")[0] == table]
-    within = within or [*Facts.model_fields]  # of a value
-    lasts = {name: name.rpartition(".")[2] for name in known}
+    within = [name.removeprefix(table + dot) for name in keys if name.rpartition(".")[0] == table]
+    within = within or [*Facts.model_fields]  # keys of a value
+    lasts = {name: name.rpartition(".")[2] for name in keys}
     alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
     near = [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]
     near = near or [name for name, word in lasts.items() if {word, word.upper()} & alike][:3]

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from hoist_demo.files.catalogue import rope_parameters, table
+from hoist_demo.files.catalogue import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
 from hoist_demo.parameters.problems import Problems
@@ -32,17 +32,17 @@ _FOLLOWING = {
 }
 
 
-def following_statuses(known: Mapping[str, str]) -> dict[str, str]:
+def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
     """Return the statuses of the parameters that follow from properties of a rope with these statuses."""
-    return {name: status for key, status in known.items() for name in _FOLLOWING.get(key, ())}
+    return {name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())}
 
 
 def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:
     return read(beside(info, read_text(content)), _OtherFile, opened_by(info)) if content else None
 
 
-class RopeAsked(Table):
-    """What the catalogue is asked for."""
+class CatalogueQuery(Table):
+    """Table [rope]: the query to the catalogue."""
 
     file: Annotated[Any, BeforeValidator(_known_there), WithJsonSchema({"type": "string"})] = Field(None, alias="from")
     construction: Text = ""
@@ -57,52 +57,52 @@ Properties = Annotated[dict[str, Given], flat("Properties", {p.name: (given(p), 
 
 
 class KnownFile(File):
-    """A file that says what is known of a rope."""
+    """File with known properties of a rope."""
 
-    rope: RopeAsked = EMPTY
+    rope: CatalogueQuery = EMPTY
     known: Properties = EMPTY
 
     @cached_property
     def ranges(self) -> dict[str, Datum]:
-        """What is known by property, of the file that [rope] names, too."""
-        found = self.rope.file.ranges if self.rope.file else {}
+        """Known ranges by property, those of the file that [rope] names included."""
+        ranges = self.rope.file.ranges if self.rope.file else {}
         for name, one in self.known.items():
             low, high = (float(one.value if end is None else end) for end in (one.low, one.high))
             # a parameter file repeats the catalogue's statuses; what people know was measured
             status, source = one.status or "measured", one.source or printable(self.path.name)
-            found = found | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
-        return found
+            ranges = ranges | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
+        return ranges
 
     @cached_property
-    def asked(self) -> dict[str, Any]:
-        """What the catalogue is asked for, by the file that [rope] names, too."""
+    def catalogue_arguments(self) -> dict[str, Any]:
+        """Arguments for the catalogue, those of the file that [rope] names included."""
         own = {key: one.value if isinstance(one, Given) else one for key, one in contents(self.rope) if key != "from"}
-        return (self.rope.file.asked if self.rope.file else {}) | own
+        return (self.rope.file.catalogue_arguments if self.rope.file else {}) | own
 
     @cached_property
     def catalogue_rope(self) -> KnownRope:
-        """The catalogue's rope with these ranges, or one of these alone; ValueError with all that is wrong."""
-        asked = {key: one for key, one in self.asked.items() if one != ""}
-        needed = [] if "construction" in asked else [name for name in PROPERTIES if name not in self.ranges]
-        if "diameter" not in asked or needed:
+        """Rope of the catalogue with these ranges, or of these alone; a ValueError lists all that is wrong."""
+        arguments = {key: one for key, one in self.catalogue_arguments.items() if one != ""}
+        needed = [] if "construction" in arguments else [name for name in PROPERTIES if name not in self.ranges]
+        if "diameter" not in arguments or needed:
             also = f", without a construction [known] {', '.join(needed)}" if needed else ""
             raise ValueError(f"[rope] construction or diameter is missing: the catalogue needs both{also}")
-        if "construction" not in asked:
-            return KnownRope("", **asked, data={name: self.ranges[name] for name in PROPERTIES})
+        if "construction" not in arguments:
+            return KnownRope("", **arguments, data={name: self.ranges[name] for name in PROPERTIES})
         try:
-            found = rope(**asked)
+            whole = rope(**arguments)
         except ValueError as error:
             raise ValueError(f"[rope] {error}") from error
         with Problems() as problems:
             for name, one in self.ranges.items():
-                low, high = found.data[name].low / FAR_OFF, FAR_OFF * found.data[name].high
+                low, high = whole.data[name].low / FAR_OFF, FAR_OFF * whole.data[name].high
                 if not (low <= one.low and one.high <= high):
-                    said = f"{one.low:g} to {one.high:g}" if one.low < one.high else f"{one.high:g}"
+                    text = f"{one.low:g} to {one.high:g}" if one.low < one.high else f"{one.high:g}"
                     problems.append(
-                        f"[known] {name} = {said} must be within {low:.3g} and {high:.3g} {one.unit}, {FAR_OFF:g} "
+                        f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} {one.unit}, {FAR_OFF:g} "
                         "times less and more than the catalogue has: check its unit"
                     )
-        return replace(found, data={**found.data, **self.ranges})
+        return replace(whole, data={**whole.data, **self.ranges})
 
 
 class _OtherFile(KnownFile, extra="ignore"):
@@ -110,9 +110,11 @@ class _OtherFile(KnownFile, extra="ignore"):
 
 
 class RopeFile(_OtherFile):
-    """A parameter file."""
+    """Parameter file of a rope, as balance-rope identify writes it."""
 
-    fixed: Annotated[dict[str, Given], flat("Fixed", {group: (table(group, given), None) for group in ("rope", "air")})]
+    fixed: Annotated[
+        dict[str, Given], flat("Fixed", {group: (group_table(group, given), None) for group in ("rope", "air")})
+    ]
 
     def values(self) -> dict[str, Given]:
         """Return the values of a rope and of its air with their statuses."""

@@ -6,7 +6,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from hoist_demo.cases.case import NAMED
 from hoist_demo.cases.table import find_case
-from hoist_demo.files.catalogue import SWIVELS, of_ends, of_run, table
+from hoist_demo.files.catalogue import SWIVELS, at_both_ends, group_table, run_fields
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
 from hoist_demo.files.values import Given, Text, given, stated
@@ -29,19 +29,20 @@ class Head(Table):
     @field_validator("hoist")
     @classmethod
     def _is_there(cls, name: str, info: ValidationInfo) -> str:
-        found = str(beside(info, name)) if name.endswith(".toml") and name not in NAMED else name
-        find_case(found)
-        return found
+        path = str(beside(info, name)) if name.endswith(".toml") and name not in NAMED else name
+        find_case(path)
+        return path
 
 
-def _values(found: Any) -> dict[str, Given]:
-    return (found.file or {}) | of_ends(stated(contents(found)).items())
+def _values(content: Any) -> dict[str, Given]:
+    return (content.file or {}) | at_both_ends(stated(contents(content)).items())
 
 
-_BOTH = {SWIVELS: (table(SWIVELS, given), Field(default=None))}
+_BOTH = {SWIVELS: (group_table(SWIVELS, given), Field(default=None))}
 #: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
 Values = Annotated[
-    dict[str, Given], flat("Values", {"file": (RopeValues, Field({}, alias="from")), **of_run(given), **_BOTH}, _values)
+    dict[str, Given],
+    flat("Values", {"file": (RopeValues, Field({}, alias="from")), **run_fields(given), **_BOTH}, _values),
 ]
 
 

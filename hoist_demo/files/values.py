@@ -16,15 +16,15 @@ from rope_model import DatumStatus
 from rope_model.texts import printable
 
 LONGEST_TEXT = 200  #: Characters of a title, of a source, or of a name for people.
-
-#: statuses of what is set without one, of what follows by a rule, and of what differs between runs
-GIVEN, DERIVED, VARIED = "given", "derived", "varied"
+GIVEN = "given"  #: Status of a value that is set without one.
+DERIVED = "derived"  #: Status of a value that follows by a rule.
+VARIED = "varied"  #: Status of a value that differs between runs.
 STATUSES = tuple(dict.fromkeys((*get_args(DatumStatus), "data sheet", DERIVED, GIVEN)))
 Status = Literal[STATUSES]  # type: ignore[valid-type]
 #: letters with a small power, joined; pint alone would read past commas and figures
 _UNIT = re.compile(r"(?:1/)?[A-Za-z%µ°]+\^?-?\d?(?:\s*[ ./*·]\s*[A-Za-z%µ°]+\^?-?\d?)*")
-#: pure numbers may be percentages; a US ton is no tonne
-_SHARES, _UNCLEAR = {"%": Fraction(1, 100)}, ("ton", "tons")
+_SHARES = {"%": Fraction(1, 100)}  #: Units of pure numbers.
+_UNCLEAR = ("ton", "tons")  #: Units that are refused: a US ton is no tonne.
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 #: raised by pint and by the tokenizer that it takes
 _NO_UNIT = (ArithmeticError, AssertionError, AttributeError, LookupError, SyntaxError, TypeError, ValueError)
@@ -50,20 +50,20 @@ class Given:
     """A value with its source; `low` and `high` are how far it may be off, in the parameter's unit."""
 
     value: Value
-    status: str = GIVEN  # "" where it is that of the file
+    status: str = GIVEN  # "": the file's
     source: str = ""
     low: float | None = None
     high: float | None = None
-    follows: bool = False  # by a rule, from what is stated
+    follows: bool = False  # whether a rule derived it from stated values
 
 
 def plain(values: Mapping[str, Given]) -> dict[str, Value]:
-    """Return the values alone."""
+    """Return the values without status and source, by name."""
     return {key: one.value for key, one in values.items()}
 
 
 def statuses(values: Mapping[str, Given]) -> dict[str, str]:
-    """Return where each value comes from."""
+    """Return the status of each value by name."""
     return {key: one.status for key, one in values.items()}
 
 
@@ -77,8 +77,8 @@ class Facts(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     value: Any = None
-    unit: str = ""  # that of the parameter
-    status: Status = ""  # that of the file
+    unit: str = ""  # "": the parameter's
+    status: Status = ""  # "": the file's
     source: Text = ""
     low: Any = None
     high: Any = None
@@ -108,13 +108,13 @@ def _given(parameter: Parameter, facts: Facts) -> Given:
 def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
     """Return a plain value in the parameter's unit, which may stand behind the number: "22 t"."""
     if isinstance(content, str) and not parameter.choices and parameter.numeric:
-        found = _WITH_UNIT.fullmatch(content)
-        if found is None:
+        match = _WITH_UNIT.fullmatch(content)
+        if match is None:
             raise ValueError(
                 f"{parameter.name} = {content[:LONGEST_TEXT]!r} must be a finite number, with a unit behind it or in "
                 f"{parameter.unit_words}: correct it"
             )
-        return parameter.read(_converted(parameter, found[1], found[2] or unit))
+        return parameter.read(_converted(parameter, match[1], match[2] or unit))
     if unit and isinstance(content, int | float) and not isinstance(content, bool):
         content = _converted(parameter, content, unit)
     return parameter.read(content)
@@ -131,7 +131,7 @@ def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
     try:
         return float(Fraction(str(number)) * factor)
     except (ValueError, OverflowError):
-        return math.nan  # which the parameter refuses
+        return math.nan  # the parameter refuses it
 
 
 @cache

@@ -9,7 +9,7 @@ from hoist_demo.files.values import Given
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable, toml_string
 
-_KNOWN = {**PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
+_PARAMETERS = {**PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
 _ORDER = list(dict.fromkeys(name.partition(".")[0] for name in (*host_parameters(), *rope_parameters())))
 
 
@@ -29,7 +29,7 @@ def hoist_text(name: str, values: Mapping[str, Given], ropes: Iterable[Mapping[s
 
 def _line(name: str, key: str, one: Given) -> str:
     within = name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
-    facts = _KNOWN.get(name) or _KNOWN.get(within) or Parameter(name, "1", "String")
+    facts = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
     meaning = facts.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
     notes = ": ".join(filter(None, (meaning, one.source)))
     quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only

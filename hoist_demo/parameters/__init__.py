@@ -3,6 +3,7 @@
 from hoist_demo.parameters.coupling import Coupling as Coupling
 from hoist_demo.parameters.hoist import ASSUMED_DATA as ASSUMED_DATA
 from hoist_demo.parameters.hoist import GRAVITY as GRAVITY
+from hoist_demo.parameters.hoist import SIDES as SIDES
 from hoist_demo.parameters.hoist import Hoist as Hoist
 from hoist_demo.parameters.hoist import hoist_with as hoist_with
 from hoist_demo.parameters.winding import Arrival as Arrival

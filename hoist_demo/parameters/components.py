@@ -1,6 +1,6 @@
 """Parts of a hoist that a model may leave out: drive shaft, brake, lining, guides, play, a jam. SI units, checked here.
 
-A `Hoist` whose part is None has not the part's equations; there are no stiff or weak dummies.
+A `Hoist` whose part is None lacks the part's equations; there are no stiff or weak dummies.
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
 """
 
@@ -44,7 +44,7 @@ class Brake(Stated, of="brake."):
 
 @dataclass(frozen=True)
 class Lining(Stated, of="lining."):
-    """The sheave's lining as that on which the head ropes may slide; all values [assumed]."""
+    """Lining of the sheave, on which the head ropes may slide; all values [assumed]."""
 
     sliding: float = quantity(0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold", SHARE)
 
@@ -92,5 +92,6 @@ class Jam(Stated, of="jam."):
 
     def require_within(self, shaft_travel: float, name: str) -> None:
         """Raise the ValueError of a place that is not there; ``name`` is the conveyance of the jam."""
-        bound, cure = f"within 0 and shaft_travel = {shaft_travel:g} m", "give a place that the conveyance passes"
+        bound = f"within 0 and shaft_travel = {shaft_travel:g} m"
+        cure = "give a place that the conveyance passes"
         require(self.height, self.height <= shaft_travel, f"{name}.height", bound, cure)

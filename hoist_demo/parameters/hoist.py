@@ -1,4 +1,4 @@
-"""Data of the hoist.
+"""Parameters of the hoist, and the quantities that follow from them.
 
 All numbers of the hoist are ours [assumed]: plausible for a friction hoist of 90 m travel with 10 t conveyances and
 5 t payload over the 120 m balance rope of 8 kg/m, and taken from no particular installation.
@@ -20,13 +20,13 @@ from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
 from rope_model.physics.elementary import larger
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
+SIDES = ("left", "right")  #: Sides of a hoist: its conveyances, and the ends of its balance ropes.
 
 #: Said wherever results are shown.
 ASSUMED_DATA = (
     "Data of hoist, winding and rope that are marked [assumed] have no published source. They are plausible, they "
     "belong to no installation: put in your own before you judge an installation by the numbers shown here."
 )
-
 
 #: bounds far beyond any hoist: what is out of them has another unit
 _MODES = Bounds(0, 20, cure="2 suit most studies, 0 leaves them out")
@@ -38,10 +38,7 @@ _ANGLE = Bounds(0.1, 4.0 * math.pi, cure="give it in rad: 180 degrees are 3.1416
 
 @dataclass(frozen=True)
 class Hoist(Stated):
-    """Friction (Koepe) hoist with its motor on the sheave; all values [assumed].
-
-    What is None or 0 among the last lines is left out of the equations.
-    """
+    """Friction (Koepe) hoist with its motor on the sheave, without parts that are None or 0; all values [assumed]."""
 
     conveyance_mass: float = quantity(10.0e3, "kg", "each conveyance with its attachments")
     payload_left: float = quantity(5.0e3, "kg", "", VANISHING)
@@ -101,12 +98,12 @@ class Hoist(Stated):
 
     @property
     def parts(self) -> "Hoist":
-        """The hoist with all its numbers 0 but the count of modes: what it shares with those of the same equations."""
+        """Hoist with all numbers 0 but the count of modes: equal for hoists that share their equations."""
         return with_numbers(self, repeat(0.0))
 
     @property
     def numbers(self) -> list[float]:
-        """The numbers that `parts` leaves out, those of the parts in their places."""
+        """Numbers that `parts` leaves out, those of the components in their places."""
         return list(_numbers(self))
 
     @property
@@ -142,7 +139,7 @@ class Hoist(Stated):
 
     @property
     def moving_mass(self) -> float:
-        """All moving masses referred to the rope [kg], the balance ropes' included."""
+        """Sum of the moving masses referred to the rope [kg], the balance ropes' included."""
         ropes = self.rope_mass * (self.shaft_travel + 2.0 * self.head_rope_length_up)
         tail = self.tail_mass * self.tail_rope_length
         return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
@@ -166,13 +163,11 @@ class Hoist(Stated):
         return math.exp(self.friction_coefficient * self.wrap_angle)
 
     def slip_safety(self, ratio: Any) -> Any:
-        """Friction that there is over friction that a tension ratio asks for, (exp(mu alpha) - 1) / (ratio - 1) [-].
-
-        `ratio` is a number or an array.
-        """
+        """Return friction over required friction at tension ratios, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
         excess = np.asarray(ratio - 1.0)
-        found = np.divide(self.tension_ratio_limit - 1.0, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)
-        return found if found.ndim else float(found)
+        limit = self.tension_ratio_limit - 1.0
+        safety = np.divide(limit, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)
+        return safety if safety.ndim else float(safety)
 
     def torque_available(self, rate: Any) -> Any:
         """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power; also of symbols."""
@@ -205,10 +200,7 @@ def _items(data: Any) -> list[tuple[str, Any]]:
 
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
-    """The hoist whose balance ropes are a group's, each of a mass per length [kg/m] and a length [m].
-
-    The drive takes all of them for one rope, of their mass per length and of the length that gives their whole mass.
-    """
+    """Return the hoist with its balance ropes, each (mass per length [kg/m], length [m]), as one of their mass."""
     mass = sum(m for m, _ in ropes)
     length = sum(m * x for m, x in ropes) / mass
     return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)

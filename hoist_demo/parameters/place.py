@@ -37,24 +37,23 @@ class Place:
         return spacing + self.x_right - self.x_left
 
     def at(self, end: str) -> tuple[float, float]:
-        """x and z of an end [m]."""
+        """Return x and z of an end [m]."""
         return (self.x_left if end == "left" else self.x_right), self.z
 
 
-def motion_at(place: tuple[float, float], centre: Sequence[Any], yaw: Any, rate: Any, growth: Any) -> tuple[Any, ...]:
-    """Return MOVED of a point of a conveyance, from its own nominal place.
-
-    ``centre`` is MOVED of the conveyance's centre; ``rate`` and ``growth`` are the derivatives of ``yaw`` [rad].
-    """
+def motion_at(
+    place: tuple[float, float], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
+) -> tuple[Any, ...]:
+    """Return MOVED of a conveyance's point, from its nominal place; ``centre`` is MOVED of the conveyance's centre."""
     cx, cz, cvx, cvz, cax, caz = centre
     x, z = _turned(place, yaw)
     return (
         cx + x - place[0],
         cz + z - place[1],
-        cvx + rate * z,
-        cvz - rate * x,
-        cax + growth * z - rate**2 * x,
-        caz - growth * x - rate**2 * z,
+        cvx + yaw_rate * z,
+        cvz - yaw_rate * x,
+        cax + yaw_acceleration * z - yaw_rate**2 * x,
+        caz - yaw_acceleration * x - yaw_rate**2 * z,
     )
 
 

@@ -6,7 +6,7 @@ from typing import Self
 
 
 class Problems(list[str]):
-    """What is wrong, a line each; the end of its `with` refuses them together."""
+    """List of problems, a line each; the end of its `with` raises them together."""
 
     def __enter__(self) -> Self:
         return self
@@ -17,13 +17,13 @@ class Problems(list[str]):
 
     @contextmanager
     def at(self, place: str) -> Iterator[None]:
-        """Take up all that is refused inside, each line behind its place."""
+        """Collect what is refused inside, each line behind its place."""
         try:
             yield
         except ValueError as error:
             self += [f"{place}: {line}" if place else line for line in str(error).splitlines() or [repr(error)]]
 
     def refuse(self) -> None:
-        """Raise a ValueError with all of them, if there are any."""
+        """Raise a ValueError with all problems, if there are any."""
         if self:
             raise ValueError("\n".join(self))

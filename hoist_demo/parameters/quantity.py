@@ -11,8 +11,7 @@ from functools import cache
 from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
-#: beyond it a number is none that could be computed with
-_MOST = 1e300
+_MOST = 1e300  #: Largest number that can be computed with.
 
 
 class Bounds(NamedTuple):
@@ -30,7 +29,8 @@ class Bounds(NamedTuple):
         if high is not None and low is not None and not self.opens:
             return f"within {low} and {high}"
         least = f"{'above' if self.opens else 'at least'} {low}" if low is not None else ""
-        return " and ".join(filter(None, (least, high and f"at most {high}"))) or "finite"
+        most = f"at most {high}" if high is not None else ""
+        return " and ".join(filter(None, (least, most))) or "finite"
 
     def hold(self, value: float) -> bool:
         """Return True if a number is finite and keeps them."""
@@ -38,18 +38,19 @@ class Bounds(NamedTuple):
         return math.isfinite(value) and above and (self.high is None or value <= self.high)
 
 
-#: of most quantities, of those that may vanish, of those of either sign, and of a share
-POSITIVE, VANISHING, ANY = Bounds(0.0, opens=True), Bounds(0.0), Bounds()
-SHARE = Bounds(0.0, 1.0, True, "give a fraction")
+POSITIVE = Bounds(0.0, opens=True)  #: Bounds of most quantities.
+VANISHING = Bounds(0.0)  #: Bounds of quantities that may be 0.
+ANY = Bounds()  #: Bounds of quantities of either sign.
+SHARE = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
 
 
 def quantity(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
-    """A field with its unit, "-" of a pure number, with what it means beyond its name, and with its bounds."""
+    """Return a field with its unit ("-" of a pure number), its meaning beyond its name, and its bounds."""
     return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
 
 def fmi_unit(unit: str) -> str:
-    """The unit as FMI writes it: `N s/m`, `N*s/m` and `N.s/m` are one, `m/s^2` is `m/s2`, none is `1`."""
+    """Return the unit as FMI writes it: `N s/m`, `N*s/m` and `N.s/m` are one, `m/s^2` is `m/s2`, none is `1`."""
     text = re.sub(r"[\s*·]+", ".", unit.strip()).replace("^", "")
     return "1" if text in ("", "-") else text
 
@@ -58,7 +59,7 @@ Value = float | int | bool | str
 
 
 def word_of(choices: Iterable[str], value: object) -> str | None:
-    """The choice that a text is, whatever its case; None where it is none."""
+    """Return the choice that a text names, whatever its case; None if it is none."""
     return next((word for word in choices if isinstance(value, str) and word.lower() == value.lower()), None)
 
 
@@ -67,15 +68,15 @@ class Parameter:
     """A parameter by its name in files."""
 
     name: str
-    unit: str  # as FMI spells it, "1" where there is none
+    unit: str  # FMI's spelling, "1" for none
     kind: str  # Real, Integer, Boolean or String
-    start: Value = ""  # what it is where it is not set; of the host its data class knows
+    start: Value = ""  # value where it is not set; a data class of the host has its own
     bounds: Bounds = ANY
     choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
     meaning: str = ""
 
     def read(self, value: object) -> Value:
-        """The value in the parameter's type; a `ValueError` names key, value and cure."""
+        """Return the value in the parameter's type; a `ValueError` names key, value and cure."""
         bad = f"{self.name} = {value!r}"
         if self.kind == "Boolean":
             if not isinstance(value, bool):
@@ -99,26 +100,26 @@ class Parameter:
         return float(value) if self.kind == "Real" else round(value)
 
     def _code(self, value: object) -> object:
-        """The code of a choice, given by code or by word."""
+        """Return the code of a choice, given by code or by word."""
         code = self.choices.index(word) if (word := word_of(self.choices, value)) else value
         if isinstance(code, bool) or code not in range(len(self.choices)):
-            known = ", ".join(f"{k} ({word})" for k, word in enumerate(self.choices))
-            raise ValueError(f"{self.name} = {value!r} must be one of {known}: give code or word")
+            codes = ", ".join(f"{k} ({word})" for k, word in enumerate(self.choices))
+            raise ValueError(f"{self.name} = {value!r} must be one of {codes}: give code or word")
         return code
 
     @property
     def numeric(self) -> bool:
-        """True of numbers, and of choices that have codes."""
+        """True for numbers, and for choices that have codes."""
         return self.kind in ("Real", "Integer")
 
     @property
     def unit_words(self) -> str:
-        """Unit, in a sentence."""
+        """Unit as words of a sentence."""
         return "plain numbers" if self.unit == "1" else self.unit
 
     @property
     def about(self) -> str:
-        """Meaning with its unit."""
+        """Meaning with its unit in brackets."""
         return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"
 
 

@@ -67,8 +67,8 @@ class Arrival(Stated):
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
     """Reject a trip longer than the shaft, and a law of emergency stops for a brake that is not there or too weak."""
-    way, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"
-    require(way, abs(way) <= hoist.shaft_travel, "travel", bound, "shorten the trip")
+    travel, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"
+    require(travel, abs(travel) <= hoist.shaft_travel, "travel", bound, "shorten the trip")
     if winding.emergency_law == "drive":
         return
     if hoist.brake is None:
@@ -84,7 +84,8 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
 
 def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
     """Reject a jam that its conveyance does not come to in a trip from landing: the trip would show nothing of it."""
-    low, high = sorted((0.0, hoist.shaft_travel)[winding.travel < 0.0] + part for part in (0.0, winding.travel))
+    start, _ = start_heights(hoist, winding)
+    low, high = sorted((start, start + winding.travel))
     for name, jam, (least, most) in (
         ("jam_left", hoist.jam_left, (low, high)),
         ("jam_right", hoist.jam_right, (hoist.shaft_travel - high, hoist.shaft_travel - low)),

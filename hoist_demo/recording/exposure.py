@@ -16,10 +16,8 @@ from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
 PERIODS = 2.0  #: Periods in half the record from which on it is a vibration [assumed].
-
 #: How many times as high as the valleys about it a peak is at least: that of a trip alone has waves [assumed].
 STANDS_OUT = 2.0
-
 SHORTEST = 16  #: Rows of the shortest record that has a spectrum.
 
 
@@ -43,43 +41,38 @@ def spectra(time: Array, values: Array) -> Spectra:
     from scipy.signal import welch  # slow to load, and most runs record no stations
 
     step = float(np.median(np.diff(time)))
-    known = np.isfinite(values).all(axis=0)
+    finite = np.isfinite(values).all(axis=0)
     frequency, power = welch(
-        np.where(known, values, 0.0), 1.0 / step, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0
+        np.where(finite, values, 0.0), 1.0 / step, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0
     )
-    kept = frequency * step * (rows // 2) >= PERIODS
-    return Spectra(frequency[kept], np.where(known, np.sqrt(2.0 * power[kept]), np.nan))
+    vibrates = frequency * step * (rows // 2) >= PERIODS
+    return Spectra(frequency[vibrates], np.where(finite, np.sqrt(2.0 * power[vibrates]), np.nan))
 
 
-def strongest(found: Spectra) -> tuple[Array, Array]:
+def strongest(spectrum: Spectra) -> tuple[Array, Array]:
     """Return frequency [Hz] and amplitude (places,) of the highest peak that STANDS_OUT; NaN and 0 without one."""
-    places = found.amplitude.shape[1]
+    places = spectrum.amplitude.shape[1]
     frequency, amplitude = np.full(places, np.nan), np.zeros(places)
-    if found.frequency.size:
+    if spectrum.frequency.size:
         from scipy.signal import find_peaks
 
-        for k, column in enumerate(found.amplitude.T):
+        for k, column in enumerate(spectrum.amplitude.T):
             with np.errstate(divide="ignore"):  # nothing at all vibrates
                 peaks = find_peaks(np.log(column), prominence=np.log(STANDS_OUT))[0]
             if peaks.size:
                 best = peaks[np.argmax(column[peaks])]
-                frequency[k], amplitude[k] = found.frequency[best], column[best]
+                frequency[k], amplitude[k] = spectrum.frequency[best], column[best]
             elif not np.isfinite(column).all():
                 amplitude[k] = np.nan
     return frequency, amplitude
 
 
 QUANTITIES = ("tension", "curvature", "torque")
-
-#: Outputs of the rope that are read for it.
+#: Outputs of the rope from which the exposure follows.
 STATION_SIGNALS = tuple(name for of in QUANTITIES for name in SIGNALS if name.startswith(f"station.{of}["))
-
 COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].
-
 BENT = 0.5  #: Part of the sharpest curvature from which on a place is in a bend [assumed].
-
 VIBRATING = ("tension", "torque")  #: Quantities with spectra: what bends as it passes the loop does so once.
-
 #: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
 
@@ -102,7 +95,7 @@ _GOES_WITH = {
 
 
 def bin_columns(name: str) -> list[str]:
-    """Columns with the number of cycles in each bin of ranges."""
+    """Return the columns with the number of cycles in each bin of ranges."""
     return [f"{name}.from_{edge:g}" for edge in BINS[name]]
 
 
@@ -119,15 +112,11 @@ def _units() -> dict[str, str]:
 
 
 UNITS = _units()  #: Unit of each column of the table.
-
 _PLACES = ("station", "s")
 
 
 def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording | None:
-    """One row per station, from the left end on; None where stations were not recorded.
-
-    `parameters` of the rope by FMI name tell where the stations are. What the fidelity leaves out is NaN.
-    """
+    """Return a row per station from the left end on, at places by the rope's `parameters`; None without stations."""
     rows = {name: at_stations(recording, name) for name in QUANTITIES}
     if any(values.size == 0 for values in rows.values()):
         return None
@@ -145,12 +134,12 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
 
 
 def spectra_table(recording: Recording) -> Recording:
-    """Amplitudes over frequency at each station, `tension[1]` and so on, of a record that has stations."""
+    """Return the amplitudes over frequency at each station, `tension[1]` and so on."""
     columns, units = dict[str, Array](), {"frequency": "Hz"}
     for name in VIBRATING:
-        found = spectra(recording.time, at_stations(recording, name))
-        amplitudes = {f"{name}[{k + 1}]": column for k, column in enumerate(found.amplitude.T)}
-        columns |= {"frequency": found.frequency} | amplitudes
+        of_stations = spectra(recording.time, at_stations(recording, name))
+        amplitudes = {f"{name}[{k + 1}]": column for k, column in enumerate(of_stations.amplitude.T)}
+        columns |= {"frequency": of_stations.frequency} | amplitudes
         units |= dict.fromkeys(amplitudes, UNITS[f"{name}.amplitude"])
     return Recording(columns, units)
 
@@ -171,8 +160,8 @@ def _joint(parts: Sequence[Recording], name: str) -> Array:
     return np.asarray(np.take_along_axis(rows, chosen[None], axis=0)[0])
 
 
-def spread(exposed: Recording) -> dict[str, float]:
-    """The table as one row: `station.bent[1]` and so on."""
+def flatten(exposed: Recording) -> dict[str, float]:
+    """Return the table as one row: `station.bent[1]` and so on."""
     return {
         f"station.{name}[{k + 1}]": float(value)
         for name, column in exposed.signals.items()
@@ -181,7 +170,7 @@ def spread(exposed: Recording) -> dict[str, float]:
 
 
 def gather(row: Mapping[str, float]) -> Recording:
-    """The table that `spread` was given."""
+    """Return the table that `flatten` was given."""
     columns: dict[str, list[float]] = {name: [] for name in UNITS}
     for key, value in row.items():
         if key.startswith("station."):
@@ -190,7 +179,7 @@ def gather(row: Mapping[str, float]) -> Recording:
 
 
 def at_stations(recording: Recording, name: str) -> Array:
-    """One of QUANTITIES, shape (rows, stations); no numbers where it was not recorded."""
+    """Return one of QUANTITIES, shape (rows, stations); empty if it was not recorded."""
     columns = [values for key, values in recording.signals.items() if key.startswith(f"station.{name}[")]
     return np.array(columns, dtype=np.float64).T
 
@@ -211,8 +200,9 @@ def _counted(name: str, values: Array) -> dict[str, Array]:
     if not np.isfinite(values).all():
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
     cycles = [[(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)] for column in values.T]
-    ranges = np.array([max((size for size, _ in found), default=0.0) for found in cycles])
-    least, edges = COUNTED * float(np.max(ranges)), (*BINS[name], np.inf)
-    counted = np.array([sum(count for size, count in found if size >= least > 0.0) for found in cycles])
-    binned = [np.histogram([x for x, _ in found], edges, weights=[n for _, n in found])[0] for found in cycles]
+    ranges = np.array([max((size for size, _ in station), default=0.0) for station in cycles])
+    least = COUNTED * float(np.max(ranges))
+    counted = np.array([sum(count for size, count in station if size >= least > 0.0) for station in cycles])
+    edges = (*BINS[name], np.inf)
+    binned = [np.histogram([x for x, _ in station], edges, weights=[n for _, n in station])[0] for station in cycles]
     return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))

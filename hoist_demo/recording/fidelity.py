@@ -13,18 +13,17 @@ from hoist_demo.recording.time_series import Recording
 from rope_model import CHOICES, FIDELITIES, Effect, neglected_effects, neglected_text
 
 FIDELITY = "status.fidelity"  #: Signal with the code of the fidelity that runs.
-
 #: Choices of the FMU's integer parameter `model.fidelity`, in the order of its codes.
 CODES = tuple(CHOICES["model.fidelity"])
 
 
 def code_of(fidelity: str) -> float:
-    """Code of a fidelity as a signal; NaN for "", of a rope that does not run."""
+    """Return the code of a fidelity as a signal; NaN for "", of a rope that does not run."""
     return float(CODES.index(fidelity)) if fidelity in CODES else float("nan")
 
 
 def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
-    """The recording with NaN for what its fidelity leaves out, row by row."""
+    """Return the recording with NaN for what its fidelity leaves out, row by row."""
     if FIDELITY not in recording:
         return recording
     signals = dict(recording.signals)
@@ -37,18 +36,18 @@ def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
 
 
 def fidelities_of(recording: Recording) -> list[str]:
-    """The fidelities that ran, from the first row to the last."""
+    """Return the fidelities that ran, from the first row to the last."""
     codes = recording[FIDELITY] if FIDELITY in recording else np.array([])
-    known = codes[np.isfinite(codes)].astype(int)
-    return [CODES[code] for k, code in enumerate(known) if k == 0 or code != known[k - 1]]
+    finite_codes = codes[np.isfinite(codes)].astype(int)
+    return [CODES[code] for k, code in enumerate(finite_codes) if k == 0 or code != finite_codes[k - 1]]
 
 
 def remark(recording: Recording) -> str:
     """Return the signals that `mask_neglected` left out of a recording, in words; "" for none."""
     for fidelity in FIDELITIES:
-        known = tuple(recording.signals)
+        names = tuple(recording.signals)
         effects = [effect for effect in neglected_effects(fidelity)
-                   if any(np.isnan(recording[name]).any() for name in _names((effect,), known))]  # fmt: skip
+                   if any(np.isnan(recording[name]).any() for name in _names((effect,), names))]  # fmt: skip
         if effects and fidelity in fidelities_of(recording):
             words = ", ".join(effect.words for effect in effects)
             return (
@@ -58,10 +57,10 @@ def remark(recording: Recording) -> str:
     return ""
 
 
-def without_remarked(warnings: Iterable[str], recording: Recording) -> list[str]:
-    """The warnings but those of the rope that say what `remark` does, without the time in which it holds."""
-    told = [*filter(None, map(neglected_text, FIDELITIES))] if remark(recording) else []
-    return [text for text in warnings if not any(own in text for own in told)]
+def drop_duplicates_of_remark(warnings: Iterable[str], recording: Recording) -> list[str]:
+    """Return the warnings without those that say what `remark` does, which adds the time."""
+    sentences = [*filter(None, map(neglected_text, FIDELITIES))] if remark(recording) else []
+    return [text for text in warnings if not any(own in text for own in sentences)]
 
 
 def _when(fidelity: str, recording: Recording) -> str:

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import Account
 
@@ -15,7 +15,7 @@ LOOKED_AT = 0.1  #: Time between two shapes that are compared [s].
 
 @dataclass(frozen=True)
 class Nearest:
-    """The smallest distance of two ropes in a run."""
+    """Smallest distance of two ropes in a run."""
 
     clearance: float  # m, between their surfaces
     t: float  # s
@@ -23,7 +23,7 @@ class Nearest:
 
 
 @dataclass(frozen=True)
-class Pair:
+class RopePair:
     """Two ropes, where they came nearest to each other, and what they did to each other if they may."""
 
     one: str
@@ -34,17 +34,17 @@ class Pair:
 
 def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
     """Return the nearest approach of two ropes: points (instants, points, 3) [m], and the sum of their radii [m]."""
-    found = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
+    best = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
     for k, t in enumerate(times):
         distance, place = polygon_distance(one[k], other[k])
-        if distance - radii < found.clearance:
+        if distance - radii < best.clearance:
             x, y, z = place.tolist()
-            found = Nearest(distance - radii, float(t), (x, y, z))
-    return found
+            best = Nearest(distance - radii, float(t), (x, y, z))
+    return best
 
 
 def polygon_distance(one: Array, other: Array) -> tuple[float, Array]:
-    """Smallest distance of two chains of straight sides through points (n, 3), and the place half-way [m].
+    """Return the smallest distance of two polygons through points (n, 3), and the place half-way [m].
 
     Two sides p + a d, q + b e, a and b within 0 and 1, are nearest where both derivatives vanish, or at a bound
     (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.9). An arc of the radius r cut short by a side of the
@@ -70,26 +70,27 @@ def pairs(
     recording: Recording,
     ropes: Sequence[tuple[str, tuple[float, float, float], float]],
     accounts: Mapping[tuple[str, str], Account],
-) -> list[Pair]:
+) -> list[RopePair]:
     """List all pairs of ropes with name, origin of their places [m] and diameter [m].
 
     A broken rope has no shape any more, and one whose model leaves out what leads it out of its plane has none either.
     """
     every = max(1, round(LOOKED_AT / (recording.time[1] - recording.time[0]))) if recording.time.size > 1 else 1
     shapes = {name: _shapes(recording, name, origin, every) for name, origin, _ in ropes}
-    found = []
+    rope_pairs = []
     for (one, _, thick), (other, _, thin) in combinations(ropes, 2):
         count = min(len(shapes[one]), len(shapes[other]))
-        times, points = recording.time[::every][:count], (shapes[one][:count], shapes[other][:count])
+        times = recording.time[::every][:count]
+        points = shapes[one][:count], shapes[other][:count]
         both = np.isfinite(points[0] + points[1]).all(axis=(1, 2))
         near = nearest(times[both], points[0][both], points[1][both], 0.5 * (thick + thin)) if both.any() else None
-        found.append(Pair(one, other, near, accounts.get((one, other))))
-    return found
+        rope_pairs.append(RopePair(one, other, near, accounts.get((one, other))))
+    return rope_pairs
 
 
 def _shapes(recording: Recording, name: str, origin: tuple[float, float, float], every: int) -> Array:
-    """Shapes of a rope (instants, points, 3) [m], until it breaks; x from half-way between the conveyances' centres."""
-    own = of_rope(recording, name)
+    """Return shapes of a rope (instants, points, 3) [m] until it breaks; x from between the conveyances' centres."""
+    own = rope_signals(recording, name)
     shapes = np.array([own.shape_at(row) for row in range(0, len(own.time), every)], dtype=np.float64)
-    # what keeps to its plane has no place out of it
+    # a rope that its model keeps in a plane has no place out of it
     return np.asarray(shapes + origin + 0.0 * own["loop.z"][::every, None, None])

@@ -7,19 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.recording.time_series import Recording
-from rope_model import BODIES as BODIES
-from rope_model import FAR as FAR
+from rope_model import BODIES, FAR
 
 _DISSIPATED = "energy.dissipated_contact"
 
-#: Outputs of the rope that tell it.
+#: Outputs of the rope from which `passages` follow.
 PASSAGE_SIGNALS = frozenset(
     {"loop.crossings", "loop.crossed_at", "loop.crossed_y", "loop.overlap", "loop.touched_at", "loop.touched_y"}
     | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
     | {f"contact.{name}" for name in (*BODIES, "rope")}
     | {_DISSIPATED}
 )
-
 
 PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
 
@@ -33,7 +31,7 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
         for name, words in BODIES.items()
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0 or _pressed(recording, name)
     ]
-    # what presses for a moment between two rows leaves what it dissipated
+    # contact for a moment between two rows leaves its dissipated energy
     itself = _pressed(recording, "rope")
     dissipated = _DISSIPATED in recording and bool(np.any(_shows(recording, _DISSIPATED)))
     held = any(_pressed(recording, name) for name in BODIES) or (dissipated and not itself and bool(met))
@@ -49,19 +47,19 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
         (struck if itself else into).append(legs)
     elif itself:
         struck.append(_briefly(recording, "itself", ["contact.rope", *([] if held else [_DISSIPATED])]))
-    told = [f"struck {' and '.join(struck)}"] if struck else []
-    told += [f"passed into {' and '.join(into)}"] if into else []
-    told += [f"passed through {' and '.join(through)}"] if through else []
-    return f"{rope} {' and '.join(told)}" if told else ""
+    sentences = [f"struck {' and '.join(struck)}"] if struck else []
+    sentences += [f"passed into {' and '.join(into)}"] if into else []
+    sentences += [f"passed through {' and '.join(through)}"] if through else []
+    return f"{rope} {' and '.join(sentences)}" if sentences else ""
 
 
-def without_told(warnings: Iterable[str]) -> list[str]:
+def without_passages(warnings: Iterable[str]) -> list[str]:
     """Return the rope's warnings but those of which `passages` tells all."""
-    return [text for text in warnings if not any(told in text for told in _TOLD)]
+    return [text for text in warnings if not any(phrase in text for phrase in _PASSAGE_WARNINGS)]
 
 
-#: In warnings of the rope that have no cure.
-_TOLD = ("the rope has struck", "the rope has passed into")
+#: Phrases in warnings that have no cure, which `passages` says, too.
+_PASSAGE_WARNINGS = ("the rope has struck", "the rope has passed into")
 
 
 def _met(recording: Recording, words: str, since: str, y: str) -> str:
@@ -75,7 +73,7 @@ def _briefly(recording: Recording, words: str, names: Sequence[str]) -> str:
 
 
 def _shows(recording: Recording, name: str) -> NDArray[np.bool_]:
-    """The rows that show contact; what was dissipated before the record, as in earlier trips, is none."""
+    """Return the mask (rows,) of contact, without what was dissipated before the record."""
     values = recording[name]
     return values > (values[:1] if name == _DISSIPATED else 0.0)
 
@@ -85,7 +83,7 @@ def _pressed(recording: Recording, name: str) -> bool:
 
 
 def without_absent(recording: Recording) -> Recording:
-    """The recording with NaN for the clearances from bodies that are not there."""
+    """Return the recording with NaN for the clearances from bodies that are not there."""
     signals = dict(recording.signals)
     for kind in BODIES:
         names = [n for n in signals if n == f"clearance.{kind}" or n.startswith(f"nearest.{kind}.")]

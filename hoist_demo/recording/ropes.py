@@ -10,7 +10,7 @@ from hoist_demo.recording.passages import without_absent
 from hoist_demo.recording.time_series import TIME, Recording
 
 
-def of_rope(recording: Recording, name: str) -> Recording:
+def rope_signals(recording: Recording, name: str) -> Recording:
     """Return a rope's signals under their own names, until it breaks."""
     own = _own(recording, name)
     if not name or "loop.y" not in own:
@@ -20,10 +20,7 @@ def of_rope(recording: Recording, name: str) -> Recording:
 
 
 def computed(recording: Recording, torque_free: Mapping[str, bool]) -> Recording:
-    """Return the record with NaN for what was not computed or is not there, and for sums of which that is a part.
-
-    `torque_free` is by the ropes' names whether one carries no torque.
-    """
+    """Return the record with NaN for what was not computed or is absent, and for its sums; `torque_free` by rope."""
     signals = dict(recording.signals)
     for name, free in torque_free.items():
         before = _own(recording, name)

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
 TIME = "time"
 _ALONG = ("s", "tension", "bending", "torsion")
 
@@ -43,7 +42,7 @@ class Recording:
         return self.signals[TIME]
 
     def shape_at(self, row: int) -> Array | None:
-        """Rope points from the left to the right end at a row, shape (n, 3) [m]; None when not recorded."""
+        """Return the rope's points at a row from left to right, shape (n, 3) [m]; None if not recorded."""
         count = sum(1 for name in self.signals if name.startswith("shape.x["))
         if count == 0:
             return None
@@ -51,16 +50,16 @@ class Recording:
         return np.array(columns, dtype=np.float64).T
 
     def along(self, name: str) -> Array | None:
-        """`tension` and its like at the rope's points, shape (rows, n); None when not recorded."""
+        """Return `tension` or its like at the rope's points, shape (rows, n); None if not recorded."""
         columns = [values for key, values in self.signals.items() if key.startswith(f"shape.{name}[")]
         return np.array(columns, dtype=np.float64).T if columns else None
 
 
 class Recorder:
-    """Collects rows of numbers as they come; they become signals when somebody wants them."""
+    """Collector of rows of numbers, which become signals on request."""
 
     def __init__(self, names: Sequence[str], units: Mapping[str, str], size: int) -> None:
-        """Room for so many rows, each of these signals."""
+        """Allocate so many rows of these signals."""
         self.names, self.size, self.count = tuple(names), size, 0
         self._units, self._table = dict(units), np.empty((size, len(self.names)))
 
@@ -71,16 +70,16 @@ class Recorder:
 
     @property
     def following(self) -> Array:
-        """Rows behind the last one, for who fills them and counts them himself."""
+        """View of the free rows, for a caller who fills and counts them himself."""
         return self._table[self.count :]
 
     def resume(self, recording: Recording, rows: int) -> None:
-        """Begin with the first rows of a recording."""
+        """Copy the first rows of a recording."""
         self._table[:rows] = np.array([recording[name][:rows] for name in self.names]).T
         self.count = rows
 
     def recording(self) -> Recording:
-        """All rows so far."""
+        """Return all rows so far."""
         columns = self._table[: self.count].T.copy()
         return Recording(
             dict(zip(self.names, columns, strict=True)), {name: self._units.get(name, "") for name in self.names}
@@ -92,25 +91,22 @@ def is_along(name: str) -> bool:
     return any(f".{part}." in f".{name}" for part in ("shape", "station"))
 
 
-def match_signals(patterns: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
-    """The known signals that are asked for, in the order asked for; a `*` stands for any letters."""
-    found: dict[str, None] = {}
+def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[str, ...]:
+    """Return the available signals that match the patterns, in their order; a `*` stands for any letters."""
+    matches: dict[str, None] = {}
     for pattern in patterns:
         expression = re.compile(re.escape(pattern).replace(r"\*", ".*"))
-        names = [name for name in known if expression.fullmatch(name)]
+        names = [name for name in available if expression.fullmatch(name)]
         if not names:
-            near = difflib.get_close_matches(pattern, known, n=3)
+            near = difflib.get_close_matches(pattern, available, n=3)
             cure = f"did you mean {' or '.join(near)}?" if near else "see docs/reference/variables.md"
             raise ValueError(f"signals has {pattern!r}, which nothing shows: {cure}")
-        found |= dict.fromkeys(names)
-    return tuple(found)
+        matches |= dict.fromkeys(names)
+    return tuple(matches)
 
 
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
-    """The named signals with their time, one row per communication point, header `name [unit]`.
-
-    Without names all but those of `is_along`.
-    """
+    """Write signals with their time, header `name [unit]`; without names all but those of `is_along`."""
     chosen = [name for name in names if name in recording and name != TIME]
     names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
     with path.open("w", newline="", encoding="utf-8") as file:
@@ -130,18 +126,19 @@ def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
         for row in rows:
             shape = recording.shape_at(row)
             if shape is not None:
-                t, points = _number(recording.time[row]), np.column_stack([shape, *(v[row] for v in along.values())])
+                t = _number(recording.time[row])
+                points = np.column_stack([shape, *(v[row] for v in along.values())])
                 writer.writerows([t, k + 1, *(_number(value) for value in point)] for k, point in enumerate(points))
 
 
 def shape_rows(recording: Recording, count: int = 7) -> list[int]:
-    """Rows at evenly spaced instants, first and last included."""
+    """Return rows at evenly spaced instants, first and last included."""
     last = len(recording.time) - 1
     return sorted({round(last * k / (count - 1)) for k in range(count)}) if last >= 0 else []
 
 
 def _number(value: float) -> str:
-    """Ten significant digits; minus zero is zero, so that the sign of a rounding error does not show."""
+    """Format with ten digits; minus zero is zero, so that the sign of a rounding error does not show."""
     return f"{float(value) + 0.0:.10g}"
 
 

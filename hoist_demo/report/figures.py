@@ -19,7 +19,7 @@ from matplotlib.rcsetup import cycler
 
 from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
 from hoist_demo.parameters import Hoist
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
 from hoist_demo.report.panels import Mark, Panel, derived_signals, panels, quiet
 
@@ -47,7 +47,6 @@ STYLE: dict[Any, Any] = {
     "axes.formatter.useoffset": False,
     "axes.prop_cycle": cycler(color=(*ACCENTS, *COLOURS.values(), "black")),
 }
-
 
 #: Groups of panels by the name of their figure.
 _FIGURES = {
@@ -160,23 +159,23 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
     """Draw the ropes and their loops, enlarged, from the front and the side at a few instants."""
     drawn = []
     for row in shape_rows(recording, 6):
-        hanging = [(rope, own) for rope in ropes if row < len((own := of_rope(recording, rope.name)).time)]
+        hanging = [(rope, own) for rope in ropes if row < len((own := rope_signals(recording, rope.name)).time)]
         points = [shape + rope.place.origin for rope, own in hanging if (shape := own.shape_at(row)) is not None]
-        if found := [shape for shape in points if np.isfinite(shape).all()]:
-            drawn.append((recording.time[row], found))
+        if curves := [shape for shape in points if np.isfinite(shape).all()]:
+            drawn.append((recording.time[row], curves))
     if not drawn:
         return None
     figure = Figure(figsize=(8.0, 7.2))
     grid = figure.subplots(2, 2, sharex="col", height_ratios=(1.5, 1.0))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(drawn)))
-    low = min(float(np.min(shape[:, 1])) for _, found in drawn for shape in found)
+    low = min(float(np.min(shape[:, 1])) for _, curves in drawn for shape in curves)
     for column, (view, axis) in enumerate((("Front view", "x"), ("Side view", "z"))):
         for row, title in enumerate((f"{view}, {axis} stretched", f"{view} of the loop")):
             ax = grid[row, column]
-            for colour, (t, found) in zip(colours, drawn, strict=True):
-                for shape in found:
-                    told = "" if shape is not found[0] else f"t = {t:.1f} s"
-                    ax.plot(shape[:, 2 * column], shape[:, 1], color=colour, label=told)
+            for colour, (t, curves) in zip(colours, drawn, strict=True):
+                for shape in curves:
+                    label = "" if shape is not curves[0] else f"t = {t:.1f} s"
+                    ax.plot(shape[:, 2 * column], shape[:, 1], color=colour, label=label)
             ax.set_title(title)
             ax.set_ylabel("y [m]")
             if row == 1:
@@ -195,7 +194,7 @@ def save_figure(figure: Figure, path: Path) -> Path:
 
 
 def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
-    """Panels above one another over a common axis."""
+    """Return a figure with panels above one another over a common axis."""
     figure = Figure(figsize=(8.0, 1.75 * len(titles) + 0.5))
     axes: list[Axes] = list(figure.subplots(len(titles), 1, sharex=True, squeeze=False)[:, 0])
     for ax, title in zip(axes, titles, strict=True):
@@ -205,10 +204,10 @@ def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
 
 
 def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
-    """Instants in order of time in all panels, their names over the first one, whose title makes room."""
+    """Draw marks as dashed lines in all panels, with their names over the first one, whose title makes room."""
     top = figure.axes[0]
     first, last = top.get_xlim()
-    lines: list[float] = []  # of names: where each is free from on, as a share of the panel's width
+    lines: list[float] = []  # end of the last name in each line of names, as a share of the panel's width
     for mark in marks:
         for ax in figure.axes:
             ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))
@@ -231,12 +230,12 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
         top.set_title(top.get_title(loc="left"), pad=6.0 + _LINE * len(lines))
 
 
-#: Width of a letter of a mark's name, as a share of the panel's, and height of a line of names in points.
-_LETTER, _LINE = 0.009, 9.0
+_LETTER = 0.009  #: Width of a letter of a mark's name, as a share of the panel's.
+_LINE = 9.0  #: Height of a line of names in points.
 
 
 def legend(ax: Axes) -> None:
-    """Legend beside the panel, where it hides nothing."""
+    """Draw the legend beside the panel, where it hides nothing."""
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
 
 

@@ -12,38 +12,34 @@ from hoist_demo.design.statics import at_rest, holds, pulls
 from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, Given
 from hoist_demo.files.writing import hoist_text
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
 from hoist_demo.ropes.definition import OneRope, ropes_of
-from hoist_demo.study.provenance import SETTING, Known, of_host, statuses
+from hoist_demo.study.provenance import SETTING, SourcedValue, host_provenance, statuses
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
 
-#: lowest modes of the rope that are told
-MODES = 4
+MODES = 4  #: Number of the rope's lowest modes in the table.
 _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
-#: most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s
-YAWS = 3.0
+YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
 Values = Mapping[str, Value]
 NOTHING: Values = MappingProxyType({})
 
 
-def complete(case: Case, run: RunData, ropes: Sequence[RopeData], known: Iterable[Known]) -> str:
-    """Return the file of a hoist with every value of a run and its status: wound again, it gives the same bits.
-
-    `known` are the sources of host and ropes.
-    """
-    status = statuses(known)
+def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]) -> str:
+    """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
+    status = statuses(provenance)
 
     def given(name: str, value: Value, of: str = "") -> Given:
-        told = status.get(f"{of}{name}", SETTING)
-        kept = told if told in STATUSES else "assumed" if told == SETTING else GIVEN
-        return Given(value, kept, case.sources.get(name, ""))
+        source_status = status.get(f"{of}{name}", SETTING)
+        file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
+        return Given(value, file_status, case.sources.get(name, ""))
 
     lines = {"controller": given("controller", run.controller), "level": given("level", case.level)}
-    lines |= {one.name: given(one.name, one.value) for one in of_host(run, {})}
+    lines |= {one.name: given(one.name, one.value) for one in host_provenance(run, {})}
     names = rope_parameters()
     ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
     first = ropes[0]
@@ -66,47 +62,47 @@ _SPACING = "layout.spacing"
 
 
 def _spacing(rope: RopeData, run: RunData) -> float:
-    """Spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
+    """Return the spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
     own, place = float(rope.parameters[_SPACING]), rope.place
-    asked = float(run.fmu.get(_SPACING, rope_parameters()[_SPACING].start))
-    return asked if asked + place.x_right - place.x_left == own else own - place.x_right + place.x_left
+    set_spacing = float(run.fmu.get(_SPACING, rope_parameters()[_SPACING].start))
+    return set_spacing if set_spacing + place.x_right - place.x_left == own else own - place.x_right + place.x_left
 
 
-def as_file(case: Case, name: str, asked: Values = NOTHING) -> str:
-    """Return the complete file of a hoist; `name` is how it is found, `asked` are values that are set beside it."""
-    run, ropes, sources = _wound(case, name, asked)
-    return complete(case, run, ropes, sources)
+def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
+    """Return the complete file of a hoist; `name` is how it is found, `values` are set beside it."""
+    run, ropes, sources = _wound(case, name, values)
+    return complete_file(case, run, ropes, sources)
 
 
-def known(case: Case, name: str) -> list[Known]:
-    """Return the sources of all values; `name` is how the hoist is found."""
+def hoist_provenance(case: Case, name: str) -> list[SourcedValue]:
+    """Return the provenance of all values; `name` is how the hoist is found."""
     return _wound(case, name, NOTHING)[2]
 
 
-def _wound(case: Case, name: str, asked: Values) -> tuple[RunData, list[RopeData], list[Known]]:
+def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
     """Return the run that winds the hoist, its ropes and the sources of both."""
-    run = build_trip(name, asked)
+    run = build_trip(name, values)
     ropes = ropes_of(case, run, {}, case.level)
     run = replace(run, hoist=ropes.hoist)
-    return run, ropes.data(), [*of_host(run, {}), *ropes.provenance({})]
+    return run, ropes.data(), [*host_provenance(run, {}), *ropes.provenance({})]
 
 
-def problems(case: Case) -> list[str]:
+def slip_problems(case: Case) -> list[str]:
     """Return a line on each bound that the hoist at rest or in its trip does not keep."""
     return [
         f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
-        f"{case.hoist.tension_ratio_limit:.3g}), and {one.asked:g} is usually asked for: more weight on the light "
+        f"{case.hoist.tension_ratio_limit:.3g}), and {one.required:g} is usually asked for: more weight on the light "
         "side, a better lining, or a gentler trip"
         for one in holds(case.hoist, case.winding)
-        if one.safety < one.asked and one.asked > 1.0
+        if one.safety < one.required and one.required > 1.0
     ]
 
 
-def follows(case: Case, name: str, asked: Values = NOTHING) -> tuple[str, list[str]]:
+def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, list[str]]:
     """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
     hoist = case.hoist
     rows = [
-        SummaryRow(_HOLD, f"slip safety {one.when}, without swing", f"{one.safety:.3g}, asked {one.asked:g}")
+        SummaryRow(_HOLD, f"slip safety {one.when}, without swing", f"{one.safety:.3g}, asked {one.required:g}")
         for one in holds(hoist, case.winding)
     ]
     for height in (0.0, hoist.shaft_travel):
@@ -116,14 +112,14 @@ def follows(case: Case, name: str, asked: Values = NOTHING) -> tuple[str, list[s
         rows.append(SummaryRow(_HOLD, heads, words))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     warned, yaws = [], dict[str, float]()
-    ropes = ropes_of(case, build_trip(name, asked), {}, case.level).ropes
+    ropes = ropes_of(case, build_trip(name, values), {}, case.level).ropes
     for rope in ropes:
-        scene, whose = rope.scene, f"{rope.name}: " if rope.name else ""
-        plant = balance_rope(scene)
+        whose = f"{rope.name}: " if rope.name else ""
+        plant = balance_rope(rope.scene)
         for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):
             group = f"{whose}{_AT_REST} {height:g} m"
             yaws[rope.name] = max(yaws.get(rope.name, 0.0), signals["loop.yaw"], key=abs)
-            pull = [-1e-3 * signals[f"{end}.fy"] for end in ("left", "right")]
+            pull = [-1e-3 * signals[f"{end}.fy"] for end in SIDES]
             rows += [
                 SummaryRow(group, "its pull on the left and right conveyance", f"{pull[0]:.4g} and {pull[1]:.4g} kN"),
                 SummaryRow(group, "loop's lowest point", signals["loop.y"], "m"),
@@ -171,5 +167,5 @@ def _frequencies(rope: BalanceRope, travel: float) -> str:
         modes = natural_modes(model.system(state), state.motion.q, MODES)
     except ValueError as error:
         return str(error)
-    told = zip(modes.frequencies, modes.out_of_plane, strict=True)
-    return ", ".join(f"{f:.3g} Hz {'out of' if out > 0.5 else 'in'} plane" for f, out in told)
+    modes_shown = zip(modes.frequencies, modes.out_of_plane, strict=True)
+    return ", ".join(f"{f:.3g} Hz {'out of' if out > 0.5 else 'in'} plane" for f, out in modes_shown)

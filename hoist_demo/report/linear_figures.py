@@ -54,11 +54,11 @@ def _colour(at: float) -> tuple[float, ...]:
 
 
 def _frequencies(figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float) -> None:
-    for model, found in zip(models, modes, strict=True):
-        order = np.argsort(found.shares[0])
-        size, share = 3.0 + 30.0 * found.shares[0][order], found.shares[0][order]
+    for model, own in zip(models, modes, strict=True):
+        order = np.argsort(own.shares[0])
+        size, share = 3.0 + 30.0 * own.shares[0][order], own.shares[0][order]
         at = np.full(share.size, model.at)
-        drawn = ax.scatter(at, found.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0)
+        drawn = ax.scatter(at, own.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0)
     bar = figure.colorbar(drawn, ax=ax, label="hoist's share of the kinetic energy")
     bar.ax.set_ylim(0.0, 1.0)  # the map begins below, for a share of 0 is to be seen
     ax.set_title("Natural frequencies along the trip")
@@ -68,11 +68,11 @@ def _frequencies(figure: Figure, ax: Axes, models: Sequence[LinearModel], modes:
 
 
 def _poles(ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes]) -> None:
-    """Upper poles of the modes; those with hardly any damping lie on the imaginary axis."""
-    for k, (model, found) in enumerate(zip(models, modes, strict=True)):
-        real = -2 * np.pi * found.frequencies * found.damping
+    """Draw the upper poles of the modes; those with hardly any damping lie on the imaginary axis."""
+    for k, (model, own) in enumerate(zip(models, modes, strict=True)):
+        real = -2 * np.pi * own.frequencies * own.damping
         label = f"at {model.at:g}" if k in (0, len(models) // 2, len(models) - 1) else None
-        ax.plot(real, found.frequencies, "x", ms=4.0, color=_colour(model.at), label=label)
+        ax.plot(real, own.frequencies, "x", ms=4.0, color=_colour(model.at), label=label)
     ax.axvline(0.0, color=ACCENTS[3], lw=0.8)
     ax.set_title("Poles of the modes, upper half")
     ax.set_xlabel("real part [1/s]")

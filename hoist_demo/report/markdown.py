@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.report.rows import CHANGED, Report
+from hoist_demo.report.rows import CHANGED, Report, rows_by_group
 from hoist_demo.report.verdict import COLUMNS
 
 CAPTIONS = {
@@ -18,17 +18,16 @@ CAPTIONS = {
 
 
 def render_markdown(report: Report, figures: Sequence[Path]) -> str:
-    """The report as Markdown: verdict, figures by file name, and the rest."""
-    verdict, changed, rows = report.verdict, report.changed, report.rows
+    """Return the report as Markdown: verdict, figures by file name, and the rest."""
+    verdict = report.verdict
     parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.words)}**"]
     parts += _table(COLUMNS, [row.cells for row in verdict.rows])
     parts += [f"**Warning.** {_inline(text)}" for text in verdict.remarks]
-    parts += _table(CHANGED, changed[1], changed[0])
+    parts += _table(CHANGED, report.changed[1], report.changed[0])
     parts.append(ASSUMED_DATA)
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
-    for group in dict.fromkeys(row.group for row in rows):
-        found = [(row.quantity, row.text, row.unit) for row in rows if row.group == group]
-        parts += _table(("quantity", "value", "unit"), found, group)
+    for group, rows in rows_by_group(report.rows).items():
+        parts += _table(("quantity", "value", "unit"), [(row.quantity, row.text, row.unit) for row in rows], group)
     for name, lines in report.given:
         parts += _table(("parameter", "value", "unit", "status"), lines, f"Data: {name}")
     return "\n\n".join(parts) + "\n"
@@ -48,7 +47,7 @@ def _cell(text: str) -> str:
 
 
 def _inline(text: str) -> str:
-    """Text of which no browser makes an element."""
+    """Escape `<`, so that no browser makes an element of the text."""
     return text.replace("<", "&lt;")
 
 

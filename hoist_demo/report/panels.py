@@ -14,21 +14,22 @@ import numpy as np
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
-from hoist_demo.recording.passages import BODIES
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import LOSSES, loses
 from hoist_demo.study.metrics import exchange_energy
+from rope_model import BODIES
 
-#: Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
-LEFT, RIGHT, ASKED, LIMIT = "left", "right", "asked", "limit"
-
+# Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
+LEFT = "left"  #: Style of the left end.
+RIGHT = "right"  #: Style of the right end.
+REFERENCE = "asked"  #: Style of a reference.
 _DEGREES = 180.0 / math.pi
 
 
 @dataclass(frozen=True)
 class Line:
-    """One curve: factor (signal - signal at the start, where asked for) of the recorded or derived signal."""
+    """Curve of a recorded or derived signal: factor times it, less its start if `from_start`."""
 
     signal: str
     label: str
@@ -39,7 +40,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Limit:
-    """A line across a panel."""
+    """Horizontal line across a panel."""
 
     value: float
     label: str
@@ -47,7 +48,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Panel:
-    """One plot over time; `least` is the smallest height of its axis, so that rounding errors stay flat."""
+    """Plot over time; `least` is the smallest height of its axis, so that rounding errors stay flat."""
 
     group: str
     title: str
@@ -58,38 +59,38 @@ class Panel:
 
 
 def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
-    """Signals that follow from recorded ones, with their units, by names that begin with `derived.`."""
-    found: dict[str, tuple[Array, str]] = {}
+    """Return signals that follow from recorded ones, with units, by names that begin with `derived.`."""
+    derived: dict[str, tuple[Array, str]] = {}
     if recording.has("reference.position", "conveyance.left.y"):
         travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
-        found["derived.tracking_error"] = recording["reference.position"] - travel, "m"
-        found["derived.reference_height"] = recording["conveyance.left.y"][0] + recording["reference.position"], "m"
+        derived["derived.tracking_error"] = recording["reference.position"] - travel, "m"
+        derived["derived.reference_height"] = recording["conveyance.left.y"][0] + recording["reference.position"], "m"
     if hoist.lining is not None and recording.has("drive.rate", "drive.slip_speed"):
         rim = hoist.sheave_radius * recording["drive.rate"]
-        found["derived.rim_speed"] = rim, "m/s"
-        found["derived.rope_speed"] = rim + recording["drive.slip_speed"], "m/s"
+        derived["derived.rim_speed"] = rim, "m/s"
+        derived["derived.rope_speed"] = rim + recording["drive.slip_speed"], "m/s"
     if recording.has("drive.work_from_balance_rope", "energy.work_ends"):
-        found["derived.coupling_defect"] = exchange_energy(recording, hoist), "J"
-    return found
+        derived["derived.coupling_defect"] = exchange_energy(recording, hoist), "J"
+    return derived
 
 
 def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> list[Panel]:
-    """All panels of which at least one line can be drawn, with those lines only; `names` are those of the ropes."""
-    # what a fidelity leaves out is NaN throughout
+    """Return all panels of which a line can be drawn, with those lines only; `names` are those of the ropes."""
+    # signals that a fidelity leaves out are NaN throughout
     shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
-    known = {name for name in shown_at_all if loses(recording, name)} | set(derived_signals(recording, hoist))
+    drawable = {name for name in shown_at_all if loses(recording, name)} | set(derived_signals(recording, hoist))
     shown: list[Panel] = []
-    for panel in (part for whole in _all(hoist) for part in _of_ropes(whole, known, names)):
-        lines = tuple(line for line in panel.lines if line.signal in known)
+    for panel in (part for whole in _all(hoist) for part in _of_ropes(whole, drawable, names)):
+        lines = tuple(line for line in panel.lines if line.signal in drawable)
         if lines:
             shown.append(replace(panel, lines=lines))
     return shown
 
 
-def _of_ropes(panel: Panel, known: Collection[str], names: Sequence[str]) -> Iterator[Panel]:
-    """Signals of several ropes: one of each in one panel, where it compares them, else a panel for each rope."""
+def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> Iterator[Panel]:
+    """Yield a panel for several ropes: one line of each to compare them, else a panel for each rope."""
     yield panel
-    own = [line for line in panel.lines if line.signal not in known]
+    own = [line for line in panel.lines if line.signal not in drawable]
     if not names[0] or not own:
         return
     if len(own) == 1:
@@ -122,7 +123,7 @@ def _lines(names: dict[str, str], factor: float = 1.0, from_start: bool = False)
 
 
 def _followed(quantity: str, component: str) -> tuple[Line, ...]:
-    return *_ends(f"conveyance.{{}}.{component}"), Line(quantity, "reference, left", ASKED)
+    return *_ends(f"conveyance.{{}}.{component}"), Line(quantity, "reference, left", REFERENCE)
 
 
 def _all(hoist: Hoist) -> Iterator[Panel]:
@@ -131,10 +132,10 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
         ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),
         ("Speeds at the sheave's rim", "m/s", _lines(_SPEEDS)),
     ]
-    torque = Line("drive.torque_command", "command", ASKED, kilo), Line("drive.torque", "motor", "a", kilo)
+    torque = Line("drive.torque_command", "command", REFERENCE, kilo), Line("drive.torque", "motor", "a", kilo)
     ratio = (Line("drive.tension_ratio", "larger / smaller", "b"),)
     clearances = {f"clearance.{kind}": words for kind, words in BODIES.items()}
-    # by group: title, unit, lines, and the further fields of Panel
+    # title, unit, lines and the further fields of Panel, by group
     groups: dict[str, list[tuple[Any, ...]]] = {
         "Winding": [
             ("Height in the shaft", "m", _followed("derived.reference_height", "y")),
@@ -206,7 +207,7 @@ _RESIDUALS = {
 
 @dataclass(frozen=True)
 class Mark:
-    """An instant with a name."""
+    """Instant to be marked in all panels, with its name."""
 
     t: float  # s
     label: str
@@ -217,38 +218,38 @@ def marks(result: Result) -> list[Mark]:
     times, winding = result.recording.time, result.winding
     # Host's reference counts from the start of the record
     start = float(times[0])
-    found = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
-    found += [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
+    instants = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
+    instants += [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
     if (slid := slip(result.recording)) is not None:
-        found.append(Mark(slid.t, "head ropes slip"))
+        instants.append(Mark(slid.t, "head ropes slip"))
     if winding.creeps:
-        found += [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
+        instants += [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
     if (trip := guard_trip(result.recording)) is not None:
-        found.append(Mark(trip.t, f"guard: {trip.cause}"))
+        instants.append(Mark(trip.t, f"guard: {trip.cause}"))
     if winding.emergency_at is not None:
-        found.append(Mark(start + winding.emergency_at, "emergency stop"))
-    found.append(Mark(start + result.trajectory.duration, "reference at rest"))
+        instants.append(Mark(start + winding.emergency_at, "emergency stop"))
+    instants.append(Mark(start + result.trajectory.duration, "reference at rest"))
     # inside the record only
-    found = sorted((mark for mark in found if start <= mark.t <= float(times[-1])), key=lambda mark: mark.t)
-    return found if result.completed else [*found, Mark(float(times[-1]), "run stopped")]
+    instants = sorted((mark for mark in instants if start <= mark.t <= float(times[-1])), key=lambda mark: mark.t)
+    return instants if result.completed else [*instants, Mark(float(times[-1]), "run stopped")]
 
 
 def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[float]:
     """First recorded instants [s] after a transformation of a rope's mesh, in ascending order."""
-    found = set[float]()
-    for own in (of_rope(recording, name) for name in names):
+    instants = set[float]()
+    for own in (rope_signals(recording, name) for name in names):
         if "count.transformations" in own:
-            found |= {*own.time[1:][np.diff(own["count.transformations"]) > 0.0].tolist()}
-    return sorted(found)
+            instants |= {*own.time[1:][np.diff(own["count.transformations"]) > 0.0].tolist()}
+    return sorted(instants)
 
 
 def slips(recording: Recording, end: str, names: Sequence[str] = ("",)) -> list[tuple[float, float]]:
     """Intervals [s] during which a swivel of `end` slips, each recorded state holding until the next row."""
-    found = list[tuple[float, float]]()
-    for own in (of_rope(recording, name) for name in names):
+    intervals = list[tuple[float, float]]()
+    for own in (rope_signals(recording, name) for name in names):
         if (signal := f"{end}.swivel.slipping") in own:
             inside = np.concatenate([[False], own[signal] > 0.5, [False]])
             edges = np.flatnonzero(inside[1:] != inside[:-1])
             times, last = own.time, len(own.time) - 1
-            found += [(float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)]
-    return sorted(found)
+            intervals += [(float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)]
+    return sorted(intervals)

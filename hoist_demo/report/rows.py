@@ -7,23 +7,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hoist_demo.report.html.page import Row, number, unit_text
-from hoist_demo.report.html.parameter_tables import Table
+from hoist_demo.report.html.parameter_tables import TitledRows
 from hoist_demo.report.verdict import COLUMNS, Verdict
-from hoist_demo.study.provenance import SETTING, STATUSES, Known
+from hoist_demo.study.provenance import SETTING, STATUSES, SourcedValue
 
-OUTCOME = "Outcome"  #: Group of the rows that tell how a run went.
-
+OUTCOME = "Outcome"  #: Group of the rows on how a run went.
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
-
-#: Significant digits of a number in the summary, which is what the rope's standard accuracy leaves, and of a whole one.
-DIGITS, WHOLE = 4, 10
-
+DIGITS = 4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
+WHOLE = 10  #: Significant digits of a whole number.
 LONG = 40  #: Characters from which a text has lines of its own in the table.
 
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """One line of the summary table."""
+    """Line of the summary table."""
 
     group: str
     quantity: str
@@ -32,32 +29,40 @@ class SummaryRow:
 
     @property
     def text(self) -> str:
-        """Value for people."""
+        """Value as text, in DIGITS."""
         whole = not isinstance(self.value, str) and float(self.value).is_integer()
         return self.value if isinstance(self.value, str) else number(self.value, WHOLE if whole else DIGITS)
 
 
 @dataclass(frozen=True)
 class Report:
-    """What a report says, in reading order; `changed` are the settings that differ, `given` all data of the run."""
+    """Content of a report, in reading order; `changed` are the settings that differ, `given` all data of the run."""
 
     title: str
     verdict: Verdict
-    changed: Table = ("", [])
+    changed: TitledRows = ("", [])
     rows: Sequence[SummaryRow] = ()
-    given: Sequence[Table] = ()
+    given: Sequence[TitledRows] = ()
+
+
+def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:
+    """Return the rows by their groups, both in reading order."""
+    groups = dict[str, list[SummaryRow]]()
+    for row in rows:
+        groups.setdefault(row.group, []).append(row)
+    return groups
 
 
 CHANGED = ("parameter", "value", "unit", "of the case")  #: Head of the table of settings that differ.
 
 
-def for_people(value: float, unit: str) -> tuple[float, str]:
+def in_display_unit(value: float, unit: str) -> tuple[float, str]:
     """Convert to a unit for people: angles to degrees, pure numbers to none."""
     return (math.degrees(value), "deg") if unit == "rad" else (value, unit_text(unit))
 
 
 def render(rows: Sequence[SummaryRow]) -> str:
-    """The table as plain text."""
+    """Return the summary as plain text."""
     width = max((len(row.quantity) for row in rows), default=0)
     lines: list[str] = []
     for k, row in enumerate(rows):
@@ -71,7 +76,7 @@ def render(rows: Sequence[SummaryRow]) -> str:
 
 
 def render_verdict(verdict: Verdict) -> str:
-    """The verdict as plain text: its words and its rows."""
+    """Return the verdict as plain text: its words and its rows."""
     lines = textwrap.wrap(verdict.words, 110)
     cells = [COLUMNS, *(row.cells for row in verdict.rows)] if verdict.rows else []
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
@@ -80,12 +85,11 @@ def render_verdict(verdict: Verdict) -> str:
 
 
 TITLE = "Data that this rests on, by status"
-#: most names that are told one by one
-NAMED = 8
+NAMED = 8  #: Most names that are listed one by one.
 
 
-def told(data: Sequence[Known]) -> list[SummaryRow]:
-    """Return the summary of the data's sources: names of few, and the number of each kind of many."""
+def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
+    """Return a row for each status: names of few data, the number of each kind of many."""
     rows = []
     for status in STATUSES:
         names = [one.name for one in data if one.status == status]
@@ -96,8 +100,8 @@ def told(data: Sequence[Known]) -> list[SummaryRow]:
     return rows
 
 
-def table(data: Sequence[Known]) -> Table:
-    """All of the data but settings, the least certain status first in the order of STATUSES."""
+def provenance_table(data: Sequence[SourcedValue]) -> TitledRows:
+    """Return the data without settings, sorted by STATUSES."""
     rows: list[Row] = [
         (one.name, one.value if isinstance(one.value, str) else number(one.value), unit_text(one.unit), one.status)
         for one in sorted(data, key=lambda one: STATUSES.index(one.status))

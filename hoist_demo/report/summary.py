@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
+from hoist_demo.parameters import SIDES, Arrival, Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.html.page import number, unit_text
 from hoist_demo.report.rows import SummaryRow
@@ -30,7 +30,7 @@ LOSSES = {"energy.dissipated_material": "in the rope", "energy.dissipated_swivel
 
 
 def _largest(values: Array) -> float:
-    """Value of largest magnitude, without its sign."""
+    """Return the largest magnitude."""
     return float(np.nanmax(np.abs(values)))
 
 
@@ -43,13 +43,13 @@ def _last(values: Array) -> float:
 
 
 def _rough(values: Array) -> str:
-    """Value of largest magnitude of an error, in the two digits that it has."""
+    """Format the value of largest magnitude of an error, in the two digits that it has."""
     return number(float(values[np.nanargmax(np.abs(values))]), 2)
 
 
 _DRIVE, _ROPE, _WORK, _ENERGY = "Drive", "Balance rope", "Energy of the drive", "Energy of one balance rope"
 
-#: Group and quantity, signals, factor and unit, and what is told of them.
+#: Group and quantity, signals, factor and unit, and the function that reduces the signals to a value.
 _ROWS: tuple[tuple[str, str, tuple[str, ...], float, str, Callable[[Array], float | str]], ...] = (
     (_DRIVE, "peak speed", ("conveyance.left.vy",), 1.0, "m/s", _largest),
     (_DRIVE, "peak motor torque", ("drive.torque",), 1e-3, "kN m", _largest),
@@ -82,7 +82,7 @@ def summarize(
     names: Sequence[str] = ("",),
     arrival: Arrival | None = None,
 ) -> tuple[SummaryRow, ...]:
-    """All rows of a run, in reading order; `names` are those of its ropes."""
+    """Return all rows of a run, in reading order; `names` are those of its ropes."""
     rows: list[SummaryRow] = []
     if (recording := result.recording).signals:
         rows = _trip(recording, hoist, winding)
@@ -90,7 +90,8 @@ def summarize(
         rows += _signals(recording, (_DRIVE, _WORK))
         rows += _together(recording) if names[0] else ()
         for name in names:
-            rows += [replace(row, group=f"{row.group}{name and ', '}{name}") for row in _of_rope(recording, name)]
+            of_rope = f", {name}" if name else ""
+            rows += [replace(row, group=f"{row.group}{of_rope}") for row in _of_rope(recording, name)]
         if "energy.work_ends" in recording:
             defect = _rough(exchange_energy(recording, hoist))
             rows.append(SummaryRow(_WORK, "energy that the coupling's delay makes up, largest", defect, "J"))
@@ -99,7 +100,7 @@ def summarize(
 
 
 def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
-    own = of_rope(recording, name)
+    own = rope_signals(recording, name)
     if name:
         count = len(own.time)
         share = (own["left.fy"] + own["right.fy"]) / (recording["left.fy"] + recording["right.fy"])[:count]
@@ -111,8 +112,8 @@ def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
 
 
 def _together(recording: Recording) -> Iterator[SummaryRow]:
-    """Yield the moments of several ropes."""
-    for end in ("left", "right"):
+    """Yield the moments of several ropes about the conveyances' centres."""
+    for end in SIDES:
         for name, words in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
             if bool(np.isfinite(recording[f"{end}.{name}"]).any()):
                 group = f"All ropes on the {end} conveyance, about its centre"
@@ -120,11 +121,11 @@ def _together(recording: Recording) -> Iterator[SummaryRow]:
 
 
 def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryRow]:
-    for group, quantity, names, factor, unit, told in (row for row in _ROWS if row[0] in groups):
-        found = [recording[name] for name in names if name in recording and loses(recording, name)]
-        # what the fidelity leaves out is NaN throughout
-        if found and bool(np.isfinite(values := np.concatenate(found)).any()):
-            yield SummaryRow(group, quantity, told(factor * values), unit)
+    for group, quantity, names, factor, unit, measure in (row for row in _ROWS if row[0] in groups):
+        recorded = [recording[name] for name in names if name in recording and loses(recording, name)]
+        # signals that the fidelity leaves out are NaN throughout
+        if recorded and bool(np.isfinite(values := np.concatenate(recorded)).any()):
+            yield SummaryRow(group, quantity, measure(factor * values), unit)
 
 
 def loses(recording: Recording, name: str) -> bool:
@@ -146,7 +147,7 @@ _MOST = {
 
 def exposure_rows(rope: str, exposed: Recording) -> tuple[SummaryRow, ...]:
     """Return rows on the most loaded places of a rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
-    group = f"Places in the rope{rope and ' '}{rope}, from its left end"
+    group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []
     for name, (words, beside) in _MOST.items():
         if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
@@ -173,7 +174,7 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
 
 
 def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> list[SummaryRow]:
-    """Errors [mm] while the drive follows the reference; once the brake has tripped there is nothing to follow."""
+    """Return errors [mm] while the drive follows the reference, until the brake trips."""
     follows = elapsed <= winding.tracking_end
     last, until = "final position error", ""
     if not bool(follows.all()):
@@ -193,7 +194,7 @@ def _swing(recording: Recording, arrival: float, window: float) -> list[SummaryR
     if not bool(tail.any()):
         return []
     within = f"within {float(np.ptp(elapsed[tail])):.2g} s, peak to peak"
-    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])) for end in ("left", "right")}
+    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])) for end in SIDES}
     return [SummaryRow(_DRIVE, f"swing after arrival, {end}, {within}", swing, "mm") for end, swing in swings.items()]
 
 

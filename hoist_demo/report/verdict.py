@@ -12,22 +12,22 @@ import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Arrival, Hoist
+from hoist_demo.parameters import SIDES, Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
-from hoist_demo.recording.incidents import GUARD_CODES, SIDES, guard_trip, incidents, stops
-from hoist_demo.recording.nearness import Pair
-from hoist_demo.recording.passages import BODIES, FAR, PASSED, outcome_of, passages
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, incidents, stops
+from hoist_demo.recording.nearness import RopePair
+from hoist_demo.recording.passages import PASSED, outcome_of, passages
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
 from hoist_demo.study.metrics import trip_metrics
-from hoist_demo.study.slip import holds, slip_warnings
+from hoist_demo.study.slip import slip_safeties, slip_warnings
+from rope_model import BODIES, FAR
 
 HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turned over.
-
-NOT_ASKED = "none asked"
-
-_STRIKES, _HANGS = "strikes", "above 0: a rope only pulls"
+NO_BOUND = "none asked"
+_STRIKES = "strikes"
+_HANGS = "above 0: a rope only pulls"
 
 #: Signals whose largest size counts, in words, with unit and the guard whose bound it is.
 _SWINGS = (
@@ -38,12 +38,12 @@ _SWINGS = (
 
 
 @dataclass(frozen=True)
-class Judged:
-    """One row: a quantity, its value, its bound and whether that holds; None where nothing is asked."""
+class VerdictRow:
+    """Row of the verdict: a quantity, its value, its bound and whether that holds; None without a bound."""
 
     quantity: str
     value: str
-    bound: str = NOT_ASKED
+    bound: str = NO_BOUND
     holds: bool | None = None
     where: str = ""
 
@@ -62,7 +62,7 @@ class Verdict:
     """Outcome in words, rows, and remarks on what to do or to be warned of."""
 
     words: str
-    rows: tuple[Judged, ...] = ()
+    rows: tuple[VerdictRow, ...] = ()
     remarks: tuple[str, ...] = ()
     when: float | None = None  # s, of the first touch of a body, else of the largest swing
     good: bool = False  # wound to the end, no bound broken, nothing remarked
@@ -70,21 +70,21 @@ class Verdict:
 
 @dataclass(frozen=True)
 class _Rope:
-    """One rope, as the rows read it."""
+    """Recording and data of one rope."""
 
-    recording: Recording  # of its signals
+    recording: Recording  # record of its signals
     data: RopeData
 
-    def asked(self, name: str) -> float:
-        """Number of a parameter of the rope, 0 where it has none."""
+    def parameter(self, name: str) -> float:
+        """Return a number of the rope's parameters, 0 if it lacks it."""
         value = self.data.parameters.get(name, 0.0)
         return float(value) if isinstance(value, int | float) else 0.0
 
     def last(self, name: str) -> float:
-        """Value at the end of the record; NaN where it was not computed."""
+        """Return the value at the end of the record; NaN if it was not computed."""
         return float(self.recording[name][-1]) if name in self.recording else math.nan
 
-    def known(self, *names: str) -> bool:
+    def has_numbers(self, *names: str) -> bool:
         """Return True if all these signals have numbers."""
         return self.recording.has(*names) and all(bool(np.isfinite(self.recording[name]).any()) for name in names)
 
@@ -101,41 +101,41 @@ def judge(
     result: Result,
     hoist: Hoist,
     data: Sequence[RopeData],
-    said: Sequence[str] = (),
-    pairs: Sequence[Pair] = (),
+    warnings: Sequence[str] = (),
+    pairs: Sequence[RopePair] = (),
     arrival: Arrival | None = None,
 ) -> Verdict:
-    """Judge a run with its ropes and pairs of them; `said` are warnings that ropes and host gave."""
+    """Judge a run with its ropes and pairs of them; `warnings` are those of ropes and host."""
     recording, arrival = result.recording, arrival or Arrival()
-    ropes = [_Rope(of_rope(recording, one.name), one) for one in data] if recording.signals else []
+    ropes = [_Rope(rope_signals(recording, one.name), one) for one in data] if recording.signals else []
     rows = tuple(_rows(result, hoist, ropes, pairs, arrival)) if ropes else ()
     broken = [row for row in rows if row.holds is False]
-    # the outcome tells of strikes, and clearances do
-    told = [row.quantity for row in broken if row.quantity != _STRIKES] or [row.quantity for row in broken]
+    # the outcome already reports strikes, and so do clearances
+    quantities = [row.quantity for row in broken if row.quantity != _STRIKES] or [row.quantity for row in broken]
     words = outcome(result.completed, recording, [one.name for one in data])
     words += f": {result.cause}" if result.cause else ""
     words = f"{words[0].upper()}{words[1:]}. "
     through = any(PASSED in passages(rope.recording) for rope in ropes)
     words += "Results after it passed describe no real rope. " if through else ""
     if broken:
-        words += f"Not kept: {', '.join(told)}."
+        words += f"Not kept: {', '.join(quantities)}."
     elif rows:
         until = "" if result.completed else " until then"
         words += f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
-    remarks = (*_warnings(result, hoist, ropes, arrival.window), *said)
+    remarks = (*_warnings(result, hoist, ropes, arrival.window), *warnings)
     return Verdict(words, rows, remarks, _what_matters(ropes, pairs), result.completed and not broken and not remarks)
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
     """Return the outcome and the events of a run, in words; `names` are those of its ropes."""
-    told = [passages(of_rope(recording, name), f"rope {name}" if name else "the rope") for name in names]
-    ended = outcome_of(completed, ", and ".join(filter(None, told)))
+    sentences = [passages(rope_signals(recording, name), f"rope {name}" if name else "the rope") for name in names]
+    ended = outcome_of(completed, ", and ".join(filter(None, sentences)))
     return ended + "".join(_broken(recording, name) for name in filter(None, names)) + incidents(recording)
 
 
 def _broken(recording: Recording, name: str) -> str:
-    """The break of one of several ropes as the end of a sentence; "" for none."""
-    times = of_rope(recording, name).time
+    """Describe the break of one of several ropes as the end of a sentence; "" for none."""
+    times = rope_signals(recording, name).time
     if len(times) == len(recording.time):
         return ""
     return (
@@ -156,7 +156,7 @@ def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: floa
                 f"{rope.recording.time[-1]:.4g} s; break it earlier"
             )
     if result.completed and len(ropes) > 1:
-        texts.append(_still_swinging([rope.recording for rope in ropes if rope.known("loop.sideways")], window))
+        texts.append(_still_swinging([rope.recording for rope in ropes if rope.has_numbers("loop.sideways")], window))
     return [text for text in texts if text]
 
 
@@ -170,56 +170,57 @@ def _still_swinging(recordings: Sequence[Recording], window: float) -> str:
     return ""
 
 
-def _what_matters(ropes: Sequence[_Rope], pairs: Sequence[Pair]) -> float | None:
+def _what_matters(ropes: Sequence[_Rope], pairs: Sequence[RopePair]) -> float | None:
     """Return the time of the first touch, else of the largest swing [s]."""
     touched = [t for rope in ropes for kind in BODIES if (t := rope.last(f"nearest.{kind}.touched_at")) > 0.0]
     touched += [pair.nearest.t for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
     if touched:
         return min(touched)
-    swinging = [rope.recording for rope in ropes if rope.known("loop.sideways")]
+    swinging = [rope.recording for rope in ropes if rope.has_numbers("loop.sideways")]
     most = max(swinging, key=lambda one: np.nanmax(one["loop.sideways"]), default=None)
     return None if most is None else float(most.time[np.nanargmax(most["loop.sideways"])])
 
 
 def _rows(
-    result: Result, hoist: Hoist, ropes: Sequence[_Rope], pairs: Sequence[Pair], arrival: Arrival
-) -> Iterator[Judged]:
+    result: Result, hoist: Hoist, ropes: Sequence[_Rope], pairs: Sequence[RopePair], arrival: Arrival
+) -> Iterator[VerdictRow]:
     yield from _pulls(result.recording, hoist, ropes)
     yield from _head_ropes(result.recording, hoist)
     for stop in stops(result.recording, result.winding.emergency_at):
-        way = f"{stop.way:.2f} m in {stop.time:.2f} s" if stop.time is not None else f"{stop.way:.2f} m, and goes on"
-        yield Judged(f"way of the {stop.side} conveyance in the emergency stop", way)
+        duration = f" in {stop.time:.2f} s" if stop.time is not None else ", and goes on"
+        distance = f"{stop.stopping_distance:.2f} m{duration}"
+        yield VerdictRow(f"way of the {stop.side} conveyance in the emergency stop", distance)
     if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
         cycle = trip_metrics(result, result.winding, arrival).get("cycle_time")
         text = f"{cycle:.2f} s" if cycle is not None and math.isfinite(cycle) else "not within the record"
         if cycle is not None:
-            yield Judged("cycle time, until the conveyances have arrived", text)
+            yield VerdictRow("cycle time, until the conveyances have arrived", text)
     yield from _of_each(ropes, _swings)
     yield from _of_each(ropes, _clearances)
     for pair in pairs:
         yield from _between(pair, max(rope.length_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
-    for hold in holds(result.recording, hoist, result.winding):
-        bound = f"at least {hold.asked:g}: {hold.rule}"
-        yield Judged(f"slip safety {hold.when}", hold.words, bound, hold.enough, f"t = {hold.t:.2f} s")
+    for hold in slip_safeties(result.recording, hoist, result.winding):
+        bound = f"at least {hold.required:g}: {hold.rule}"
+        yield VerdictRow(f"slip safety {hold.when}", hold.words, bound, hold.enough, f"t = {hold.t:.2f} s")
     names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]
     near = [pair for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
     names += [f"{pair.one} on {pair.other}" for pair in near]
-    yield Judged(_STRIKES, ", ".join(names) or "none", "none", not names)
-    set_guards = [cause for cause in GUARD_CODES.values() if ropes[0].asked(f"guard.{cause}") > 0.0]
+    yield VerdictRow(_STRIKES, ", ".join(names) or "none", "none", not names)
+    set_guards = [cause for cause in GUARD_CODES.values() if ropes[0].parameter(f"guard.{cause}") > 0.0]
     trip = guard_trip(result.recording)
     text = f"{trip.cause} tripped" if trip else "none tripped" if set_guards else "none set"
     where = f"t = {trip.t:.2f} s" if trip else ""
-    yield Judged("guards", text, ", ".join(set_guards) or NOT_ASKED, trip is None if set_guards else None, where)
+    yield VerdictRow("guards", text, ", ".join(set_guards) or NO_BOUND, trip is None if set_guards else None, where)
     yield from _of_each(ropes, _swivels)
     yield from _of_each(ropes, _errors)
 
 
-def _of_each(ropes: Sequence[_Rope], told: Callable[[_Rope], Iterator[Judged]]) -> list[Judged]:
-    """Rows of all ropes, side by side what is comparable."""
-    rows = [(row.quantity, rope.data, row) for rope in ropes for row in told(rope)]
+def _of_each(ropes: Sequence[_Rope], rows_of: Callable[[_Rope], Iterator[VerdictRow]]) -> list[VerdictRow]:
+    """Return the rows of all ropes, comparable ones side by side."""
+    rows = [(row.quantity, rope.data, row) for rope in ropes for row in rows_of(rope)]
     order = list(dict.fromkeys(quantity for quantity, *_ in rows))
     rows.sort(key=lambda row: order.index(row[0]))
-    # what is the same for all is said once
+    # rows that are the same for all ropes appear once
     alike = {
         q for q in order if len(own := [row for one, _, row in rows if one == q]) == len(ropes) and len({*own}) == 1
     }
@@ -233,118 +234,121 @@ _ALONE = (
 )
 
 
-def _between(pair: Pair, error: float) -> Iterator[Judged]:
-    """Clearance of two ropes, and how they pressed each other if they may."""
+def _between(pair: RopePair, error: float) -> Iterator[VerdictRow]:
+    """Yield the clearance of two ropes, and how they pressed each other if they may."""
     if (near := pair.nearest) is not None:
         where = _where(near.t, near.place)
         where += _ALONE if near.clearance <= 0.0 and pair.account is None else ""
         quantity = f"clearance between {pair.one} and {pair.other}"
         bound = f"above {number(error, 2)} m, its error"
-        yield Judged(quantity, f"{rounded(near.clearance, error)} m", bound, near.clearance > error, where)
+        yield VerdictRow(quantity, f"{rounded(near.clearance, error)} m", bound, near.clearance > error, where)
     if (account := pair.account) is not None and account.peak > 0.0:
         where = _where(account.peak_t, account.peak_place)
         where += f"; errs by up to {number(100 * account.missed, 2)} %" if account.missed > _MISSED else ""
-        yield Judged(f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where)
+        yield VerdictRow(f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where)
 
 
 def _where(t: float, place: Sequence[float]) -> str:
     return f"t = {t:.2f} s, " + ", ".join(f"{c} = {round(x, 2) + 0.0:.2f} m" for c, x in zip("xyz", place, strict=True))
 
 
-def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[Judged]:
-    """Pull of all balance ropes on each conveyance, with the digits that the estimated error of the forces leaves."""
+def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[VerdictRow]:
+    """Yield the pull of all balance ropes on each conveyance, in the digits that its error leaves."""
     count = max(hoist.tail_rope_number, len(ropes))
     whose = "the rope" if count == 1 else f"all {count} ropes"
     kilo = 1e-3 * hoist.tail_rope_number
-    sizes = [np.nanmax(np.abs(recording[f"{end}.fy"])) for end in ("left", "right") if f"{end}.fy" in recording]
+    sizes = [np.nanmax(np.abs(recording[f"{end}.fy"])) for end in SIDES if f"{end}.fy" in recording]
     error = kilo * max(sizes, default=0.0) * max(rope.last("status.end_force_error") for rope in ropes)
-    for end in ("left", "right"):
+    for end in SIDES:
         if f"{end}.fy" in recording:
             pull = -kilo * recording[f"{end}.fy"]
             low, high = int(np.nanargmin(pull)), int(np.nanargmax(pull))
             text = f"{rounded(pull[low], error)} to {rounded(pull[high], error)} kN"
             where = f"t = {recording.time[low]:.2f} s and {recording.time[high]:.2f} s"
             holds = bool(pull[low] > -np.nan_to_num(error))
-            yield Judged(f"pull of {whose} on the {end} conveyance", text, _HANGS, holds, where)
+            yield VerdictRow(f"pull of {whose} on the {end} conveyance", text, _HANGS, holds, where)
 
 
-def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[Judged]:
-    """Smallest pull of all head ropes on either conveyance."""
+def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[VerdictRow]:
+    """Yield the smallest pull of all head ropes on either conveyance."""
     for side in SIDES:
         if (name := f"drive.pull_{side}") in recording:
-            row, asked = int(np.argmin(recording[name])), hoist.slack_tension
+            row = int(np.argmin(recording[name]))
+            threshold = hoist.slack_tension
             least = float(recording[name][row])
-            bound = "above 0: slack" if asked is None else f"above {number(1e-3 * asked, 3)} kN, slack_tension"
+            bound = "above 0: slack" if threshold is None else f"above {number(1e-3 * threshold, 3)} kN, slack_tension"
             quantity, where = f"smallest pull of the head ropes, {side}", f"t = {recording.time[row]:.2f} s"
-            yield Judged(quantity, f"{number(1e-3 * least, 3)} kN", bound, least > (asked or 0.0), where)
+            yield VerdictRow(quantity, f"{number(1e-3 * least, 3)} kN", bound, least > (threshold or 0.0), where)
 
 
-def _swings(rope: _Rope) -> Iterator[Judged]:
+def _swings(rope: _Rope) -> Iterator[VerdictRow]:
     for name, words, unit, guard in _SWINGS:
-        if not rope.known(name):
+        if not rope.has_numbers(name):
             continue
-        values, bound = np.abs(rope.recording[name]), rope.asked(f"guard.{guard}")
+        values = np.abs(rope.recording[name])
+        bound = rope.parameter(f"guard.{guard}")
         if guard == "window" and float(rope.data.parameters.get("guard.window_y", -FAR)) > -FAR:
             bound = 0.0  # it watches the legs instead
         row = int(np.nanargmax(values))
         largest = float(values[row])
         text = f"{rounded(largest, rope.length_error)} m" if unit else number(largest, 2)
-        asked = f"below {bound:g}{unit and ' '}{unit}, its guard's" if bound > 0.0 else NOT_ASKED
-        kept = largest < bound if bound > 0.0 else None
+        bound_text = f"below {bound:g} {unit}".rstrip() + ", its guard's" if bound > 0.0 else NO_BOUND
+        holds = largest < bound if bound > 0.0 else None
         if name == "loop.turns" and not 0.0 < bound < HALF_TURN:
-            asked, kept = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
+            bound_text, holds = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
         where = rope.at(row)
-        if name == "loop.sideways" and rope.known("loop.x", "loop.z"):
+        if name == "loop.sideways" and rope.has_numbers("loop.x", "loop.z"):
             own = rope.data.place.origin[::2]
             x, z = (
                 rounded(float(rope.recording[f"loop.{c}"][row]) + o, rope.length_error)
                 for c, o in zip("xz", own, strict=True)
             )
             where += f", x = {x} m, z = {z} m"
-        yield Judged(words, text, asked, kept, where)
+        yield VerdictRow(words, text, bound_text, holds, where)
 
 
-def _clearances(rope: _Rope) -> Iterator[Judged]:
-    if rope.known("loop.clearance"):
+def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
+    if rope.has_numbers("loop.clearance"):
         row = int(np.nanargmin(rope.recording["loop.clearance"]))
         clear = float(rope.recording["loop.clearance"][row])
         text = f"{rounded(clear, rope.length_error)} m"
-        yield Judged("clearance between the legs", text, "above 0", clear > 0.0, rope.at(row))
-    bound = rope.asked("guard.clearance")
+        yield VerdictRow("clearance between the legs", text, "above 0", clear > 0.0, rope.at(row))
+    bound = rope.parameter("guard.clearance")
     for kind, words in BODIES.items():
         near = f"nearest.{kind}"
-        if not rope.known(f"{near}.clearance"):
+        if not rope.has_numbers(f"{near}.clearance"):
             continue
         clear, t, s, y = (rope.last(f"{near}.{key}") for key in ("clearance", "time", "s", "y"))
         where = f"t = {t:.2f} s, y = {y:.2f} m, {s:.1f} m along the rope"
-        asked = f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0"
-        yield Judged(f"clearance from {words}", f"{rounded(clear, rope.length_error)} m", asked, clear > bound, where)
+        bound_text = f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0"
+        text = f"{rounded(clear, rope.length_error)} m"
+        yield VerdictRow(f"clearance from {words}", text, bound_text, clear > bound, where)
 
 
-def _swivels(rope: _Rope) -> Iterator[Judged]:
-    told = {}
-    for end in ("left", "right"):
-        if rope.known(name := f"{end}.swivel.slipping"):
+def _swivels(rope: _Rope) -> Iterator[VerdictRow]:
+    texts = {}
+    for end in SIDES:
+        if rope.has_numbers(name := f"{end}.swivel.slipping"):
             slipped = float(np.sum(np.diff(rope.recording.time) * (rope.recording[name][:-1] > 0.0)))
-            told[end] = "locked" if end in rope.data.locked else f"{slipped:.2f} s" if slipped else "none"
-    if told:
-        text = ", ".join(f"{end} {word}" for end, word in told.items())
-        yield Judged("slip of the swivels", "both locked" if [*told.values()] == ["locked"] * 2 else text)
+            texts[end] = "locked" if end in rope.data.locked else f"{slipped:.2f} s" if slipped else "none"
+    if texts:
+        text = ", ".join(f"{end} {word}" for end, word in texts.items())
+        yield VerdictRow("slip of the swivels", "both locked" if [*texts.values()] == ["locked"] * 2 else text)
 
 
-def _errors(rope: _Rope) -> Iterator[Judged]:
+def _errors(rope: _Rope) -> Iterator[VerdictRow]:
     """Return the estimates of the rope's own error, beside the accuracy that was asked of it."""
-    for name, words, unit, factor, asked in (
+    for name, words, unit, factor, accuracy in (
         ("status.end_force_error", "estimated error of the end forces", "% of the largest", 100.0, "end_force"),
         ("status.loop_error", "estimated error of the loop's place", "mm", 1e3, "loop"),
     ):
-        if rope.known(name):
-            bound, found = rope.asked(f"accuracy.{asked}"), rope.last(name)
-            text = f"{number(factor * found, 2)} {unit}"
+        if rope.has_numbers(name):
+            bound, error = rope.parameter(f"accuracy.{accuracy}"), rope.last(name)
+            text = f"{number(factor * error, 2)} {unit}"
             if bound > 0.0:
-                yield Judged(words, text, f"{number(factor * bound, 2)} {unit.split()[0]} asked", found <= bound)
+                yield VerdictRow(words, text, f"{number(factor * bound, 2)} {unit.split()[0]} asked", error <= bound)
             else:
-                yield Judged(words, text)
+                yield VerdictRow(words, text)
 
 
 def rounded(value: float, error: float) -> str:

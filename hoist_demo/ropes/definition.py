@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 
-from hoist_demo.cases.case import Case, Tail
+from hoist_demo.cases.case import BalanceRopeData, Case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -20,9 +20,9 @@ from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.recording.nearness import Pair, pairs
+from hoist_demo.recording.nearness import RopePair, pairs
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.study.provenance import Known, of_rope
+from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from hoist_demo.study.run import RunData, fmu_part
 from rope_model import Level, Neighbours, Scene
 
@@ -33,10 +33,10 @@ _TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CON
 
 @dataclass(frozen=True)
 class OneRope:
-    """One of the ropes: its data, its place, and whether it breaks."""
+    """One of the ropes: its data, its place, and its break."""
 
     name: str  # "" of the only one, or of equal ones
-    parameters: Mapping[str, Value]  # by FMI name; the rest is the level's
+    parameters: Mapping[str, Value]  # values by FMI name; the level has the rest
     level: Level
     case: Case  # the hoist with this rope alone
     place: Place = field(default_factory=Place)
@@ -45,29 +45,30 @@ class OneRope:
 
     @cached_property
     def scene(self) -> Scene:
-        """All its data."""
+        """Scene of the rope: its complete data."""
         return rope_data(self.parameters, self.level)
 
     @cached_property
     def plant(self) -> WholeRope | FmuRope:
-        """The rope to be wound."""
+        """Rope to be wound, with its break."""
         if self.fmu is not None:
             return self.fmu()
-        rope, data = InProcessRope(self.scene, name=self.name), self.scene.rope
+        rope = InProcessRope(self.scene, name=self.name)
+        data = self.scene.rope
         if self.breaks is None:
             return rope
         breaks = replace(self.breaks, gravity=self.scene.layout.gravity)
         return BreakingRope(rope, data.mass_per_length, data.length, breaks)
 
     def data(self) -> RopeData:
-        """Identity of the rope for the reports."""
+        """Return the identity of the rope for the reports."""
         breaks = None if self.breaks is None else (self.breaks.t, self.breaks.s)
         return replace(self.plant.data(), name=self.name, place=self.place, breaks=breaks)
 
 
 @dataclass(frozen=True)
 class Ropes:
-    """The ropes, and the trip on which they are wound."""
+    """Balance ropes of a hoist, and the run that winds them."""
 
     case: Case
     run: RunData
@@ -75,7 +76,7 @@ class Ropes:
 
     @cached_property
     def plant(self) -> RopePlant:
-        """All ropes as one."""
+        """Plant that stands for all ropes."""
         if not self.case.ropes:
             return self.ropes[0].plant
         group = [Member(rope.name, rope.plant, rope.place) for rope in self.ropes]
@@ -91,44 +92,41 @@ class Ropes:
 
     @property
     def hoist(self) -> Hoist:
-        """The run's, with these ropes."""
+        """Hoist of the run, with these ropes."""
         if not self.case.ropes:
             return self.run.hoist
         data = [rope.scene.rope for rope in self.ropes]
         return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
 
     def data(self) -> list[RopeData]:
-        """Identities of the ropes."""
+        """Return the identities of the ropes for the reports."""
         return [rope.data() for rope in self.ropes]
 
-    def pairs(self, recording: Recording) -> list[Pair]:
-        """Pairs of ropes in the record of a run."""
+    def pairs(self, recording: Recording) -> list[RopePair]:
+        """Return the pairs of ropes in the record of a run."""
         if not (isinstance(self.plant, RopeGroup) and recording.signals):
             return []
         ropes = [(rope.name, rope.place.origin, rope.scene.rope.diameter) for rope in self.ropes]
         return pairs(recording, ropes, self.plant.accounts())
 
-    def provenance(self, given: Mapping[str, str]) -> list[Known]:
-        """Sources of the ropes' numbers, each under its rope's name; `given` as `of_rope`."""
+    def provenance(self, given: Mapping[str, str]) -> list[SourcedValue]:
+        """Return the provenance of the ropes' data, each under its rope's name; `given` as `rope_provenance`."""
         return [
             one._replace(name=f"{data.prefix}{one.name}")
             for rope, data in zip(self.ropes, self.data(), strict=True)
-            for one in of_rope(rope.case, data, given)
+            for one in rope_provenance(rope.case, data, given)
         ]
 
 
 def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level) -> Ropes:
-    """Return the ropes of a hoist; `chosen` are values of all ropes, set beside its file.
-
-    ValueError with all problems.
-    """
+    """Return the ropes of a hoist with `chosen` values set beside its file; a ValueError lists all problems."""
     if not case.ropes:
         return Ropes(case, run, (OneRope("", {**run.fmu, **fmu_part(chosen)}, level, case),))
     values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]
-    known = rope_parameters()
+    defaults = rope_parameters()
     ropes = []
     with Problems() as problems:
-        if guards := sorted(key for key, value in values if key.startswith("guard.") and value != known[key].start):
+        if guards := sorted(key for key, value in values if key.startswith("guard.") and value != defaults[key].start):
             problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
         for tail in case.ropes:
             if tail.name in _TAKEN:
@@ -136,10 +134,10 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
                 problems.append(f"rope name = {tail.name!r} must be another: {taken}")
             with problems.at(f"rope {tail.name}"):
                 ropes.append(_rope(tail, {**tail.parameters, **fmu_part(chosen)}, level, case))
-    found = Ropes(case, run, tuple(ropes))
-    if found.touching:
+    group = Ropes(case, run, tuple(ropes))
+    if group.touching:
         _require_apart(ropes)
-    return found
+    return group
 
 
 def _require_apart(ropes: Sequence[OneRope]) -> None:
@@ -162,8 +160,8 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
     problems.refuse()
 
 
-def _rope(tail: Tail, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
-    """The rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
+def _rope(tail: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
+    """Return the rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**tail.place)
     spacing = rope_data(parameters, level, place).layout.spacing
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None

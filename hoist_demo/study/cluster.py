@@ -16,17 +16,16 @@ from pathlib import Path
 import dask
 from dask.distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
 
-from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.definition import Study, StudyRun
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.run import ERROR, Outcome, RunData, execute
 from hoist_demo.study.store import Store
 
 _log = logging.getLogger(__name__)
-
 Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
-
 BATCH = 0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
-AHEAD, FEWEST = 2, 16  #: Batches given before others have ended, by thread; of how many at least: workers may join.
+AHEAD = 2  #: Batches per thread given before others have ended.
+FEWEST = 16  #: Threads that are counted at least: workers may join.
 
 #: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
 #: late each part of the cluster is fifty times a second; and no run fills the memory in a tenth of a second.
@@ -40,7 +39,7 @@ _UNWATCHED = {
 
 
 class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
-    """Writes the FMU into the folder of every worker."""
+    """Plugin that writes the FMU into the folder of every worker."""
 
     idempotent = True  # a search hands it over before each of its rounds
 
@@ -49,7 +48,7 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
         self._hash, self._content = fmu_hash, content
 
     def setup(self, worker: Worker) -> None:
-        """Called by the worker when it joins."""
+        """Write the FMU; the worker calls this when it joins."""
         path = _fmu_of(Path(worker.local_directory), self._hash)
         draft = path.with_suffix(f".{os.getpid()}")
         draft.write_bytes(self._content)
@@ -58,7 +57,7 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
 
 @contextmanager
 def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
-    """A client of the given scheduler, or of a local cluster with one single-threaded process per core or worker."""
+    """Yield a client of the given scheduler, or of a local cluster with one single-threaded process per worker."""
     if scheduler is not None:
         try:
             client = Client(scheduler, timeout="20s")
@@ -78,7 +77,7 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
 
 
 def run_samples(
-    client: Client, study: Study, samples: Sequence[Sample], store: Store, finished: Finished = lambda *_: None
+    client: Client, study: Study, samples: Sequence[StudyRun], store: Store, finished: Finished = lambda *_: None
 ) -> list[str]:
     """Carry out what the store does not hold yet, and return the key of each sample."""
     keys = [sample.data.key(study.fmu_hash) for sample in samples]
@@ -88,10 +87,12 @@ def run_samples(
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
     collected, batches = as_completed(), dict[Future, list[str]]()
-    left, pace = [*waiting], BATCH  # time that a run takes [s]
+    left = [*waiting]
+    pace = BATCH  # time that a run takes [s]
 
     def give(batch: list[str]) -> None:
-        runs, name = [waiting[key] for key in batch], f"runs-{len(batch)}-{batch[0]}"
+        runs = [waiting[key] for key in batch]
+        name = f"runs-{len(batch)}-{batch[0]}"
         batches[future := client.submit(_work, runs, study.fmu_hash, key=name, pure=False)] = batch
         collected.add(future)
 
@@ -112,7 +113,8 @@ def run_samples(
                     give([key])
                 continue
             cause = f"{type(error).__name__}: {error}"
-            outcomes, worker = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})], ""
+            outcomes = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})]
+            worker = ""
         for key, outcome in zip(batch, outcomes, strict=True):
             store.write(key, waiting[key], outcome, worker)
             _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")

@@ -16,8 +16,8 @@ from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
-from hoist_demo.files.catalogue import of_run, parameters
-from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, flat, of_file, read, table_of
+from hoist_demo.files.catalogue import parameters, run_fields
+from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, errors_of_file, flat, read, table_of
 from hoist_demo.files.run_values import Head, Values
 from hoist_demo.files.values import VARIED, Given, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems
@@ -28,7 +28,7 @@ from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.run import Probe, RunData, build_trip
 from hoist_demo.study.tuning import Range, grid, latin_hypercube, varied
 
-#: what a study without variants compares its choices over
+#: Disturbances over which a study without variants compares its choices.
 LOADS = ("hoist.payload_left", "hoist.payload_right")
 Count = Annotated[int, Field(ge=1, strict=True)]
 Seed = Annotated[int, Field(ge=0, strict=True)]
@@ -37,13 +37,13 @@ Weights = Annotated[Any, PlainValidator(read_weights), WithJsonSchema({"type": [
 
 
 class Grid(Table):
-    """All combinations of lists."""
+    """Sample of all combinations of lists."""
 
     method: Literal["grid"] = "grid"
 
 
 class LatinHypercube(Table):
-    """So many points of the ranges."""
+    """Sample of so many points of the ranges."""
 
     method: Literal["latin-hypercube"]
     runs: Count
@@ -51,7 +51,7 @@ class LatinHypercube(Table):
 
 
 class Tune(Table):
-    """A search of the ranges for the best point: sizes left out follow from their number."""
+    """Search of the ranges for the best point: sizes left out follow from their number."""
 
     method: Literal["tune"]
     points: Count | None = None
@@ -73,7 +73,7 @@ _BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for
 
 
 class StudyHead(Head):
-    """Head of the file."""
+    """Table [study] at the head of a study's file."""
 
     fmu: Text = Field("", description="the rope; else what export --native makes of the hoist")
     signals: tuple[Text, ...] = ()
@@ -97,14 +97,14 @@ class StudyHead(Head):
 
     @property
     def goal(self) -> Goal | None:
-        """What is best, where the file says so."""
+        """Goal of the study; None if the file states none."""
         if not (self.minimise or self.maximise or self.bounds):
             return None
         return Goal(self.minimise or self.maximise or {}, -1.0 if self.maximise else 1.0, self.bounds, self.judge)
 
 
 class Variant(Table):
-    """One variant."""
+    """Table [[variant]]: values that are fixed in its runs."""
 
     name: Text = ""
     values: Values = EMPTY
@@ -112,21 +112,21 @@ class Variant(Table):
 
 def _in_order(content: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
     """Return what is varied in the order of the file."""
-    found = handler(content)
+    values = handler(content)
 
     def keys(table: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
         for name, inner in table.items():
             key = f"{prefix}{name}"
-            yield from [key] if key in found else keys(inner, f"{key}.")
+            yield from [key] if key in values else keys(inner, f"{key}.")
 
-    return {key: found[key] for key in keys(content)}
+    return {key: values[key] for key in keys(content)}
 
 
-_VARY = flat("Vary", of_run(varied))
+_VARY = flat("Vary", run_fields(varied))
 
 
 class StudyFile(File):
-    """Declaration of all keys."""
+    """Schema of a study's TOML file."""
 
     study: StudyHead = EMPTY
     fixed: Values = EMPTY
@@ -139,11 +139,11 @@ class StudyFile(File):
 
     @property
     def variants(self) -> dict[str, dict[str, Given]]:
-        """Fixed values of each variant."""
-        found = {one.name or str(k): {**self.fixed, **one.values} for k, one in enumerate(self.variant, 1)}
-        if len(found) < len(self.variant):
-            raise ValueError(f"names {', '.join(found)} must be given once each: name others")
-        return found or {"": self.fixed}
+        """Fixed values of each variant, by its name."""
+        variants = {one.name or str(k): {**self.fixed, **one.values} for k, one in enumerate(self.variant, 1)}
+        if len(variants) < len(self.variant):
+            raise ValueError(f"names {', '.join(variants)} must be given once each: name others")
+        return variants or {"": self.fixed}
 
     def drawn(self) -> tuple[Plan | None, list[dict[str, Value]]]:
         """Return the plan of a search, and the points of [vary]: of a search the corners of its ranges."""
@@ -183,8 +183,8 @@ class StudyFile(File):
 
 
 @dataclass(frozen=True)
-class Sample:
-    """One run of a study: the variant, what varies, and the complete data."""
+class StudyRun:
+    """Run of a study: the variant, what varies, and the complete data."""
 
     variant: str
     values: Mapping[str, Value]
@@ -193,7 +193,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study."""
+    """Study that has been read and checked."""
 
     title: str
     hoist: str
@@ -203,48 +203,47 @@ class Study:
     signals: tuple[str, ...]
     variants: Mapping[str, Mapping[str, Given]]  # fixed values of each variant
     varied: Mapping[str, Varied]
-    chosen: tuple[str, ...]  # of these, what tells one choice from another
-    plan: Plan | None  # of a search
-    samples: tuple[Sample, ...] = ()  # all runs; for a search the corners of its ranges
+    chosen: tuple[str, ...]  # varied keys that distinguish choices
+    plan: Plan | None  # None without a search
+    samples: tuple[StudyRun, ...] = ()  # all runs; for a search the corners of its ranges
 
     @property
     def given(self) -> dict[str, str]:
-        """Where each value that is set comes from; varied where it differs between runs."""
-        found = {key: status for values in self.variants.values() for key, status in statuses(values).items()}
-        differing = [k for k in found if len({sample.values.get(k) for sample in self.samples}) > 1]
-        return found | dict.fromkeys([*differing, *self.varied], VARIED)
+        """Status of each value that is set; varied if it differs between runs."""
+        status_by_key = {key: status for values in self.variants.values() for key, status in statuses(values).items()}
+        differing = [k for k in status_by_key if len({sample.values.get(k) for sample in self.samples}) > 1]
+        return status_by_key | dict.fromkeys([*differing, *self.varied], VARIED)
 
     @property
     def units(self) -> dict[str, str]:
         """Unit of every key that is set."""
         return {name: parameters()[name].unit for name in self.given}
 
-    def run(self, variant: str, values: Mapping[str, Value]) -> Sample:
+    def run(self, variant: str, values: Mapping[str, Value]) -> StudyRun:
         """Return the run of a variant at a point of [vary]."""
         fixed = self.variants[variant]
-        return Sample(variant, {**plain(fixed), **values}, build_trip(self.hoist, fixed, self.signals, varied=values))
+        return StudyRun(variant, {**plain(fixed), **values}, build_trip(self.hoist, fixed, self.signals, varied=values))
 
-    def samples_at(self, values: Mapping[str, Value]) -> list[Sample]:
+    def samples_at(self, values: Mapping[str, Value]) -> list[StudyRun]:
         """Return the runs of a search at a point: for every variant and all values of the lists."""
         lists = {key: v for key, v in self.varied.items() if isinstance(v, tuple)}
         return [self.run(name, {**values, **drawn}) for name in self.variants for drawn in grid(lists)]
 
-    def choice(self, sample: Sample) -> tuple[Value, ...]:
+    def choice(self, sample: StudyRun) -> tuple[Value, ...]:
         """Return what is chosen in a run; runs of one choice are judged together."""
         return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.chosen))
 
 
 #: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
 MOST_TRIED = 200
-
 #: Passes the drawn values on one by one while they are checked, which takes a while.
-Progress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
+CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
 
-def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -> Study:
+def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = list) -> Study:
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
-    with of_file(path):
+    with errors_of_file(path):
         head = file.study
         rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
         with Problems() as problems:
@@ -260,10 +259,11 @@ def read_study(path: Path, fmu: Path | None = None, progress: Progress = list) -
                 plan, points = file.drawn()
         fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
         study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
-        probe, samples, every = Probe(rope), list[Sample](), math.ceil(len(points) * len(variants) / MOST_TRIED)
+        probe, samples = Probe(rope), list[StudyRun]()
+        every = math.ceil(len(points) * len(variants) / MOST_TRIED)
         with Problems() as problems:
             for values, name in ((values, name) for values in progress(points) for name in variants):
-                with problems.at(name and f"variant {name}"):
+                with problems.at(f"variant {name}" if name else ""):
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
                         probe.require_start(samples[-1].data)

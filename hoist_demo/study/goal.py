@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import PlainValidator, WithJsonSchema
 
-from hoist_demo.design.tuning import Judged
+from hoist_demo.design.tuning import Score
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter
 from hoist_demo.study.metrics import UNITS
@@ -23,7 +23,7 @@ _SENSES = {"below": 1.0, "above": -1.0}
 
 @dataclass(frozen=True)
 class Bound:
-    """Bound on a metric of every run."""
+    """Bound on a metric in every run."""
 
     metric: str
     value: float
@@ -68,66 +68,66 @@ def read_weights(content: Any) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Standing:
-    """One choice, judged by all its runs."""
+    """Choice, judged by all its runs."""
 
-    judged: Judged
+    score: Score
     within: float  # share of runs that are complete and keep all bounds
     by_share: bool
 
     @property
     def rank(self) -> tuple[float, ...]:
-        """Smaller is better."""
-        return (-self.within, self.judged.cost) if self.by_share else self.judged.rank
+        """Key by which choices are sorted, smaller is better."""
+        return (-self.within, self.score.cost) if self.by_share else self.score.rank
 
     @property
     def comparable(self) -> bool:
         """True if the choice can be the best."""
-        return self.within > 0.0 if self.by_share else self.judged.kept
+        return self.within > 0.0 if self.by_share else self.score.feasible
 
 
 @dataclass(frozen=True)
 class Goal:
     """Cost that is to be small, and bounds that every run must keep."""
 
-    weights: Mapping[str, float]  # of each metric; 1 / its unit
+    weights: Mapping[str, float]  # by metric, in 1 / its unit
     sense: float  # 1: the smallest sum is best, -1: the largest
     bounds: tuple[Bound, ...] = ()
     judge: Judge = "worst"
 
-    def of_run(self, outcome: Mapping[str, Any]) -> Judged:
+    def of_run(self, outcome: Mapping[str, Any]) -> Score:
         """Return cost and excesses of a run's recorded outcome; infinite where it failed or a metric is missing."""
         metrics = outcome["metrics"]
         cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
-        found = Judged(cost, tuple(bound.excess(metrics) for bound in self.bounds))
-        failed = Judged(math.inf, (math.inf,) * len(self.bounds))
-        return found if found.finite and outcome["status"] == "completed" else failed
+        score = Score(cost, tuple(bound.excess(metrics) for bound in self.bounds))
+        failed = Score(math.inf, (math.inf,) * len(self.bounds))
+        return score if score.finite and outcome["status"] == "completed" else failed
 
     def standing(self, outcomes: Sequence[Mapping[str, Any]]) -> Standing:
         """Return the judgement of a choice by its runs."""
         runs = [self.of_run(outcome) for outcome in outcomes]
-        kept = [run for run in runs if run.kept]
-        costs = [run.cost for run in (kept or runs if self.judge == "share" else runs)]
+        feasible = [run for run in runs if run.feasible]
+        costs = [run.cost for run in (feasible or runs if self.judge == "share" else runs)]
         cost = max(costs) if self.judge == "worst" else sum(costs) / len(costs)
-        excess = tuple(max(found) for found in zip(*(run.excess for run in runs), strict=True))
-        return Standing(Judged(cost, excess), len(kept) / len(runs), self.judge == "share")
+        excess = tuple(max(excesses) for excesses in zip(*(run.excess for run in runs), strict=True))
+        return Standing(Score(cost, excess), len(feasible) / len(runs), self.judge == "share")
 
     @property
     def metrics(self) -> dict[str, None]:
-        """The metrics that it names."""
+        """Metrics that the goal names, in order."""
         return dict.fromkeys([*self.weights, *(bound.metric for bound in self.bounds)])
 
     @property
     def words(self) -> str:
-        """The goal's sum in words."""
+        """Weighted sum of the metrics in words."""
         return " + ".join(name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items())
 
     @property
     def unit(self) -> str:
-        """Unit of the sum, where it has one."""
+        """Unit of the sum, "1" for none."""
         units = {UNITS[name] for name, weight in self.weights.items() if weight == 1.0}
         return units.pop() if len(self.weights) == 1 and units else "1"
 
-    def exceeded(self, judged: Judged) -> str:
+    def exceeded(self, judged: Score) -> str:
         """Return the bounds that are not kept, in words; "" for none."""
         return ", ".join(
             f"{bound.metric} is {100.0 * excess:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"

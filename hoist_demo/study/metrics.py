@@ -12,13 +12,12 @@ import numpy as np
 
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.swing import fit_swing
-from hoist_demo.parameters import Arrival, Hoist, Winding
+from hoist_demo.parameters import SIDES, Arrival, Hoist, Winding
 from hoist_demo.recording import incidents
 from hoist_demo.recording.fidelity import FIDELITY
-from hoist_demo.recording.passages import BODIES, FAR, PASSAGE_SIGNALS
+from hoist_demo.recording.passages import PASSAGE_SIGNALS
 from hoist_demo.recording.time_series import Array, Recording
-
-ENDS = ("left", "right")
+from rope_model import BODIES, FAR
 
 _STOPPED = "swing_frequency: the run stopped before it arrived"
 
@@ -27,7 +26,7 @@ METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
     "stop_time": ("s", "from an emergency stop's beginning until the later conveyance first stands still"),
-    "stop_distance": ("m", "longer way of a conveyance meanwhile"),
+    "stop_distance": ("m", "longer stopping distance of the two conveyances"),
     "position_error": ("m", "of the left conveyance at the record's end"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
@@ -82,7 +81,7 @@ UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 ROPE_SIGNALS = frozenset(
     {
         f"{end}.{name}"
-        for end in ENDS
+        for end in SIDES
         for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
     }
     | {
@@ -110,33 +109,33 @@ class Measures(NamedTuple):
 
 
 def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> Measures:
-    """Measure a run."""
-    found = dict.fromkeys(UNITS, math.nan)
+    """Return all metrics of a run, NaN for those that it does not provide."""
+    metrics = dict.fromkeys(UNITS, math.nan)
     recording = result.recording
     if not recording.signals:
-        return Measures(found, _STOPPED)
-    found["simulated_time"] = float(recording.time[-1] - recording.time[0])
-    found |= _incidents(recording, hoist, winding)
+        return Measures(metrics, _STOPPED)
+    metrics["simulated_time"] = float(recording.time[-1] - recording.time[0])
+    metrics |= _incidents(recording, hoist, winding)
     if "energy.work_ends" in recording:
-        found["coupling_energy"] = _largest(exchange_energy(recording, hoist))
-    found |= _drive(recording) | _rope(recording)
-    for end in ENDS:
-        found |= _swivel(recording, end)
+        metrics["coupling_energy"] = _largest(exchange_energy(recording, hoist))
+    metrics |= _drive(recording) | _rope(recording)
+    for end in SIDES:
+        metrics |= _swivel(recording, end)
     if not result.completed:
-        return Measures(found, _STOPPED)
-    found |= trip_metrics(result, winding, arrival)
+        return Measures(metrics, _STOPPED)
+    metrics |= trip_metrics(result, winding, arrival)
     swing, missing = _swing(recording, hoist, result.trajectory.duration, arrival)
-    return Measures(found | swing, missing)
+    return Measures(metrics | swing, missing)
 
 
 def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
-    """Energy that the exchange has made up since the start [J]: work on the hoist and on all its balance ropes."""
+    """Return the energy that the exchange has made up since the start [J]: work on hoist and balance ropes."""
     ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
     return np.asarray(recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends)
 
 
 def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
-    """Times and torques that only a completed trip has."""
+    """Return the times and torques that only a completed trip has."""
     recording = result.recording
     t = recording.time - recording.time[0]
     if math.isfinite(winding.tracking_end):
@@ -144,7 +143,7 @@ def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     place = recording["reference.position"][-1]
     outside = np.abs(travel - place) > arrival.position_band
-    for end in ENDS:
+    for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
     moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
@@ -158,53 +157,54 @@ def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str
 
 
 def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str, float]:
-    found = {
+    metrics = {
         "slack_time": max((slack.duration for slack in incidents.slack_ropes(recording)), default=0.0),
         "slip_safety": hoist.slip_safety(incidents.largest_ratio(recording, hoist.tension_ratio_limit)),
-        "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.way,
+        "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.slid_distance,
     }
     if (ended := incidents.stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
-        found |= {"stop_time": max(one.time or 0.0 for one in ended), "stop_distance": max(one.way for one in ended)}
+        metrics["stop_time"] = max(stop.time or 0.0 for stop in ended)
+        metrics["stop_distance"] = max(stop.stopping_distance for stop in ended)
     if recording.has(*incidents.GUARD_SIGNALS):
         trip = incidents.guard_trip(recording)
-        found["guard_tripped"] = float(trip is not None)
+        metrics["guard_tripped"] = float(trip is not None)
         if trip is not None:
-            found |= {"guard_cause": float(trip.code), "guard_time": trip.t}
-    return found
+            metrics |= {"guard_cause": float(trip.code), "guard_time": trip.t}
+    return metrics
 
 
 def _drive(recording: Recording) -> dict[str, float]:
-    power = np.diff(recording["drive.work_motor"])
+    work = np.diff(recording["drive.work_motor"])
     return {
         "torque_peak": _largest(recording["drive.torque"]),
         "torque_limited_time": _time_of(recording, "drive.torque_limited"),
-        "motor_energy": float(np.sum(power)),
-        "motor_energy_drawn": float(np.sum(np.maximum(power, 0.0))),
+        "motor_energy": float(np.sum(work)),
+        "motor_energy_drawn": float(np.sum(np.maximum(work, 0.0))),
     }
 
 
 def _rope(recording: Recording) -> dict[str, float]:
-    forces = [recording[f"{end}.fy"] for end in ENDS]
-    found = {
+    forces = [recording[f"{end}.fy"] for end in SIDES]
+    metrics = {
         "rope_force_peak": max(float(np.max(-force)) for force in forces),
         "rope_force_range": max(float(np.ptp(force)) for force in forces),
         "rope_force_ripple": max(_ripple(recording.time, force) for force in forces),
     }
     if "stress.bending_max" in recording:
-        found["bending_stress"] = _largest(recording["stress.bending_max"])
+        metrics["bending_stress"] = _largest(recording["stress.bending_max"])
     for name, signal in (("sway", "loop.x"), ("sway_across", "loop.z")):
         if signal in recording:
-            found[name] = _largest(recording[signal] - recording[signal][0])
+            metrics[name] = _largest(recording[signal] - recording[signal][0])
     for name in ("yaw", "turns", "sideways", "rise"):
         if f"loop.{name}" in recording:
-            found[f"loop_{name}"] = _largest(recording[f"loop.{name}"])
+            metrics[f"loop_{name}"] = _largest(recording[f"loop.{name}"])
     for name in BODIES:
         if f"nearest.{name}.clearance" in recording:
             smallest = float(recording[f"nearest.{name}.clearance"][-1])
-            found[f"clearance_{name}"] = smallest if smallest < FAR else math.nan
+            metrics[f"clearance_{name}"] = smallest if smallest < FAR else math.nan
     if "loop.clearance" in recording:
-        found["clearance"] = float(np.min(recording["loop.clearance"]))
-    return found
+        metrics["clearance"] = float(np.min(recording["loop.clearance"]))
+    return metrics
 
 
 def _swivel(recording: Recording, end: str) -> dict[str, float]:
@@ -222,25 +222,26 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
 
 
 def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> Measures:
-    """Swing of conveyances and loop within the window after the reference has arrived."""
+    """Measure the swing of conveyances and loop within the window after the reference has arrived."""
     t = recording.time - recording.time[0]
     tail = (t >= arrived) & (t <= arrived + arrival.window)
     if np.count_nonzero(tail) < 2:
         return Measures({}, "swing_frequency: the record ends as the reference arrives: give winding.settle")
     # heights of the conveyances against their ropes' ends at the sheave
     rim = hoist.sheave_radius * recording["drive.angle"]
-    swings = {end: (recording[f"conveyance.{end}.y"] - s * rim)[tail] for end, s in zip(ENDS, (1.0, -1.0), strict=True)}
-    found = {f"swing_{end}": float(np.ptp(swing)) for end, swing in swings.items()}
+    signs = zip(SIDES, (1.0, -1.0), strict=True)
+    swings = {end: (recording[f"conveyance.{end}.y"] - sign * rim)[tail] for end, sign in signs}
+    metrics = {f"swing_{end}": float(np.ptp(swing)) for end, swing in swings.items()}
     if "loop.x" in recording:
-        found["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))
+        metrics["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))
     mode = fit_swing(recording.time[tail], max(swings.values(), key=np.ptp))
     if isinstance(mode, str):
-        return Measures(found, f"swing_frequency: {mode}")
-    return Measures(found | {"swing_frequency": mode.frequency, "swing_damping": mode.damping})
+        return Measures(metrics, f"swing_frequency: {mode}")
+    return Measures(metrics | {"swing_frequency": mode.frequency, "swing_damping": mode.damping})
 
 
 def _ripple(time: Array, force: Array) -> float:
-    """RMS of the force less its moving mean [N]; a record shorter than the window has none."""
+    """Return the RMS of the force less its moving mean [N]; NaN for a record shorter than the window."""
     count = round(RIPPLE_WINDOW / (time[1] - time[0])) if time.size > 1 else 0
     if count < 2 or time.size <= count:
         return math.nan
@@ -252,10 +253,10 @@ def _ripple(time: Array, force: Array) -> float:
 
 
 def _largest(values: Array) -> float:
-    """Value of largest magnitude, without its sign."""
+    """Return the largest magnitude."""
     return float(np.max(np.abs(values)))
 
 
 def _time_of(recording: Recording, flag: str) -> float:
-    """Time during which a 0/1 signal is 1 [s], each value holding until the next row."""
+    """Return the time during which a 0/1 signal is 1 [s], each value holding until the next row."""
     return float(np.sum(np.diff(recording.time) * recording[flag][:-1]))

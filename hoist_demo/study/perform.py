@@ -7,59 +7,60 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.design.tuning import Judged, Plan, search
+from hoist_demo.design.tuning import Plan, Score, search
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.time_series import Array
-from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.definition import Study, StudyRun
 from hoist_demo.study.goal import Goal, Standing
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.store import SEPARATOR, Store, kind_of
 from hoist_demo.study.trends import not_monotonic
 from hoist_demo.study.tuning import Range
 
-#: Columns where a study says what is best, each of all runs of a choice: the sum by which it is judged, the share of
-#: its runs that keep the bounds, and the largest excess over a bound as a part of it.
-JUDGED, WITHIN, EXCESS = "judged", "within", "excess"
-MOST = 3  #: Warnings that are told with the best choice.
-WARNINGS, MISSING = "warnings", "missing"  #: Columns with what a run has warned of, and why a metric is missing.
-
+# columns of a study with a goal; those of a choice are the same in all its runs
+JUDGED = "judged"  #: Column with the sum by which a choice is judged.
+WITHIN = "within"  #: Column with the share of a choice's runs that keep the bounds.
+EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of it.
+WARNINGS = "warnings"  #: Column with a run's warnings.
+MISSING = "missing"  #: Column with the reason why a metric is missing.
+MOST_WARNINGS = 3  #: Most warnings in the text on the best choice.
 #: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
-Run = Callable[[Sequence[Sample]], list[str]]
+RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 
 
 @dataclass(frozen=True)
 class Best:
-    """The best choice, or the nearest where none keeps the bounds."""
+    """Best choice, or the nearest where none keeps the bounds."""
 
-    runs: tuple[int, ...]  # places of its runs in the table
-    told: str  # in words, the worst of its runs and their warnings included
-    found: bool  # whether it keeps what was asked for
+    runs: tuple[int, ...]  # rows of its runs in the table
+    text: str  # a sentence, the worst of its runs and their warnings included
+    feasible: bool  # True if it keeps the bounds
 
 
 @dataclass(frozen=True)
 class Performed:
-    """Outcome of a study."""
+    """Outcome of a study: its table and remarks."""
 
     table: Path  # results.parquet
     runs: int
-    causes: Mapping[str, str]  # of the runs that did not complete, by number and name
-    passages: Mapping[str, str]  # what the rope passed through, likewise
+    causes: Mapping[str, str]  # causes of the runs that did not complete, by number and name
+    passages: Mapping[str, str]  # bodies that the rope struck or passed through, by number and name
     warnings: Mapping[str, list[str]]  # numbers and names of the runs, by the first text of each kind
-    remarks: Sequence[str]  # where a result is not monotonic in what varies
+    remarks: Sequence[str]  # sentences on results that are not monotonic in what varies
     choices: Sequence[int]  # number of each run's choice
     best: Best | None  # None where nothing says what is best, or no run can be compared
 
 
-def perform(study: Study, store: Store, run: Run) -> Performed:
-    """Run the study's samples, or its search, and write the table."""
+def perform(study: Study, store: Store, run: RunSamples) -> Performed:
+    """RunSamples the study's samples, or its search, and write the table."""
     if study.plan is not None:
         return _write(study, store, *_search(study, study.plan, store, run))
-    samples: list[Sample] = list(study.samples)
+    samples: list[StudyRun] = list(study.samples)
     return _write(study, store, samples, run(samples))
 
 
 def write_what_is_there(study: Study, store: Store) -> Path | None:
-    """Table of an interrupted study's recorded runs, of a search their folder; None where nothing is recorded."""
+    """Write the table of an interrupted study's runs, of a search return its folder; None without a run."""
     if study.plan is not None:
         return store.directory if store.holds_runs else None
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
@@ -67,25 +68,25 @@ def write_what_is_there(study: Study, store: Store) -> Path | None:
     return _write(study, store, [s for s, _ in there], [key for _, key in there]).table if there else None
 
 
-def _search(study: Study, plan: Plan, store: Store, run: Run) -> tuple[list[Sample], list[str]]:
-    """All runs of the search in their order, and their keys."""
+def _search(study: Study, plan: Plan, store: Store, run: RunSamples) -> tuple[list[StudyRun], list[str]]:
+    """Search, and return all its runs in their order, with their keys."""
     ranges = {key: r for key, r in study.varied.items() if isinstance(r, Range)}
     assert study.goal is not None
     goal = study.goal
 
-    def samples_of(points: Array) -> list[list[Sample]]:
+    def samples_of(points: Array) -> list[list[StudyRun]]:
         return [
             study.samples_at({key: r.at(float(u)) for (key, r), u in zip(ranges.items(), x, strict=True)})
             for x in points
         ]
 
-    def judged(points: Array) -> list[Judged]:
+    def judged(points: Array) -> list[Score]:
         each = samples_of(points)
         keys = iter(run([sample for samples in each for sample in samples]))
-        return [goal.standing([_record(store, next(keys))["outcome"] for _ in samples]).judged for samples in each]
+        return [goal.standing([_record(store, next(keys))["outcome"] for _ in samples]).score for samples in each]
 
-    found = search(judged, len(ranges), plan)
-    samples = [sample for samples in samples_of(found.points) for sample in samples]
+    result = search(judged, len(ranges), plan)
+    samples = [sample for samples in samples_of(result.points) for sample in samples]
     return samples, [sample.data.key(study.fmu_hash) for sample in samples]
 
 
@@ -95,7 +96,7 @@ def _record(store: Store, key: str) -> dict[str, Any]:
     return record
 
 
-def _write(study: Study, store: Store, samples: Sequence[Sample], keys: Sequence[str]) -> Performed:
+def _write(study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequence[str]) -> Performed:
     outcomes = [_record(store, key)["outcome"] for key in keys]
     varied = [name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1]
     named = [f"run {number}{_named(sample, varied)}" for number, sample in enumerate(samples, 1)]
@@ -133,11 +134,11 @@ def _standings(
     runs: dict[int, list[Mapping[str, Any]]] = {}
     for choice, outcome in zip(choices, outcomes, strict=True):
         runs.setdefault(choice, []).append(outcome)
-    return {choice: goal.standing(found) for choice, found in runs.items()}
+    return {choice: goal.standing(own) for choice, own in runs.items()}
 
 
 def _row(
-    study: Study, number: int, sample: Sample, key: str, outcome: Mapping[str, Any], standing: Standing | None
+    study: Study, number: int, sample: StudyRun, key: str, outcome: Mapping[str, Any], standing: Standing | None
 ) -> dict[str, object]:
     head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
     row: dict[str, object] = head | {name: sample.values.get(name) for name in study.units if name != "controller"}
@@ -146,31 +147,32 @@ def _row(
         row["status"] = f"{outcome['status']}, but {outcome['passed']}"
     row |= {WARNINGS: SEPARATOR.join(outcome["warnings"]), MISSING: outcome["missing"]}
     if standing is not None and study.goal is not None:
-        cost = study.goal.sense * standing.judged.cost
+        cost = study.goal.sense * standing.score.cost
         row |= {JUDGED: cost if math.isfinite(cost) else math.nan, WITHIN: standing.within}
         if study.goal.bounds:
-            row[EXCESS] = max(standing.judged.excess) if standing.judged.finite else math.nan
+            row[EXCESS] = max(standing.score.excess) if standing.score.finite else math.nan
     return row | {name: outcome["metrics"].get(name, math.nan) for name in UNITS}
 
 
 def _best(
     study: Study,
-    samples: Sequence[Sample],
+    samples: Sequence[StudyRun],
     outcomes: Sequence[Mapping[str, Any]],
     choices: Sequence[int],
     standings: Mapping[int, Standing],
 ) -> Best | None:
     """Return the best choice in words, with what its runs warn of."""
     goal = study.goal
-    finite = [k for k, one in standings.items() if one.judged.finite or (one.by_share and one.within > 0.0)]
+    finite = [k for k, one in standings.items() if one.score.finite or (one.by_share and one.within > 0.0)]
     if goal is None:
         return None
     if not finite:
-        return Best((), "no choice can be compared: each has a run that stopped, or misses a metric", found=False)
+        return Best((), "no choice can be compared: each has a run that stopped, or misses a metric", feasible=False)
     first = min(finite, key=lambda k: standings[k].rank)
     if not standings[first].comparable:
-        first = min(finite, key=lambda k: standings[k].judged.rank)
-    one, runs = standings[first], tuple(k for k, choice in enumerate(choices) if choice == first)
+        first = min(finite, key=lambda k: standings[k].score.rank)
+    one = standings[first]
+    runs = tuple(k for k, choice in enumerate(choices) if choice == first)
     variant, *values = study.choice(samples[runs[0]])
     shown = [str(variant)] if variant else []
     chosen = zip(study.chosen, values, strict=True)
@@ -180,20 +182,20 @@ def _best(
         judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
     else:
         word = f", the {goal.judge} of {len(runs)} runs" if len(runs) > 1 else ""
-        judged = f"{goal.words} = {_number(goal.sense * one.judged.cost)} {_unit(goal.unit)}".rstrip() + word
+        judged = f"{goal.words} = {_number(goal.sense * one.score.cost)} {_unit(goal.unit)}".rstrip() + word
     if not one.comparable:
-        exceeded = goal.exceeded(one.judged)
-        told = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
+        exceeded = goal.exceeded(one.score)
+        sentence = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
     else:
         equal = sum(standings[k].rank == one.rank for k in finite)
-        told = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
-    found = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
-    # what all runs warn of says least about this choice
+        sentence = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
+    texts = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
+    # a warning of all runs says least about this choice
     common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
-    warned = sorted(found, key=lambda text: common[kind_of(text)])
-    told += "".join(f". Warning: {text}" for text in warned[:MOST])
-    told += f". {len(warned) - MOST} more warnings of its runs" if len(warned) > MOST else ""
-    return Best(runs, told, one.comparable)
+    warned = sorted(texts, key=lambda text: common[kind_of(text)])
+    sentence += "".join(f". Warning: {text}" for text in warned[:MOST_WARNINGS])
+    sentence += f". {len(warned) - MOST_WARNINGS} more warnings of its runs" if len(warned) > MOST_WARNINGS else ""
+    return Best(runs, sentence, one.comparable)
 
 
 def _unit(unit: str) -> str:
@@ -204,10 +206,10 @@ def _number(value: Value) -> str:
     return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
-def _named(sample: Sample, varied: Sequence[str]) -> str:
-    """The variant and the varied values in brackets; "" where there are none."""
+def _named(sample: StudyRun, varied: Sequence[str]) -> str:
+    """Return the variant and the varied values in brackets; "" if there are none."""
     values = {name: sample.values[name] for name in varied if name in sample.values and name != "controller"}
     words = [f"{name} = {v:.4g}" if isinstance(v, float) else f"{name} = {v}" for name, v in values.items()]
-    words = [sample.variant or sample.data.controller * ("controller" in varied), *words]
-    text = ", ".join(word for word in words if word)
+    controller = sample.data.controller if "controller" in varied else ""
+    text = ", ".join(filter(None, [sample.variant or controller, *words]))
     return f" ({text})" if text else ""

@@ -22,15 +22,15 @@ from hoist_demo.study.run import CONTROLLER_OF, RunData
 from rope_model.texts import csv_cell
 
 SETTING = "setting"
-#: in the order in which they are told
+#: Statuses in the order of the reports.
 _FIRST = ("contradicted", VARIED, GIVEN, "data sheet", "measured", "calibrated", DERIVED, "published", "exported")
 STATUSES = (*_FIRST, "assumed", SETTING)
-#: of the host and of the rope, whose values are no data
+#: Groups of the host and of the rope whose values are no data.
 _SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
 
 
-class Known(NamedTuple):
-    """A number of a run, and where it comes from."""
+class SourcedValue(NamedTuple):
+    """Value of a run with its status."""
 
     name: str
     value: Value
@@ -38,41 +38,42 @@ class Known(NamedTuple):
     status: str
 
 
-def of_host(run: RunData, given: Mapping[str, str]) -> list[Known]:
+def host_provenance(run: RunData, given: Mapping[str, str]) -> list[SourcedValue]:
     """Return the sources of the host's data; ``given`` are the statuses of values set beside those of the run."""
-    found = []
+    sourced = []
     for name, value, unit in _leaves(run):
         is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
         status = run.given.get(name, "assumed") if is_datum else SETTING
-        found.append(Known(name, value, unit, given.get(name, status)))
-    return found
+        sourced.append(SourcedValue(name, value, unit, given.get(name, status)))
+    return sourced
 
 
-def of_rope(case: Case, rope: RopeData, given: Mapping[str, str]) -> list[Known]:
+def rope_provenance(case: Case, rope: RopeData, given: Mapping[str, str]) -> list[SourcedValue]:
     """Return the sources of one balance rope's data; ``given`` are the statuses of set values."""
     return [
-        Known(name, rope.display(name), rope.units.get(name, ""), _of_rope(name, value, case, given))
+        SourcedValue(name, rope.display(name), rope.units.get(name, ""), _rope_status(name, value, case, given))
         for name, value in rope.parameters.items()
     ]
 
 
-def of_study(study: Study) -> list[Known]:
-    """All that the runs of a study rest on; what differs between them has no value."""
-    run, parameters = study.samples[0].data, read_parameters(study.fmu)
+def study_provenance(study: Study) -> list[SourcedValue]:
+    """Return the provenance of all data of a study; what differs between runs has no value."""
+    run = study.samples[0].data
+    parameters = read_parameters(study.fmu)
     values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
-    known = [*of_host(run, study.given), *of_rope(find_case(study.hoist), rope, study.given)]
-    return [one._replace(value=VARIED) if one.status == VARIED else one for one in known]
+    sourced = [*host_provenance(run, study.given), *rope_provenance(find_case(study.hoist), rope, study.given)]
+    return [one._replace(value=VARIED) if one.status == VARIED else one for one in sourced]
 
 
-def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> str:
+def _rope_status(name: str, value: Value, case: Case, given: Mapping[str, str]) -> str:
     if name.partition(".")[0] in _SETTINGS:
         return SETTING
     if name in given:
         return given[name]
-    known = rope_parameters().get(name)
-    own = case.rope.get(name, known and known.start)
-    is_ours = known is not None and "[assumed]" in known.meaning
+    parameter = rope_parameters().get(name)
+    own = case.rope.get(name, None if parameter is None else parameter.start)
+    is_ours = parameter is not None and "[assumed]" in parameter.meaning
     is_datum = is_ours or name in case.given or (name in case.rope and name.startswith("rope."))
     if not _is_number(value) or not (is_datum or value != own):
         return SETTING
@@ -82,7 +83,7 @@ def _of_rope(name: str, value: Value, case: Case, given: Mapping[str, str]) -> s
 
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
-    """Name, value and unit of each single value of the host's data that the run uses; parts that are None have none."""
+    """Yield name, value and unit of each single value of the host that the run uses, without parts that are None."""
     for name, parameter in host_parameters().items():
         if CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller and name != CONTROLLER.name:
             value: Any = run
@@ -96,15 +97,15 @@ def _is_number(value: Value) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def statuses(data: Iterable[Known]) -> dict[str, str]:
-    """Statuses by name."""
+def statuses(data: Iterable[SourcedValue]) -> dict[str, str]:
+    """Return the status of each value by name."""
     return {one.name: one.status for one in data}
 
 
-def write_data(data: Sequence[Known], path: Path) -> Path:
-    """The data as CSV, settings included."""
+def write_data(data: Sequence[SourcedValue], path: Path) -> Path:
+    """Write the data as CSV, settings included, and return the path."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(Known._fields)
+        writer.writerow(SourcedValue._fields)
         writer.writerows(map(csv_cell, one) for one in data)
     return path

@@ -24,17 +24,10 @@ from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Task
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, Given, plain
-from hoist_demo.parameters import (
-    GRAVITY,
-    Arrival,
-    Coupling,
-    Hoist,
-    require_jams_on_the_way,
-    require_trip_fits,
-    start_heights,
-)
+from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.winding import require_jams_on_the_way, require_trip_fits
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
@@ -45,13 +38,9 @@ from rope_model import EndMotion
 #: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped")
 ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
-
-
 _VERSION = version("balance-rope")
-
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
 CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
-
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
@@ -65,10 +54,10 @@ class RunData(Task):
     arrival: Arrival
     fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
-    given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # where values come from
+    given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
 
     def key(self, fmu_hash: str) -> str:
-        """Name of the run, 24 hexadecimal digits."""
+        """Return the name of the run, 24 hexadecimal digits."""
         data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
         for tuning, controller in CONTROLLER_OF.items():
@@ -88,12 +77,12 @@ class Outcome:
     status: str  # completed, stopped or error
     cause: str
     metrics: Mapping[str, float]
-    signals: Mapping[str, list[float]]  # by name, those that were asked for, and their time
-    units: Mapping[str, str] = field(default_factory=dict)  # of the signals
-    fidelity: str = ""  # of the rope's model, that ran: why a metric may be missing
-    warnings: tuple[str, ...] = ()  # of hoist, coupling and rope
-    missing: str = ""  # why a metric is
-    passed: str = ""  # what the rope passed through
+    signals: Mapping[str, list[float]]  # requested time series by name, and their time
+    units: Mapping[str, str] = field(default_factory=dict)  # units of the signals
+    fidelity: str = ""  # models of the rope that ran, which may lack a metric
+    warnings: tuple[str, ...] = ()  # warnings of hoist, coupling and rope
+    missing: str = ""  # reason why a metric is missing
+    passed: str = ""  # bodies that the rope struck or passed through
 
 
 def build(
@@ -107,22 +96,24 @@ def build(
     `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist, and nothing follows
     from them.
     """
-    found, varied = with_values(find_case(case), values), dict(varied or {})
+    hoist_case = with_values(find_case(case), values)
+    varied = dict(varied or {})
     differing = {key: one.value if isinstance(one, Given) else one for key, one in varied.items()}
-    host = {**plain(found.host), **differing}
+    varied_statuses = {key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}
+    host = {**plain(hoist_case.host), **differing}
     run = RunData(
         case=case,
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
-        fmu={**found.rope, **fmu_part(differing)},
+        fmu={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
-        given={**found.given, **{key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}},
+        given={**hoist_case.given, **varied_statuses},
         **data_of(host),
     )
     run.require_possible()
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
         from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
 
-        wound = replace(found, rope=run.fmu, hoist=run.hoist, winding=run.winding, gains=run.gains)
+        wound = replace(hoist_case, rope=run.fmu, hoist=run.hoist, winding=run.winding, gains=run.gains)
         frequency, damping = swing_at_landing(wound)
         run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
     require_trip_fits(run.hoist, run.winding)
@@ -158,7 +149,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     try:
         rope = FmuRope(fmu, run.fmu, ROPE_SIGNALS.union(run.signals))
         try:
-            result = wind(run, rope)
+            result = wind_run(run, rope)
             data = rope.data()
         finally:
             rope.close()
@@ -172,15 +163,16 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
         return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {})
     # a series means nothing without its instants
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
-    kept = {name: result.recording[name].tolist() for name in names if name in result.recording}
-    units = {name: result.recording.units[name] for name in kept}
+    series = {name: result.recording[name].tolist() for name in names if name in result.recording}
+    units = {name: result.recording.units[name] for name in series}
     status = "completed" if result.completed else "stopped"
     warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradicted)
-    passed, told = passages(result.recording), tuple(filter(None, warned))
-    return Outcome(status, result.cause, metrics, kept, units, fidelity, told, missing, passed)
+    sentences = tuple(filter(None, warned))
+    passed = passages(result.recording)
+    return Outcome(status, result.cause, metrics, series, units, fidelity, sentences, missing, passed)
 
 
-def wind(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
+def wind_run(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
     """Return the co-simulation of a run with any rope; `progress` as of `Host.run`."""
     chosen = run.design()
     host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
@@ -193,21 +185,21 @@ SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "t
 
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
     """Return where the drive's copy of the balance rope's data differs from the rope's; "" if they agree."""
-    told = []
+    sentences = []
     for name, copy, unit in SHARED:
         computed, assumed = rope.get(name), getattr(hoist, copy)
         if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
-            told.append(
+            sentences.append(
                 f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict each other: "
                 f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
             )
     if (g := float(rope.get("layout.gravity", GRAVITY))) != GRAVITY:
-        told.append(f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave it out")
-    return "; ".join(told)
+        sentences.append(f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave it out")
+    return "; ".join(sentences)
 
 
 class Probe:
-    """Asks an FMU, and the same question only once."""
+    """Questions to an FMU, each asked only once."""
 
     def __init__(self, fmu: Path) -> None:
         self._fmu = fmu
@@ -241,7 +233,7 @@ def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: 
     except ValueError as error:
         return str(error)
     try:
-        with warnings_of(FmuRope.__module__):  # the runs tell them again
+        with warnings_of(FmuRope.__module__):  # the runs warn again
             status = rope.initialize(0.0, left, right)
     finally:
         rope.close()

@@ -13,29 +13,29 @@ _GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
 _SOFTER = f"brake more gently (winding.emergency_deceleration, the hoist's brake), or {ALIKE}"
 
 
-class Hold(NamedTuple):
-    """Smallest slip safety in a part of a trip."""
+class SlipSafety(NamedTuple):
+    """Smallest slip safety in a part of a trip, beside the required one."""
 
     when: str
     safety: float
     t: float  # s
-    asked: float
-    rule: str  # where that comes from
+    required: float
+    rule: str  # origin of the requirement
     cure: str
 
     @property
     def words(self) -> str:
         """Return the number, with words where its digits would be those of what is asked for."""
         number = f"{self.safety:.2f}"
-        return f"just below {self.asked:g}" if not self.enough and float(number) == self.asked else number
+        return f"just below {self.required:g}" if not self.enough and float(number) == self.required else number
 
     @property
     def enough(self) -> bool:
-        """Return True if it is what is asked for."""
-        return self.safety >= self.asked
+        """True if the required safety is reached."""
+        return self.safety >= self.required
 
 
-def holds(recording: Recording, hoist: Hoist, winding: Winding) -> list[Hold]:
+def slip_safeties(recording: Recording, hoist: Hoist, winding: Winding) -> list[SlipSafety]:
     """Judge the hold at rest, in normal winding, and from the first event that is no part of that; [] if not recorded.
 
     Ropes that slid between two samples had the limit's ratio there; the first sample is at rest.
@@ -44,7 +44,8 @@ def holds(recording: Recording, hoist: Hoist, winding: Winding) -> list[Hold]:
         return []
     time, ratio = recording.time, recording["drive.tension_ratio"].copy()
     until, event = _normal_until(recording, winding)
-    limit, slid = hoist.tension_ratio_limit, slip(recording)
+    limit = hoist.tension_ratio_limit
+    slid = slip(recording)
     if slid is not None:
         first = int(np.searchsorted(time, slid.t))
         ratio[first] = max(float(ratio[first]), limit * (1.0 + 1e-9))  # just beyond
@@ -54,27 +55,27 @@ def holds(recording: Recording, hoist: Hoist, winding: Winding) -> list[Hold]:
         ("in normal winding", time <= until, MOVING, usual, _GENTLER),
         (f"from {event} on", time > until, 1.0, "below it they slip", softer),
     ]
-    found = []
-    for when, rows, asked, rule, remedy in parts:
+    safeties = []
+    for when, rows, required, rule, remedy in parts:
         if bool(rows.any()):
             k = int(np.argmax(np.where(rows, ratio, 0.0)))
             safety = hoist.slip_safety(float(ratio[k]))
             cure = IN_SPITE if safety < 1.0 and hoist.lining is None else remedy
-            found.append(Hold(when, safety, float(time[k]), asked, rule, cure))
-    return found
+            safeties.append(SlipSafety(when, safety, float(time[k]), required, rule, cure))
+    return safeties
 
 
 def slip_warnings(recording: Recording, hoist: Hoist, winding: Winding) -> list[str]:
     """List where the head ropes hold less well than is asked, and what cures that."""
     return [
-        f"slip safety {one.when} is {one.words}, not {one.asked:g}: {one.cure}"
-        for one in holds(recording, hoist, winding)
+        f"slip safety {one.when} is {one.words}, not {one.required:g}: {one.cure}"
+        for one in slip_safeties(recording, hoist, winding)
         if not one.enough
     ]
 
 
 def _normal_until(recording: Recording, winding: Winding) -> tuple[float, str]:
-    """Time [s] of the first event that is no part of normal winding, and its name; or the record's end."""
+    """Return time [s] and name of the first event that is no part of normal winding; or the record's end."""
     events = [(jam.t, "the jam") for jam in jams(recording)]
     events += [(slack.t, "slack head ropes") for slack in slack_ropes(recording)]
     if winding.emergency_at is not None:

@@ -45,7 +45,7 @@ class Results:
 
 
 class Store:
-    """The folder of one study."""
+    """Folder with the records and tables of one study."""
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
@@ -62,7 +62,7 @@ class Store:
         return any((self.directory / "runs").glob("*.json"))
 
     def read(self, key: str) -> dict[str, Any] | None:
-        """Record of a run, None where there is none."""
+        """Read the record of a run, None if there is none."""
         path = self._path(key)
         if not path.is_file():
             return None
@@ -79,13 +79,13 @@ class Store:
             table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
             with _whole(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        kept = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units")}
-        record = {"key": key, "data": asdict(run), "outcome": kept, "worker": worker}
+        plain_outcome = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units")}
+        record = {"key": key, "data": asdict(run), "outcome": plain_outcome, "worker": worker}
         with _whole(self._path(key)) as path:
             path.write_text(json.dumps(record, indent=1), encoding="utf-8")
 
     def write_table(self, rows: Sequence[Mapping[str, object]], units: Units, title: str) -> Path:
-        """results.parquet and results.csv."""
+        """Write results.parquet and results.csv; return the path of the first."""
         import pandas as pd
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -106,7 +106,7 @@ class Store:
 
 
 def read_results(path: Path) -> Results:
-    """A study's `results.parquet` or the series of a run; pandas.read_parquet opens both as well, without the units."""
+    """Read a study's `results.parquet` or the series of a run, with the units."""
     import pyarrow.parquet as pq
 
     table = pq.read_table(path)
@@ -116,7 +116,7 @@ def read_results(path: Path) -> Results:
 
 @contextmanager
 def _whole(path: Path) -> Iterator[Path]:
-    """A file to write that appears under its name complete or not at all, even when the process is killed."""
+    """Yield a draft that appears under its name complete or not at all, even when the process is killed."""
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         yield draft

@@ -12,37 +12,36 @@ from typing import Any
 
 from hoist_demo.files.catalogue import parameters
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.study.definition import Sample, Study
+from hoist_demo.study.definition import Study, StudyRun
 from hoist_demo.study.goal import Bound, Goal
 from hoist_demo.study.metrics import UNITS
 
-#: of the range of a result, and of its size
-PROMINENCE, NOISE = 0.1, 0.01
+PROMINENCE = 0.1  #: Least height of an extremum, in parts of the range of a result.
+NOISE = 0.01  #: Least height of an extremum, in parts of the largest size of a result.
 _WATCHED = ("slip_safety", "clearance", "loop_turns")  #: Metrics of a study that does not say what matters.
+OutcomeRecord = Mapping[str, Any]
 
-Outcome = Mapping[str, Any]
 
-
-def not_monotonic(study: Study, samples: Sequence[Sample], outcomes: Sequence[Outcome]) -> list[str]:
-    """Return a sentence for each such result, where it shows first."""
-    known, found = parameters(), dict[tuple[str, str], list[str]]()
+def not_monotonic(study: Study, samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]) -> list[str]:
+    """Return a sentence for each result that is not monotonic, with the place where it shows first."""
+    sentences = dict[tuple[str, str], list[str]]()
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
     if study.plan is None and len(lists) == len(study.varied):
-        for key in (key for key in lists if not known[key].choices):
+        for key in (key for key in lists if not parameters()[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
                 for what, words in _along(study.goal, key, runs):
-                    found.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)
-    return [said[0] + (f", and so in {len(said) - 1} more rows" if len(said) > 1 else "") for said in found.values()]
+                    sentences.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)
+    return [own[0] + (f", and so in {len(own) - 1} more rows" if len(own) > 1 else "") for own in sentences.values()]
 
 
-Line = Sequence[tuple[float, Outcome]]
+RunLine = Sequence[tuple[float, OutcomeRecord]]
 
 
 def _lines(
-    key: str, lists: Mapping[str, Sequence[Value]], samples: Sequence[Sample], outcomes: Sequence[Outcome]
-) -> Iterator[tuple[str, Line]]:
+    key: str, lists: Mapping[str, Sequence[Value]], samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]
+) -> Iterator[tuple[str, RunLine]]:
     """Yield the runs along a number, from its smallest value, behind all else that was varied."""
-    lines: dict[str, dict[float, Outcome]] = {}
+    lines: dict[str, dict[float, OutcomeRecord]] = {}
     for sample, outcome in zip(samples, outcomes, strict=True):
         value = sample.values[key]
         if isinstance(value, int | float) and not isinstance(value, bool):
@@ -53,13 +52,15 @@ def _lines(
             yield rest, sorted(line.items(), key=lambda pair: pair[0])
 
 
-def _along(goal: Goal | None, key: str, runs: Line) -> Iterator[tuple[str, str]]:
+def _along(goal: Goal | None, key: str, runs: RunLine) -> Iterator[tuple[str, str]]:
     """Yield each result that is not monotonic, and the words on it."""
     for what, happened in _events(goal):
-        said = [happened(outcome) for _, outcome in runs]
-        # what happens at the lower end only is told, too: more is expected to be worse
-        if any(said) and sum(a != b for a, b in pairwise(said)) > 1 - (said[0] and not said[-1]):
-            yield what, f"{what} at {key} = {_values(runs, said, True)}, not at {_values(runs, said, False)}"
+        happens = [happened(outcome) for _, outcome in runs]
+        # an event at the lower end only counts, too: more is expected to be worse
+        changes = sum(before != after for before, after in pairwise(happens))
+        expected = 0 if happens[0] and not happens[-1] else 1
+        if any(happens) and changes > expected:
+            yield what, f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}"
     for metric in goal.metrics if goal else _WATCHED:
         pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] == "completed"]
         if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
@@ -68,11 +69,11 @@ def _along(goal: Goal | None, key: str, runs: Line) -> Iterator[tuple[str, str]]
             yield metric + word, f"{metric} has its {word}, {shown}, at {key} = {x:g}, inside its range"
 
 
-def _metric(outcome: Outcome, name: str) -> float:
+def _metric(outcome: OutcomeRecord, name: str) -> float:
     return float(outcome["metrics"].get(name, math.nan))
 
 
-def _events(goal: Goal | None) -> Iterator[tuple[str, Callable[[Outcome], bool]]]:
+def _events(goal: Goal | None) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
     yield "Runs stopped early", lambda outcome: outcome["status"] != "completed"
     for bound in goal.bounds if goal else ():
@@ -80,15 +81,15 @@ def _events(goal: Goal | None) -> Iterator[tuple[str, Callable[[Outcome], bool]]
         yield f"{bound.metric} is {word} {bound.value:g}", partial(_is_beyond, bound)
 
 
-def _is_beyond(bound: Bound, outcome: Outcome) -> bool:
+def _is_beyond(bound: Bound, outcome: OutcomeRecord) -> bool:
     return bound.excess({bound.metric: _metric(outcome, bound.metric)}) > 0.0
 
 
-def _values(runs: Sequence[tuple[float, Outcome]], said: Sequence[bool], wanted: bool) -> str:
-    """The values of some runs: 12, 14 to 18."""
+def _values(runs: Sequence[tuple[float, OutcomeRecord]], happens: Sequence[bool], wanted: bool) -> str:
+    """List the values of some runs: 12, 14 to 18."""
     groups: list[list[float]] = []
-    for k, ((x, _), one) in enumerate(zip(runs, said, strict=True)):
-        if one is wanted and k and said[k - 1] is wanted:
+    for k, ((x, _), one) in enumerate(zip(runs, happens, strict=True)):
+        if one is wanted and k and happens[k - 1] is wanted:
             groups[-1].append(x)
         elif one is wanted:
             groups.append([x])

@@ -19,7 +19,7 @@ from hoist_demo.parameters.quantity import Parameter, Value
 
 @dataclass(frozen=True)
 class Range:
-    """An interval to draw from."""
+    """Interval from which a study draws values."""
 
     low: float
     high: float
@@ -27,7 +27,7 @@ class Range:
     whole: bool = False
 
     def at(self, share: float) -> float | int:
-        """The value at a share between 0 and 1 of the interval."""
+        """Return the value at a share between 0 and 1 of the interval."""
         if self.logarithmic:
             value = math.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
         else:
@@ -36,12 +36,12 @@ class Range:
 
 
 def grid(lists: Mapping[str, tuple[Value, ...]]) -> list[dict[str, Value]]:
-    """All combinations, the last key fastest."""
+    """Return all combinations, the last key fastest."""
     return [dict(zip(lists, values, strict=True)) for values in itertools.product(*lists.values())]
 
 
 def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[dict[str, Value]]:
-    """`runs` samples, each range cut into as many strips with one sample in each."""
+    """Draw `runs` points, each range cut into as many strips with one point in each."""
     from scipy.stats import qmc  # slow to load, and a grid needs none
 
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)

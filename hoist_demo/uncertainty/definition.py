@@ -9,13 +9,13 @@ from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
-from hoist_demo.files.catalogue import ENDS
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.provenance import Known, of_host, of_rope
+from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
 from hoist_demo.study.run import RunData, build_trip
 from rope_model import BEARINGS, Datum, KnownRope
 
@@ -23,12 +23,12 @@ MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
 
 
 class UncertainHead(LevelHead):
-    """Head of the file."""
+    """Table [uncertain] at the head of the file."""
 
     samples: int = Field(64, ge=8, description="a power of two")
     seed: int = Field(1, ge=0)
     measures: tuple[Literal[tuple(UNITS)], ...] = Field(MEASURES, min_length=1)  # type: ignore[valid-type]
-    bearing: Literal["", *BEARINGS] = ""  # type: ignore[valid-type]  # of both swivels, whose friction then varies
+    bearing: Literal["", *BEARINGS] = ""  # type: ignore[valid-type]  # bearing of both swivels, whose friction then varies
 
     @field_validator("samples")
     @classmethod
@@ -39,21 +39,22 @@ class UncertainHead(LevelHead):
 
 
 class Uncertain(RopeQuestion, RunFile):
-    """A checked file."""
+    """Schema of a TOML file that asks how uncertain a winding is."""
 
     head: UncertainHead = Field({}, alias="uncertain", validate_default=True)
 
     @cached_property
     def known_rope(self) -> KnownRope:
-        """Ranges of the rope, which is as long as the hoist's where the file says nothing."""
-        found, hoist = self.catalogue_rope, find_case(self.head.hoist).hoist
-        return found if "length" in self.asked else replace(found, length=hoist.tail_rope_length)
+        """Rope with its ranges, as long as the hoist's unless the file states a length."""
+        if "length" in self.catalogue_arguments:
+            return self.catalogue_rope
+        return replace(self.catalogue_rope, length=find_case(self.head.hoist).hoist.tail_rope_length)
 
     @property
     def data(self) -> dict[str, Datum]:
-        """Data that vary, by name."""
-        found = {name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low}
-        return found | (BEARINGS[self.head.bearing] if self.head.bearing else {})
+        """Ranges of the data that vary, by name."""
+        ranges = {name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low}
+        return ranges | (BEARINGS[self.head.bearing] if self.head.bearing else {})
 
     @model_validator(mode="after")
     def _varies(self) -> Self:
@@ -62,21 +63,21 @@ class Uncertain(RopeQuestion, RunFile):
         self.provenance()
         return self
 
-    def provenance(self) -> list[Known]:
-        """Sources of the numbers; of a property that varies, its range has the status."""
+    def provenance(self) -> list[SourcedValue]:
+        """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
         run = self.run({name: datum.middle for name, datum in data.items()})
-        known = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
-        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(known)}
-        if "length" in self.asked:
+        status_of = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
+        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
+        if "length" in self.catalogue_arguments:
             given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.head.bearing:
-            given |= {f"{side}.swivel.{name}": VARIED for side in ENDS for name in ("mu_kinetic", "mu_static")}
+            given |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
         rope = scene_parameters(rope_data(run.fmu, self.level))
-        return [*of_host(run, given), *of_rope(find_case(self.head.hoist), rope, given)]
+        return [*host_provenance(run, given), *rope_provenance(find_case(self.head.hoist), rope, given)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
-        """The winding with these values of what varies; the drive takes the rope for what it is."""
+        """Return the data of a winding with these values of what varies; the drive knows the rope as it is."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
         drawn: dict[str, Value | Given] = {
@@ -85,7 +86,7 @@ class Uncertain(RopeQuestion, RunFile):
             "hoist.tail_rope_length": Given(rope.length, DERIVED),
         }
         if self.head.bearing:
-            for side in ENDS:
+            for side in SIDES:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
         return build_trip(self.head.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)

@@ -24,58 +24,52 @@ from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.time_series import Array
 from hoist_demo.study.metrics import ROPE_SIGNALS, measure
-from hoist_demo.study.run import wind
+from hoist_demo.study.run import wind_run
 from hoist_demo.uncertainty.definition import Uncertain
 
-#: measures, and what is to be told
-Wound = tuple[dict[str, float], tuple[str, ...]]
-
-#: of a distribution that is told
-QUANTILES = (0.05, 0.5, 0.95)
+WindingResult = tuple[dict[str, float], tuple[str, ...]]  #: Measures by name, and remarks.
+QUANTILES = (0.05, 0.5, 0.95)  #: Quantiles of each measure in the results.
 #: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
 SPOILED = 1.1
-#: before the cause of a winding's stop, and before what its rope passed through: it then describes no real rope
-STOPPED, LEFT_OUT = "stopped: ", "left out: "
+STOPPED = "stopped: "  #: Prefix of the cause of a winding's stop.
+LEFT_OUT = "left out: "  #: Prefix of what a rope passed through: its winding describes no real rope.
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 @dataclass(frozen=True)
 class Spread:
-    """A row per winding: what varied and what was measured.
+    """Results of all windings, a row each: what varied and what was measured.
 
     NaN where the winding has stopped before, its rope has passed through something, or it shows no such thing: the
     rope's model may not compute it.
     """
 
-    asked: Uncertain
+    question: Uncertain
     columns: Mapping[str, Array]
     remarks: Mapping[str, int] = field(default_factory=dict)  # warnings and causes of stops: in how many windings
 
-    def wound(self, name: str) -> Array:
+    def has(self, name: str) -> Array:
         """Select the windings that have this measure."""
         return np.isfinite(self.columns[name])
 
     def quantiles(self, name: str) -> tuple[float, ...]:
         """Return the QUANTILES of a measure."""
-        values = self.columns[name][self.wound(name)]
+        values = self.columns[name][self.has(name)]
         return tuple(float(x) for x in np.quantile(values, QUANTILES)) if values.size else (math.nan,) * len(QUANTILES)
 
     @property
     def completed(self) -> int:
         """Number of windings that came to their end with a rope that passed through nothing."""
         unfit = (STOPPED, LEFT_OUT)
-        return self.asked.head.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
+        return self.question.head.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
 
     @property
     def needed(self) -> int:
         """Windings from which on a regression leaves a rest by which to judge it."""
-        return len(self.asked.data) + 2
+        return len(self.question.data) + 2
 
     def causes(self, name: str) -> dict[str, float]:
-        """The share of each datum in the spread of a measure, and of what ranks do not explain.
-
-        {} without spread, with fewer windings than are needed, or where the shares contradict one another.
-        """
+        """Return each datum's share in a measure's spread, and the unexplained; {} if too few or contradictory."""
         shares = self._shares(name)
         return {} if sum(shares.values()) > SPOILED else shares
 
@@ -85,73 +79,76 @@ class Spread:
         return total if total > SPOILED else 0.0
 
     def _shares(self, name: str) -> dict[str, float]:
-        kept = self.wound(name)
-        y = self.columns[name][kept]
+        selected = self.has(name)
+        y = self.columns[name][selected]
         if y.size < self.needed or np.ptp(y) == 0.0:
             return {}
-        x = np.array([_standard(self.columns[key][kept]) for key in self.asked.data])
+        x = np.array([_standard(self.columns[key][selected]) for key in self.question.data])
         y = _standard(y)
         b = np.linalg.lstsq(x.T, y, rcond=None)[0]
         rest = y - b @ x
-        shares = {key: float(share) for key, share in zip(self.asked.data, b * b, strict=True)}
+        shares = {key: float(share) for key, share in zip(self.question.data, b * b, strict=True)}
         return shares | {"unexplained": float(rest @ rest / (y @ y))}
 
 
-def spread(asked: Uncertain, workers: int, progress: Callable[[Iterable[Wound]], Iterable[Wound]] = iter) -> Spread:
-    """All windings, by so many processes."""
-    samples = draw(asked)
+def run_windings(
+    question: Uncertain, workers: int, progress: Callable[[Iterable[WindingResult]], Iterable[WindingResult]] = iter
+) -> Spread:
+    """Wind the sampled ropes in ``workers`` processes, and return the spread of the measures."""
+    samples = draw(question)
     if workers == 1:
-        results = list(progress(wound(asked, values) for values in samples))
+        results = list(progress(wind_once(question, values) for values in samples))
     else:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            results = list(progress(pool.map(wound, [asked] * len(samples), samples)))
-    columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
-    columns |= {name: np.array([found[name] for found, _ in results]) for name in asked.head.measures}
-    return Spread(asked, columns, remarks_of([texts for _, texts in results]))
+            results = list(progress(pool.map(wind_once, [question] * len(samples), samples)))
+    columns = {name: np.array([values[name] for values in samples]) for name in question.data}
+    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in question.head.measures}
+    return Spread(question, columns, remarks_of([texts for _, texts in results]))
 
 
-def draw(asked: Uncertain) -> list[dict[str, float]]:
-    """The values of what varies, one set per winding."""
-    sequence = scipy.stats.qmc.Sobol(len(asked.data), rng=np.random.default_rng(asked.head.seed))
-    shares = sequence.random_base2(round(math.log2(asked.head.samples)))
+def draw(question: Uncertain) -> list[dict[str, float]]:
+    """Draw the values of what varies, one set per winding."""
+    sequence = scipy.stats.qmc.Sobol(len(question.data), rng=np.random.default_rng(question.head.seed))
+    shares = sequence.random_base2(round(math.log2(question.head.samples)))
     return [
-        {name: datum.at(float(u)) for (name, datum), u in zip(asked.data.items(), row, strict=True)} for row in shares
+        {name: datum.at(float(u)) for (name, datum), u in zip(question.data.items(), row, strict=True)}
+        for row in shares
     ]
 
 
-def wound(asked: Uncertain, values: Mapping[str, float]) -> Wound:
-    """The measures of one winding with its warnings; NaN of one that says nothing of a real rope, with the reason."""
-    run = asked.run(values)
+def wind_once(question: Uncertain, values: Mapping[str, float]) -> WindingResult:
+    """Return the measures of one winding with its warnings; NaN, with the reason, if it shows no real rope."""
+    run = question.run(values)
     with warnings_of("hoist_demo") as warnings:
-        rope = InProcessRope(rope_data(run.fmu, asked.level), ROPE_SIGNALS)
-        result = wind(run, rope)
+        rope = InProcessRope(rope_data(run.fmu, question.level), ROPE_SIGNALS)
+        result = wind_run(run, rope)
     result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
     passed = passages(result.recording)
     if result.completed and PASSED not in passed:
-        found = measure(result, run.hoist, run.winding, run.arrival).metrics
-        return {name: found[name] for name in asked.head.measures}, tuple(f"warning: {text}" for text in warnings)
+        metrics = measure(result, run.hoist, run.winding, run.arrival).metrics
+        return {name: metrics[name] for name in question.head.measures}, tuple(f"warning: {text}" for text in warnings)
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
-    return dict.fromkeys(asked.head.measures, math.nan), (reason,)
+    return dict.fromkeys(question.head.measures, math.nan), (reason,)
 
 
-def remarks_of(wound: Sequence[Iterable[str]]) -> dict[str, int]:
+def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:
     """Return remarks with the number of windings of each; numbers that differ between windings become ranges."""
-    found = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # by the words: by winding, the numbers
-    for k, texts in enumerate(wound):
+    numbers_by_words = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # numbers by words and by winding
+    for k, texts in enumerate(remarks):
         for text in texts:
-            of_winding = found.setdefault(tuple(_NUMBER.split(text)), {})
+            of_winding = numbers_by_words.setdefault(tuple(_NUMBER.split(text)), {})
             of_winding.setdefault(k, set()).add(tuple(_NUMBER.findall(text)))
-    return {_with_numbers(words, set().union(*of.values())): len(of) for words, of in found.items()}
+    return {_with_numbers(words, set().union(*of.values())): len(of) for words, of in numbers_by_words.items()}
 
 
 def _with_numbers(words: Sequence[str], numbers: Collection[Sequence[str]]) -> str:
-    """A remark with its numbers, or with the range of those that differ."""
+    """Return a remark with its numbers, or with the range of those that differ."""
     ranges = [sorted({*values}, key=float) for values in zip(*numbers, strict=True)]
-    told = [values[0] if len(values) == 1 else f"{values[0]} to {values[-1]}" for values in ranges]
-    return "".join(word + number for word, number in zip(words, (*told, ""), strict=True))
+    texts = [values[0] if len(values) == 1 else f"{values[0]} to {values[-1]}" for values in ranges]
+    return "".join(word + number for word, number in zip(words, (*texts, ""), strict=True))
 
 
 def _standard(values: Array) -> Array:
-    """Ranks with mean 0 and variance 1."""
+    """Return ranks with mean 0 and variance 1."""
     ranks = scipy.stats.rankdata(values)
     return np.asarray((ranks - ranks.mean()) / ranks.std())

@@ -53,13 +53,13 @@ class Piece:
     def of(
         t: float, mass: float, length: float, leg: float, end: EndMotion, other: EndMotion, gravity: float = GRAVITY
     ) -> Piece:
-        """The piece of a rope whose leg at this end was `leg` long [m]."""
+        """Return the piece of a rope whose leg at this end was `leg` long [m]."""
         if length <= leg:
             return Piece(t, mass, length, end.y - length, end.vy, gravity)
         return Piece(t, mass, length, end.y - (2.0 * leg - length), other.vy, gravity)
 
     def force(self, t: float, end: EndMotion) -> tuple[float, float]:
-        """Vertical force on the conveyance [N], and the length that hangs from it [m]."""
+        """Return the vertical force on the conveyance [N] and the length that hangs from it [m]."""
         fallen = t - self.t
         r = end.y - (self.break_height + fallen * (self.break_speed - 0.5 * self.gravity * fallen))
         if r >= self.length:
@@ -81,11 +81,10 @@ class BreakingRope:
 
     @property
     def whole(self) -> BalanceRope | None:
-        """The rope until it breaks."""
+        """Rope before it breaks, else None."""
         return self._rope.whole if self._pieces is None else None
 
     def data(self) -> RopeData:
-        """Identity of the rope."""
         return self._rope.data()
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
@@ -107,18 +106,18 @@ class BreakingRope:
 
     def _break(self, t: float) -> tuple[Piece, Piece]:
         left, right = self._ends
-        leg, rest = 0.5 * (self._length + left.y - right.y), self._length - self._at.s
+        at, leg = self._at, 0.5 * (self._length + left.y - right.y)
         return (
-            Piece.of(t, self._mass, self._at.s, leg, left, right, self._at.gravity),
-            Piece.of(t, self._mass, rest, self._length - leg, right, left, self._at.gravity),
+            Piece.of(t, self._mass, at.s, leg, left, right, at.gravity),
+            Piece.of(t, self._mass, self._length - at.s, self._length - leg, right, left, at.gravity),
         )
 
     def _forces(self, t: float, ends: tuple[EndMotion, EndMotion]) -> dict[str, float]:
-        found = dict.fromkeys(_NOTHING, 0.0)
+        forces = dict.fromkeys(_NOTHING, 0.0)
         for name, piece, end in zip(ENDS, self._pieces or (), ends, strict=True):
             force, hanging = piece.force(t, end)
-            found |= {f"{name}.fy": force, f"{name}.fy_mean": force, f"{name}.added_mass": self._mass * hanging}
-        return found
+            forces |= {f"{name}.fy": force, f"{name}.fy_mean": force, f"{name}.added_mass": self._mass * hanging}
+        return forces
 
     def reader(self, names: Sequence[str]) -> Reader:
         """Return a reader of some outputs; after the break NaN for all but the forces."""
@@ -132,13 +131,13 @@ class BreakingRope:
         return values
 
     def save(self) -> Any:
-        kept = self._rope.save()
-        return None if kept is None else (kept, self._ends, self._pieces, self._shown)
+        rope_snapshot = self._rope.save()
+        return None if rope_snapshot is None else (rope_snapshot, self._ends, self._pieces, self._shown)
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a snapshot, to before the break, too."""
-        kept, self._ends, self._pieces, self._shown = snapshot
-        self._rope.restore(kept)
+        rope_snapshot, self._ends, self._pieces, self._shown = snapshot
+        self._rope.restore(rope_snapshot)
 
     def to_bytes(self, snapshot: Any) -> bytes:
         raise RuntimeError("the state of a rope that breaks cannot be written: wind it in one run")

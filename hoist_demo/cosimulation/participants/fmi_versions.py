@@ -27,17 +27,12 @@ from hoist_demo.cosimulation.participants.library_calls import TEXT, Access, acc
 from hoist_demo.parameters.quantity import Value
 
 CallError = FMICallException  #: A call that the FMU answers with discard, error or fatal.
-
 WARNING = 1  #: Status of a message that fails no call; those of errors are larger, in both versions.
-
 DISCARD = 2  #: Status of a step that is not done.
-
 _CLOSED = "the FMU is closed, its memory is gone: read from it before close(), or load it anew"
-
 #: What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
 #: several steps, and callers may by any number, so the FMU must be able to.
 _NO_STATE_PRIOR = False
-
 Hear = Callable[[int, str], None]  #: Takes the status and the text of a message of the FMU.
 
 
@@ -52,7 +47,7 @@ class Buffer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FmuState:
-    """A state in the FMU's memory, for as long as somebody has it."""
+    """State in the FMU's memory, freed with its last reference."""
 
     handle: Any
 
@@ -66,7 +61,7 @@ def _load(fmpy_class: Callable[..., Any], directory: Path, guid: str, identifier
 
 
 class Instance(ABC):
-    """One instance for co-simulation. After `close` each call but that one raises RuntimeError."""
+    """Instance for co-simulation. After `close` each call but that one raises RuntimeError."""
 
     _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
     _fmpy_module: Any
@@ -80,8 +75,8 @@ class Instance(ABC):
         """Load from the FMU's files and instantiate; RuntimeError when that fails."""
         self._hear = hear
         self._loaded: Any = None  # FMPy's; None once it is freed
-        self._t, self._h = c_double(), c_double()  # of the next step
-        self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # those that somebody has, and their ends
+        self._t, self._h = c_double(), c_double()  # begin and length of the next step
+        self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # referenced states, and their finalizers
         identifier = description.coSimulation.modelIdentifier
         try:
             self._loaded = copy(_load(self._fmpy_class, directory, description.guid, identifier))
@@ -98,10 +93,7 @@ class Instance(ABC):
 
     @abstractmethod
     def _instantiate(self) -> None:
-        """Instantiate with all messages going to `_hear`: a Python FMU passes on no warning without logging.
-
-        `_do_step` is set to what steps from `_t` by `_h`.
-        """
+        """Instantiate with all messages to `_hear` (a Python FMU needs logging for that), and set `_do_step`."""
 
     def _pass_on(self, *message: Any) -> None:
         """Hear a message, of which status, category and text come last in both versions."""
@@ -121,10 +113,11 @@ class Instance(ABC):
         """Return a reusable buffer for all elements of variables of one type."""
         names = [name for v in variables for name in v.elements]
         type_ = self._enumeration if variables[0].type == "Enumeration" else variables[0].type
-        kept = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
-        values = np.zeros((rows, len(names)), kept)
+        dtype = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
+        values = np.zeros((rows, len(names)), dtype)
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
-        function, rope = self._function(f"{what}{type_}"), self.fmpy.component
+        function = self._function(f"{what}{type_}")
+        rope = self.fmpy.component
         call = self._access(f"{what}{type_}", references, values.ctypes.data_as(c_void_p), len(names))
         if type_ == "String":
             text = self.text(variables[0])
@@ -135,7 +128,7 @@ class Instance(ABC):
         return Buffer(names, call, values, access(self._standard, function, rope, references, values))
 
     def text(self, variable: Variable) -> Callable[[], str]:
-        """A function that reads a String."""
+        """Return a function that reads a String variable."""
         values = (c_char_p * 1)()
         call = self._access("GetString", (c_uint32 * 1)(variable.reference), values, 1)
 
@@ -147,11 +140,11 @@ class Instance(ABC):
 
     @property
     def stepping(self) -> Access:
-        """The function that steps."""
+        """Access to the function DoStep."""
         return access(self._standard, self._function("DoStep"), self.fmpy.component, (c_uint32 * 0)(), np.zeros((0, 0)))
 
     def name_in_c(self, name: str) -> str:
-        """Name of a function in its library."""
+        """Return the name of a function in the FMU's library."""
         return self._prefix + name
 
     def _function(self, name: str) -> Any:
@@ -183,19 +176,19 @@ class Instance(ABC):
         getattr(self.fmpy, f"set{type_}")([variable.reference], values)
 
     def save(self) -> FmuState:
-        """The state."""
+        """Return a handle of the FMU's present state."""
         return self._held(self.fmpy.getFMUState())
 
     def restore(self, state: FmuState) -> None:
-        """Go back to a state."""
+        """Restore a state that `save` or `from_bytes` returned."""
         self.fmpy.setFMUState(state.handle)
 
     def to_bytes(self, state: FmuState) -> bytes:
-        """A state as bytes."""
+        """Return a state serialized by the FMU."""
         return bytes(self.fmpy.serializeFMUState(state.handle))
 
     def from_bytes(self, data: bytes) -> FmuState:
-        """The state in bytes."""
+        """Deserialize a state into the FMU's memory."""
         return self._held(self.fmpy.deserializeFMUState(data))
 
     def _held(self, handle: Any) -> FmuState:
@@ -205,7 +198,7 @@ class Instance(ABC):
         return state
 
     def _give_back(self, handle: Any) -> None:
-        """Give a state back that nobody has any more."""
+        """Free the memory of a state that nobody refers to any more."""
         with suppress(CallError):
             self.fmpy.freeFMUState(handle)
 
@@ -251,8 +244,8 @@ class _Instance3(Instance):
     def _instantiate(self) -> None:
         self.fmpy.instantiate(loggingOn=True, logMessage=self._pass_on)
         self._ended = c_bool()
-        told = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
-        self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *told)
+        flags = byref(c_bool()), byref(self._ended), byref(c_bool()), byref(c_double())
+        self._do_step = self._checked("DoStep", self._t, self._h, c_bool(_NO_STATE_PRIOR), *flags)
 
     def enter_initialization(self, t0: float) -> None:
         self.fmpy.enterInitializationMode(startTime=t0)

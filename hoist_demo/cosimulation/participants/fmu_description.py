@@ -34,19 +34,20 @@ class Variable:
     name: str
     reference: int
     causality: str
-    type: str  # as its version of FMI calls it
+    type: str  # name in its version of FMI
     kind: str  # Real, Integer, Enumeration, Boolean, String, or another that no rope has
-    unit: str  # as FMI spells it, "" where there is none
+    unit: str  # FMI's spelling, "" for none
     elements: tuple[str, ...]  # names of an array's elements; else its own name
-    starts: tuple[Value, ...]  # of the elements, or none
+    starts: tuple[Value, ...]  # start of each element, or none
     minimum: float | None
     maximum: float | None
-    items: Mapping[str, int]  # of an enumeration
+    items: Mapping[str, int]  # codes of an enumeration's items
 
 
 def _variable(stated: Any) -> Variable:
     """Return a variable of FMPy's model description."""
-    kind, declared = _kind(stated.type), stated.declaredType
+    kind = _kind(stated.type)
+    declared = stated.declaredType
     ranges = [range(1, length + 1) for length in stated.shape]
     places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
     texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)
@@ -68,7 +69,7 @@ def _variable(stated: Any) -> Variable:
 
 
 def _kind(declared: str) -> str:
-    """FMI 2.0's word for a type of either version."""
+    """Return FMI 2.0's word for a type of either version."""
     if declared.startswith("Float"):
         return "Real"
     return "Integer" if declared.startswith(("Int", "UInt")) else declared
@@ -91,7 +92,7 @@ def unpacked(path: Path, changed: int, size: int) -> Path:
 
 
 def read_parameters(path: Path) -> dict[str, Parameter]:
-    """All parameters of the FMU by name."""
+    """Return the parameters of an FMU by name."""
     return read_fmu(path).parameters
 
 
@@ -109,12 +110,12 @@ class Fmu:
 
     @cached_property
     def named(self) -> dict[str, Variable]:
-        """The variable of each name, that of an array by each of its elements."""
+        """Variable of each name; an array has one for each of its elements."""
         return {name: v for v in self.variables for name in v.elements}
 
     @cached_property
     def parameters(self) -> dict[str, Parameter]:
-        """All parameters by name, each element of an array on its own."""
+        """Parameters by name, each element of an array on its own."""
         return {
             name: Parameter(
                 name,
@@ -140,7 +141,8 @@ class Fmu:
 def read_fmu(path: Path, hoist: str = "") -> Fmu:
     """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
     if not path.is_file():
-        command = f"balance-rope export {hoist and f'{hoist} '}--native --platform host --out {path}"
+        named = f"{hoist} " if hoist else ""
+        command = f"balance-rope export {named}--native --platform host --out {path}"
         raise ValueError(
             f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; without --native --platform host it "
             "needs none, and its rope is slower"

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
 from hoist_demo.cosimulation.participants.fmu_description import NUMBERS, Variable, read_fmu, unpacked, version_of
-from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, codes_of
+from hoist_demo.cosimulation.participants.library_calls import TEXT, OutputTable, RopeLibrary, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
 from hoist_demo.parameters.quantity import Value
@@ -27,9 +27,7 @@ from hoist_demo.recording.fidelity import FIDELITY
 from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
-
 INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
-
 _VALID = Status(True)
 
 
@@ -39,13 +37,10 @@ class FmuRope:
     def __init__(
         self, path: Path, parameters: Mapping[str, Value] | None = None, recorded: Collection[str] | None = None
     ) -> None:
-        """Load the FMU, and set its parameters, each by its FMI type (enumerations by item name).
-
-        `recorded` are the outputs of which a run makes a record; None: all but the added masses, which are dear.
-        """
+        """Load the FMU and set its parameters; `recorded` outputs, None: all but the expensive added masses."""
         self._started = False
-        self._warned: set[str] = set()  # what has been in the log
-        self._errors: list[str] = []  # what the FMU has said of the call that fails
+        self._warned: set[str] = set()  # warnings that were logged
+        self._errors: list[str] = []  # the FMU's messages about the call that fails
         self._path = Path(path)
         fmu = read_fmu(self._path)
         self._description, self._described, self._variables = fmu.description, fmu.parameters, fmu.named
@@ -83,7 +78,7 @@ class FmuRope:
             return self._failure_status(error)
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        """One doStep(t, h) with the motions of its end."""
+        """Step from t to t + h with the ends' motions of t + h."""
         try:
             self._set_motions(left, right)
             self._fmu.step(t, h)
@@ -108,27 +103,27 @@ class FmuRope:
         valid = None if self._valid is None else self._valid.access
         return RopeLibrary(self._fmu.stepping, self._motions.access, self._table, self._status_of, valid)
 
-    def _table(self, names: Sequence[str], rows: int) -> Table:
+    def _table(self, names: Sequence[str], rows: int) -> OutputTable:
         buffers, values = self._outputs(names, rows)
-        return Table([buffer.access for buffer in buffers], values)
+        return OutputTable([buffer.access for buffer in buffers], values)
 
     def _outputs(self, names: Sequence[str], rows: int) -> tuple[list[Buffer], Callable[[int], NDArray[np.float64]]]:
         """Buffers of outputs by type, and a function that puts their first rows in the order of the names."""
-        asked = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
-        known = [v for v in asked if v.kind in NUMBERS or v.name == FIDELITY]
+        variables = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
+        readable = [v for v in variables if v.kind in NUMBERS or v.name == FIDELITY]
         parts = []
-        for type_ in dict.fromkeys(v.type for v in known):
-            buffer = self._fmu.buffer("Get", [v for v in known if v.type == type_], rows)
+        for type_ in dict.fromkeys(v.type for v in readable):
+            buffer = self._fmu.buffer("Get", [v for v in readable if v.type == type_], rows)
             places = {name: k for k, name in enumerate(buffer.names)}
             there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
             parts.append((buffer, there, here))
 
         def values(count: int) -> NDArray[np.float64]:
-            found = np.full((count, len(names)), np.nan)
+            table = np.full((count, len(names)), np.nan)
             for buffer, there, here in parts:
-                kept = buffer.values[:count, there]
-                found[:, here] = codes_of(kept) if kept.dtype == TEXT else kept
-            return found
+                part = buffer.values[:count, there]
+                table[:, here] = codes_of(part) if part.dtype == TEXT else part
+            return table
 
         return [buffer for buffer, _, _ in parts], values
 
@@ -144,7 +139,7 @@ class FmuRope:
 
     def data(self) -> RopeData:
         """Identity of the rope: its file, and all parameters with their values."""
-        description, parameters = self._description, self._described
+        description = self._description
         model = {
             "FMU": self._path.name,
             "SHA-256": _digest(*version_of(self._path)),
@@ -152,8 +147,9 @@ class FmuRope:
             "exported by": str(description.generationTool or "not said"),
             "FMI version": str(description.fmiVersion),
         }
-        units, reason = {name: p.unit for name, p in parameters.items()}, ""
-        with suppress(CallError):  # where the FMU still answers
+        units = {name: parameter.unit for name, parameter in self._described.items()}
+        reason = ""
+        with suppress(CallError):  # a failed FMU need not answer
             reason = self._text("status.fidelity_reason")
         return RopeData(model, self._parameters(), units, reason)
 
@@ -199,7 +195,7 @@ class FmuRope:
         self._fmu.close()
 
     def _parameters(self) -> dict[str, Value]:
-        """All parameters with the values they were given."""
+        """Return all parameters by name with the values in use."""
         return {name: self._chosen.get(name, p.start) for name, p in self._described.items()}
 
     def _variable(self, name: str) -> Variable:
@@ -228,7 +224,7 @@ class FmuRope:
         return _VALID if self._valid.values[0, 0] else Status(False, self._text("status.message"))
 
     def _text(self, name: str) -> str:
-        """A String output; "" where there is none."""
+        """Return a String output; "" if the FMU lacks it."""
         return self._fmu.text(self._variables[name])() if name in self._variables else ""
 
     @property
@@ -237,15 +233,16 @@ class FmuRope:
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
     def _failure_status(self, error: CallError) -> Status:
-        """A failed call as a status, with the FMU's own words where it still speaks; it need not be terminated."""
-        self._started, message = False, ""
+        """Return the status of a failed call, in the FMU's own words if it still speaks."""
+        self._started = False
+        message = ""
         with suppress(CallError):
             message = self._text("status.message")
         return Status(False, message or self._explanation(error))
 
     @contextmanager
     def _translate_failures(self) -> Iterator[None]:
-        """A failed call as RuntimeError, so that nobody else needs FMPy."""
+        """Raise a failed call as RuntimeError, so that nobody else needs FMPy."""
         try:
             yield
         except CallError as error:
@@ -253,8 +250,9 @@ class FmuRope:
 
     def _explanation(self, error: Exception) -> str:
         """Return the cause of a failed call, with the FMU's messages."""
-        said, self._errors = "; ".join(dict.fromkeys(self._errors)), []
-        return f"{error} {said}" if said else str(error)
+        messages = "; ".join(dict.fromkeys(self._errors))
+        self._errors = []
+        return f"{error} {messages}" if messages else str(error)
 
     def _hear(self, status: int, text: str) -> None:
         """Log the FMU's warnings, each once; keep its errors for the call that fails."""
@@ -275,7 +273,7 @@ def _digest(path: Path, changed: int, size: int) -> str:
 
 
 def _typed(variable: Variable, value: Value) -> Value:
-    """The value as its FMI type has it, an enumeration's item by its number."""
+    """Convert a value to the variable's FMI type, an enumeration's item to its number."""
     if variable.kind == "Enumeration" and isinstance(value, str):
         if value not in variable.items:
             raise ValueError(

@@ -17,25 +17,23 @@ from rope_model import EndMotion
 _PLACE, _SPEED, _ACCELERATION = (slice(SHOWN[f"{name}_left"], SHOWN[f"{name}_right"] + 1) for name in "yva")
 #: Places of the forces in a path of the drive's input.
 _START, _RISE, _BEND = (slice(k * len(INPUT_NAMES) + FORCES[0], k * len(INPUT_NAMES) + FORCES[1] + 1) for k in range(3))
-
-
 #: The controller's k-th command within a step, torque [N m] and brake: of k, time [s] and what the hoist shows then.
 NextCommand = Callable[[int, float, Vector], tuple[float, float]]
 
 
 class HoistPartner:
-    """The hoist as a coupling's drive; `command` is to be given between steps."""
+    """Hoist as a coupling's drive; `command` is to be given between steps."""
 
     def __init__(self, plant: HoistPlant, state: PlantState, held: Vector, clock: Stopwatch) -> None:
         """`held` is the input that acts at the start, in the order of INPUT_NAMES."""
         self.plant, self.state = plant, state
         self.per_step = 1  # samples of the controller in a step
-        self.next_command: NextCommand | None = None  # where there are several
+        self.next_command: NextCommand | None = None  # None with one sample in a step
         self._first = held.item(_TORQUE), held.item(_BRAKE)  # command of a step, torque and brake
         self.input = held  # that acts now, forces included
-        self._path = np.concatenate([held, np.zeros(2 * held.size)])  # of the next step
+        self._path = np.concatenate([held, np.zeros(2 * held.size)])  # input over the next step
         self._clock = clock
-        self._shown: Vector | None = None  # under the input
+        self._shown: Vector | None = None  # OUTPUTS under the input
         self._done: tuple[Load, InterfaceMotion] | None = None  # load of the last step, and the motion at its end
 
     def command(self, torque: float, brake: float, sides: Vector) -> None:
@@ -45,7 +43,7 @@ class HoistPartner:
         self._done = None
 
     def step(self, t: float, h: float, load: Load) -> str:
-        """One step under the load; a constant one is held to the bit."""
+        """Advance the hoist by one step under the load; a constant load is held to the bit."""
         with self._clock:
             moved = self._moved(t, h, load)
             if not moved.valid:
@@ -55,7 +53,7 @@ class HoistPartner:
         return ""
 
     def _moved(self, t: float, h: float, load: Load) -> PlantStep:
-        """The step under its commands, the first again where it is repeated."""
+        """Advance the plant under the step's commands, from the first again where the step is repeated."""
         number, path, added = self.per_step, self._under(load), load.added_mass
         path[_TORQUE], path[_BRAKE] = self._first
         moved = self.plant.advance(self.state, h, path, added, 0.0, 1.0 / number)
@@ -68,7 +66,7 @@ class HoistPartner:
 
     @property
     def outputs(self) -> Vector:
-        """Return the present OUTPUTS."""
+        """Present OUTPUTS of the drive."""
         if self._shown is None:
             path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
             _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
@@ -84,8 +82,8 @@ class HoistPartner:
             _, shown = self.plant.loads_and_outputs(self.state, self._under(load), load.added_mass, s)
         return _motion(shown)
 
-    def mobility(self) -> Vector:
-        return self.plant.mobility(self.state)
+    def accelerance(self) -> Vector:
+        return self.plant.accelerance(self.state)
 
     def work(self) -> float:
         """Work of one balance rope's forces on the hoist [J]."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rope_model
-from hoist_demo.cosimulation.participants.library_calls import TEXT, RopeLibrary, Table, access, codes_of
+from hoist_demo.cosimulation.participants.library_calls import TEXT, OutputTable, RopeLibrary, access, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
 from hoist_demo.parameters.place import Place
@@ -24,7 +24,6 @@ from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model.scene_names import named_parameters, with_values
 
 _log = logging.getLogger(__name__)
-
 _TAG = b"rope in process\n"
 
 
@@ -32,10 +31,7 @@ class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
     def __init__(self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = "") -> None:
-        """`read` are the outputs that a run records; None: all but the added masses, which are dear.
-
-        `name` is that of one of several ropes, whose warnings begin with it.
-        """
+        """`read` are recorded outputs, None: all but the expensive added masses; warnings begin with `name`."""
         self._rope = rope_model.balance_rope(scene)
         self._recorded = rope_model.SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
         self._warned: set[str] = set()  # subjects of what was logged
@@ -43,7 +39,7 @@ class InProcessRope:
 
     @property
     def whole(self) -> rope_model.BalanceRope:
-        """The rope itself."""
+        """Rope of rope_model that this one wraps."""
         return self._rope
 
     def initialize(self, t0: float, left: rope_model.EndMotion, right: rope_model.EndMotion) -> rope_model.Status:
@@ -54,7 +50,7 @@ class InProcessRope:
         return self._log_warnings(self._rope.advance_to(t + h, left, right))
 
     def _log_warnings(self, status: rope_model.Status) -> rope_model.Status:
-        """The status; warnings about a valid state are logged, each of them once, as the FMU does it."""
+        """Log warnings about a valid state, each once, and return the status."""
         for subject, text in self._rope.warnings().items() if status.valid else ():
             if subject not in self._warned:
                 self._warned.add(subject)
@@ -75,11 +71,11 @@ class InProcessRope:
         read = self._rope.reader([names[k] for k in places])
 
         def values() -> NDArray[np.float64]:
-            found = np.full(len(names), np.nan)
-            found[places] = read()
+            row = np.full(len(names), np.nan)
+            row[places] = read()
             if fidelities:
-                found[fidelities] = code_of(self._rope.fidelity)
-            return found
+                row[fidelities] = code_of(self._rope.fidelity)
+            return row
 
         return values
 
@@ -91,20 +87,20 @@ class InProcessRope:
         lib, rope, warnings, text = native.library
         ends = np.zeros((1, 2 * len(rope_model.EndMotion.__dataclass_fields__)))
 
-        def table(names: Sequence[str], rows: int) -> Table:
+        def table(names: Sequence[str], rows: int) -> OutputTable:
             places = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
             fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
             numbers = (c_int * len(places))(*([*rope_model.SIGNALS].index(names[k]) for k in places))
             values, texts = np.zeros((rows, len(places))), np.zeros((rows, len(fidelities)), TEXT)
-            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] * bool(places)
-            accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] * bool(fidelities)
+            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] if places else []
+            accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] if fidelities else []
 
             def read(count: int) -> NDArray[np.float64]:
-                found = np.full((count, len(names)), np.nan)
-                found[:, places], found[:, fidelities] = values[:count], codes_of(texts[:count])
-                return found
+                outputs = np.full((count, len(names)), np.nan)
+                outputs[:, places], outputs[:, fidelities] = values[:count], codes_of(texts[:count])
+                return outputs
 
-            return Table(accesses, read)
+            return OutputTable(accesses, read)
 
         none = (c_int * 0)()
         return RopeLibrary(
@@ -113,13 +109,12 @@ class InProcessRope:
             table,
             lambda call, _: native.done(call != "STEP"),
             warning=lib.rope_warning,
-            told=create_string_buffer(warnings),
+            warned=create_string_buffer(warnings),
             text=text,
             heard=lambda: self._log_warnings(native.done(True)),
         )
 
     def save(self) -> rope_model.Snapshot:
-        """The state, which nothing changes."""
         return self._rope.snapshot()
 
     def restore(self, snapshot: rope_model.Snapshot | rope_model.RopeState) -> None:
@@ -138,11 +133,11 @@ class InProcessRope:
         return {name: str(s.unit) for name, s in rope_model.SIGNALS.items() if name in self._recorded} | {FIDELITY: "1"}
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are held."""
 
 
 def scene_parameters(scene: rope_model.Scene) -> RopeData:
-    """All parameters of a scene by FMI name."""
+    """Return the parameters of a scene by FMI name, with their units."""
     named = [*named_parameters(scene)]
     return RopeData({}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named})
 
@@ -150,10 +145,7 @@ def scene_parameters(scene: rope_model.Scene) -> RopeData:
 def rope_data(
     parameters: Mapping[str, Value], level: rope_model.Level = "standard", place: Place | None = None
 ) -> rope_model.Scene:
-    """The rope's data at a level, with parameters by FMI name as an FMU takes them: choices by their code.
-
-    `place` is where it hangs between conveyances whose centres are `layout.spacing` apart.
-    """
+    """Return the scene of a level with parameters by FMI name, choices by code; `place` adds to the ends' spacing."""
     scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
     if place is None:
         return scene

@@ -26,7 +26,7 @@ class Access(Structure):
 
 
 def access(standard: str, function: Any, rope: int, numbers: Any, values: NDArray[Any]) -> Access:
-    """Access to what has these numbers in C by an array (rows, values)."""
+    """Return the access to variables with these numbers in C, by an array (rows, values)."""
     shape = len(numbers), values.shape[1], values.strides[0], values.ctypes.data
     code = STANDARDS.index(standard)
     made = Access(code, values.dtype == TEXT, cast(function, c_void_p), rope, addressof(numbers), *shape)
@@ -35,13 +35,13 @@ def access(standard: str, function: Any, rope: int, numbers: Any, values: NDArra
 
 
 def codes_of(fidelities: NDArray[Any]) -> NDArray[np.float64]:
-    """Codes of fidelities that are kept as TEXT."""
+    """Return the codes of fidelities that are stored as TEXT, of the same shape."""
     codes = {name: code_of(name.decode()) for name in set(fidelities.ravel().tolist())}
     return np.array([codes[name] for name in fidelities.ravel().tolist()]).reshape(fidelities.shape)
 
 
-class Table(NamedTuple):
-    """Outputs in several rows."""
+class OutputTable(NamedTuple):
+    """Outputs in several rows, and the accesses by which C fills them."""
 
     accesses: Sequence[Access]
     read: Callable[[int], NDArray[np.float64]]  # the first rows, (rows, outputs)
@@ -49,15 +49,15 @@ class Table(NamedTuple):
 
 @dataclass(frozen=True)
 class RopeLibrary:
-    """A rope for trip.c."""
+    """Functions of a rope that trip.c calls."""
 
     step: Access  # the function alone
-    motions: Access  # of the ends, to be given
-    table: Callable[[Sequence[str], int], Table]  # of outputs, with this many rows
-    status: Callable[[str, int], Status]  # of a step that has failed in one of CALLS, which has returned this
+    motions: Access  # motions of the ends, to be set
+    table: Callable[[Sequence[str], int], OutputTable]  # makes a table of outputs with this many rows
+    status: Callable[[str, int], Status]  # status of a step whose call, one of CALLS, has returned this
     valid: Access | None = None
     warning: Any = None  # rope_warning, where somebody must ask
-    told: Any = None  # for each of the warnings whether it was heard
+    warned: Any = None  # a flag for each of the warnings, whether it was heard
     text: Any = None  # room for one
     heard: Callable[[], object] = lambda: None  # hears those that are new, and that C has gone on
 

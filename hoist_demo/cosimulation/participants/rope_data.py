@@ -5,27 +5,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import get_args
 
+from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level, Scene, at_level
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
 
-#: Parameters of a level of accuracy: their numbers, and these choices.
-_LEVEL, _CHOICES = ("mesh.", "solver.", "model."), ("mesh.kind", "model.fidelity")
-
+_LEVEL_GROUPS = ("mesh.", "solver.", "model.")  #: Groups of the numbers that a level of accuracy sets.
+_LEVEL_CHOICES = ("mesh.kind", "model.fidelity")  #: Choices that a level of accuracy sets.
 _FREE = "solver.kernels"  #: What may differ when a run goes on.
-
 _TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURVATURES))
 
 
 def stamp(state: bytes, parameters: Mapping[str, Value]) -> bytes:
-    """A rope's state behind a line with the parameters that it belongs to."""
+    """Prepend a line with the parameters that a rope's state belongs to."""
     return json.dumps(dict(parameters), sort_keys=True).encode() + b"\n" + state
 
 
 def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
-    """The state that `stamp` was given; ValueError where it belongs to other parameters."""
+    """Return the state that `stamp` was given; ValueError if it belongs to other parameters."""
     stamp, _, state = data.partition(b"\n")
     try:
         there = json.loads(stamp)
@@ -46,13 +45,13 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
 class RopeData:
     """One rope of a run; parameters by FMI name."""
 
-    model: Mapping[str, str]  # what it is and where it comes from
+    model: Mapping[str, str]  # kind and origin
     parameters: Mapping[str, Value]
-    units: Mapping[str, str]  # as FMI spells them, "1" for a pure number
+    units: Mapping[str, str]  # FMI's spelling, "1" for a pure number
     fidelity_reason: str = ""  # why the fidelity runs that runs
-    name: str = ""  # of one of several; its signals begin with it
+    name: str = ""  # prefix of its signals where there are several ropes
     place: Place = field(default_factory=Place)
-    breaks: tuple[float, float] | None = None  # when, s, and where, m along the rope from its left end
+    breaks: tuple[float, float] | None = None  # time [s] and place of its break [m], along the rope from its left end
 
     @property
     def prefix(self) -> str:
@@ -72,10 +71,10 @@ class RopeData:
     def locked(self) -> tuple[str, ...]:
         """List the ends whose swivel is locked."""
         locked = choices_of("swivel.mode").index("locked")
-        return tuple(end for end in ("left", "right") if self.parameters.get(f"{end}.swivel.mode") == locked)
+        return tuple(end for end in SIDES if self.parameters.get(f"{end}.swivel.mode") == locked)
 
     def display(self, name: str) -> Value:
-        """A parameter's value, a code with its word."""
+        """Return a parameter's value, a code with its word."""
         value, words = self.parameters[name], choices_of(name)
         return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
 
@@ -83,8 +82,8 @@ class RopeData:
     def level(self) -> str:
         """Name of the level whose mesh, solver and model these are, "" for none."""
         for level in get_args(Level):
-            numbers = [p for p in named_parameters(at_level(Scene(), level)) if p.name.startswith(_LEVEL)]
-            wanted = {p.name: p.value for p in numbers if isinstance(p.value, float) or p.name in _CHOICES}
+            numbers = [p for p in named_parameters(at_level(Scene(), level)) if p.name.startswith(_LEVEL_GROUPS)]
+            wanted = {p.name: p.value for p in numbers if isinstance(p.value, float) or p.name in _LEVEL_CHOICES}
             if all(self.parameters.get(name) == value for name, value in wanted.items()):
                 return str(level)
         return ""

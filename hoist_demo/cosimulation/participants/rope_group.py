@@ -36,7 +36,7 @@ class WholeRope(RopePlant, Protocol):
 
     @property
     def whole(self) -> BalanceRope | None:
-        """The rope; None once it is broken."""
+        """Rope before it breaks, else None."""
 
     def data(self) -> RopeData:
         """Identity of the rope for the reports."""
@@ -44,7 +44,7 @@ class WholeRope(RopePlant, Protocol):
 
 @dataclass(frozen=True)
 class Member:
-    """One rope of a group."""
+    """One rope of a group, with its name and place."""
 
     name: str
     rope: RopePlant
@@ -60,9 +60,9 @@ class RopeGroup:
         if not names or len({*names}) < len(names):
             raise ValueError(f"the ropes' names {', '.join(names)} must be different: name each rope")
         self.members, self.neighbours = tuple(members), neighbours
-        self._last: _Ends = EndMotion(), EndMotion()  # of the conveyances
-        self._placed = list[_Ends]()  # where the ropes' ends are
-        self._means: list[NDArray[np.float64] | None] = [None] * len(names)  # of ropes whose step was halved
+        self._last: _Ends = EndMotion(), EndMotion()  # motions of the conveyances
+        self._placed = list[_Ends]()  # motions of the ropes' ends
+        self._means: list[NDArray[np.float64] | None] = [None] * len(names)  # mean forces of a halved step
         self._read_means = [] if neighbours is None else [member.rope.reader(MEANS) for member in members]
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
@@ -87,9 +87,9 @@ class RopeGroup:
         return self._all([turn.status for turn in turns])
 
     def reader(self, names: Sequence[str]) -> Reader:
-        asked = set(names)
-        plain = [name for name in _PLAIN if name in asked]
-        summed = [*_ACTIONS, *plain] if asked.intersection(SUMS) else []
+        name_set = set(names)
+        plain = [name for name in _PLAIN if name in name_set]
+        summed = [*_ACTIONS, *plain] if name_set.intersection(SUMS) else []
         own = [[n.removeprefix(f"{m.name}.") for n in names if n.startswith(f"{m.name}.")] for m in self.members]
         readers = [m.rope.reader([*summed, *part]) for m, part in zip(self.members, own, strict=True)]
         contact = [*self._contact()]
@@ -117,17 +117,17 @@ class RopeGroup:
         return units | {f"{m.name}.{name}": unit for m in self.members for name, unit in m.rope.units().items()}
 
     def save(self) -> Any:
-        """All ropes' snapshots; None where one of them cannot."""
-        kept = [m.rope.save() for m in self.members]
+        """Return the snapshots of all ropes; None if one of them cannot save."""
+        snapshots = [m.rope.save() for m in self.members]
         contacts = None if self.neighbours is None else self.neighbours.contacts
         own = self._last, self._placed, self._means, contacts
-        return None if any(one is None for one in kept) else (kept, own)
+        return None if any(one is None for one in snapshots) else (snapshots, own)
 
     def restore(self, snapshot: Any) -> None:
-        kept, (self._last, self._placed, self._means, contacts) = snapshot
+        snapshots, (self._last, self._placed, self._means, contacts) = snapshot
         if self.neighbours is not None:
             self.neighbours.contacts = contacts
-        for member, one in zip(self.members, kept, strict=True):
+        for member, one in zip(self.members, snapshots, strict=True):
             member.rope.restore(one)
 
     def to_bytes(self, snapshot: Any) -> bytes:
@@ -141,12 +141,12 @@ class RopeGroup:
             member.rope.close()
 
     def accounts(self) -> dict[tuple[str, str], Account]:
-        """Accounts of each two ropes that may press each other."""
-        found = {} if self.neighbours is None else self.neighbours.contacts.accounts
-        return {(self.members[i].name, self.members[j].name): account for (i, j), account in found.items()}
+        """Contact accounts of each two ropes that may press each other, by their names."""
+        by_place = {} if self.neighbours is None else self.neighbours.contacts.accounts
+        return {(self.members[i].name, self.members[j].name): account for (i, j), account in by_place.items()}
 
     def _contact(self) -> dict[str, float]:
-        """Signals of all that press each other."""
+        """Return the signals of contact between the ropes; none if they pass each other."""
         if self.neighbours is None:
             return {}
         accounts = self.accounts()
@@ -173,7 +173,7 @@ class RopeGroup:
         )
 
     def _all(self, statuses: Sequence[Status]) -> Status:
-        """Valid when all are."""
+        """Return one status for all ropes, valid if all are."""
         failed = [(m.name, s) for m, s in zip(self.members, statuses, strict=True) if not s.valid]
         return Status(not failed, "; ".join(f"{name}: {status.message}" for name, status in failed))
 
@@ -184,24 +184,25 @@ class Turn:
     def __init__(self, rope: RopePlant, read: Reader, t: float, h: float, before: _Ends, after: _Ends) -> None:
         self.status, self.parts, self._impulse = Status(True), 0, np.zeros(len(MEANS))
         self._rope, self._read, self._t, self._h, self._before, self._after = rope, read, t, h, before, after
-        self._part, self._kept = (t, h), None
+        self._part = (t, h)
+        self._kept = None
 
     @property
     def rope(self) -> BalanceRope | None:
-        """The rope; None once it is broken."""
+        """Rope before it breaks, else None."""
         return _whole(self._rope)
 
     @property
     def means(self) -> NDArray[np.float64]:
-        """MEANS of the whole step [N]."""
+        """MEANS over the whole step [N], (2,)."""
         return self._impulse / self._h
 
     def begin(self, t: float, h: float) -> None:
-        """The next part is that to t + h [s]."""
+        """Save the rope's state and set the next part of the step, to t + h [s]."""
         self._kept, self._part = self._rope.save(), (t, h)
 
     def go(self) -> bool:
-        """Take it."""
+        """Advance the rope over the part; return True if it succeeds."""
         t, h = self._part
         done = t + h - self._t
         left, right = (
@@ -212,11 +213,11 @@ class Turn:
         return self.status.valid
 
     def back(self) -> None:
-        """Back to where it begins."""
+        """Restore the state in which the part begins."""
         self._rope.restore(self._kept)
 
     def accept(self) -> None:
-        """Accept the step."""
+        """Count the part, and add its impulse to the step's."""
         self.parts += 1
         self._impulse += self._part[1] * self._read()
 
@@ -227,18 +228,18 @@ def _whole(rope: RopePlant) -> BalanceRope | None:
 
 
 def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, h: float) -> EndMotion:
-    """The motion of a point of a conveyance, from its own nominal place."""
+    """Return the motion of a conveyance's point at this place, from its own nominal position."""
     if place == (0.0, 0.0) or (conveyance.yaw == 0.0 and conveyance.yaw_rate == 0.0 and rate_before == 0.0):
         return conveyance
-    rate, c = conveyance.yaw_rate, conveyance
-    growth = (rate - rate_before) / h if h > 0.0 else 0.0
-    moved = motion_at(place, [getattr(c, name) for name in MOVED], c.yaw, rate, growth)
+    yaw_rate, c = conveyance.yaw_rate, conveyance
+    yaw_acceleration = (yaw_rate - rate_before) / h if h > 0.0 else 0.0
+    moved = motion_at(place, [getattr(c, name) for name in MOVED], c.yaw, yaw_rate, yaw_acceleration)
     return replace(c, **dict(zip(MOVED, moved, strict=True)))
 
 
 def _moments(values: NDArray[np.float64], place: Place, conveyances: _Ends) -> NDArray[np.float64]:
     """Return the moments of a rope's forces about the centres, in the order of _ACTIONS."""
-    found = np.zeros((len(ENDS), 6))
+    moments = np.zeros((len(ENDS), 6))
     for k, end in enumerate(ENDS):
-        found[k, 3:] = moment_at(place.at(end), conveyances[k].yaw, values[6 * k : 6 * k + 3].tolist())
-    return found.ravel()
+        moments[k, 3:] = moment_at(place.at(end), conveyances[k].yaw, values[6 * k : 6 * k + 3].tolist())
+    return moments.ravel()

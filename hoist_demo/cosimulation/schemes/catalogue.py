@@ -18,7 +18,7 @@ SCHEMES: dict[str, Scheme] = {
 
 
 def find_scheme(name: str) -> Scheme:
-    """The scheme of this name; ValueError with all names when there is none."""
+    """Return the scheme of this name; a ValueError lists all names."""
     if name not in SCHEMES:
         raise ValueError(f"scheme = '{name}' must be one of {', '.join(SCHEMES)}: choose one")
     return SCHEMES[name]

@@ -1,8 +1,8 @@
 """Step-size control by the power bond: what one partner gives and the other does not get.
 
-In each step the drive gets the work of its load, the rope gives its mean force times the way. Their difference over
-the step's length, a power, is kept below a bound: a step with more is taken back and repeated shorter, and the next
-step follows from what the last one had. Source: S. Sadjina, L. T. Kyllingstad, S. Skjong and E. Pedersen, Energy
+In each step the drive gets the work of its load, the rope gives its mean force times the distance. Their difference
+over the step's length, a power, is kept below a bound: a step with more is taken back and repeated shorter, and the
+next step follows from what the last one had. Source: S. Sadjina, L. T. Kyllingstad, S. Skjong and E. Pedersen, Energy
 conservation and power bonds in co-simulations, Engineering with Computers 33 (2017), with rollback added.
 """
 
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 from hoist_demo.cosimulation.schemes.interface import Advance, Memory, Pair, Scheme
 
-SAFETY, LARGEST_CHANGE = 0.8, 2.0
+SAFETY = 0.8  #: Factor on the step that the power allows.
+LARGEST_CHANGE = 2.0  #: Largest factor from one step to the next.
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class EnergyControlled:
     inner: Scheme
     bound: float = 20.0  # W
     smallest: float = 1e-4  # s
-    order: int = 2  # in h, of the power that `inner` makes up
+    order: int = 2  # order in h of the power that `inner` makes up
     needs_rollback: bool = True
 
     @property
@@ -34,7 +35,8 @@ class EnergyControlled:
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         """Steps of the scheme's own, the last of which ends at t + h."""
-        done, wanted = 0.0, memory.step_next or h
+        done = 0.0
+        wanted = memory.step_next or h
         while done < h:
             parts = max(math.ceil((h - done) / wanted - 1e-9), 1)
             step = (h - done) / parts

@@ -116,7 +116,7 @@ class ImpulsePreserving:
     the other one step late, and complete.
     """
 
-    weights: tuple[float, ...] = (0.5, 0.5)  # of the forces at both ends of the last step
+    weights: tuple[float, ...] = (0.5, 0.5)  # weights of the forces at both ends of the last step
     needs_rollback: bool = False
     needs_added_mass: bool = False
 

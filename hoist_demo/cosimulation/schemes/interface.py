@@ -17,13 +17,11 @@ from numpy.typing import NDArray
 from rope_model import EndMotion, Status
 
 Vector = NDArray[np.float64]
-
 ENDS = ("left", "right")
 #: The rope's signals: forces now, and their means over the last step; without them no loop can run.
 ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)
 ADDED_MASSES = tuple(f"{end}.added_mass" for end in ENDS)
-
-KEPT = 3  #: Samples that are remembered: enough for a quadratic extrapolation.
+HISTORY = 3  #: Samples that are remembered: enough for a quadratic extrapolation.
 
 
 class InterfaceMotion(NamedTuple):
@@ -44,13 +42,13 @@ class Load(NamedTuple):
 
     @staticmethod
     def constant(force: Vector) -> Load:
-        """Return a load with this force throughout."""
+        """Return a load with this force (n,) throughout."""
         zero = np.zeros(force.shape)
         return Load(force, zero, zero, zero)
 
     @staticmethod
     def through(start: Vector, mean: Vector, end: Vector) -> Load:
-        """The parabola with these forces at both ends and this mean."""
+        """Return the parabola with these forces at both ends and this mean."""
         bend = 3.0 * (start + end) - 6.0 * mean
         return Load(start, end - start - bend, bend, np.zeros(start.shape))
 
@@ -65,21 +63,21 @@ class Sample(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """All that a scheme remembers; saving it with the partners' states is enough to go on."""
+    """Memory of a scheme; saving it with the partners' states is enough to go on."""
 
-    samples: tuple[Sample, ...]  # the last KEPT, oldest first
+    samples: tuple[Sample, ...]  # the last HISTORY, oldest first
     step_next: float = 0.0  # s, that the energy control would like; 0: not chosen yet
     exchanges: int = 0  # steps of the rope, those taken back included
-    taken_back: int = 0  # of them
+    taken_back: int = 0  # exchanges that were taken back
     residual: float = 0.0  # J, work that one partner gave and the other did not get, since the start
 
     @property
     def last(self) -> Sample:
-        """The latest sample."""
+        """Sample at the latest communication point."""
         return self.samples[-1]
 
     def with_taken_back(self, count: int = 1) -> Memory:
-        """Exchanges that were done and undone."""
+        """Return the memory with ``count`` more exchanges that were done and undone."""
         return self._replace(exchanges=self.exchanges + count, taken_back=self.taken_back + count)
 
 
@@ -91,7 +89,7 @@ class Advance(NamedTuple):
 
 
 class DrivePartner(Protocol):
-    """Takes forces, gives motions."""
+    """Partner that takes forces and gives motions."""
 
     def step(self, t: float, h: float, load: Load) -> str:
         """Advance from t to t + h [s]; "" or the cause why not."""
@@ -105,17 +103,17 @@ class DrivePartner(Protocol):
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
         """Motion of the rope's ends: that of the interface, and of everything else now."""
 
-    def mobility(self) -> Vector:
-        """Change of the accelerations per force, (n, n) [1/kg]."""
+    def accelerance(self) -> Vector:
+        """Return the change of the accelerations per force, (n, n) [1/kg]."""
 
     def work(self) -> float:
         """Work that the loads have done on the drive so far [J]."""
 
     def save(self) -> Any:
-        """Return the present state."""
+        """Return a snapshot of the present state."""
 
     def restore(self, snapshot: Any) -> None:
-        """Go back to a saved state."""
+        """Restore a snapshot of `save`."""
 
 
 Reader = Callable[[], Vector]
@@ -137,22 +135,22 @@ class RopePlant(Protocol):
         """FMI unit of each signal of which a run makes a record, "1" or "" where it has none."""
 
     def reader(self, names: Sequence[str]) -> Reader:
-        """A function that reads these outputs now, also those without a record, NaN for what the rope has not got.
+        """Return a function that reads these outputs now, also those without a record; NaN for those the rope lacks.
 
         Booleans are 0 and 1. It may be made before the rope hangs; its array is the caller's.
         """
 
     def save(self) -> Any:
-        """The complete state as a snapshot in memory, None where the rope cannot."""
+        """Return the complete state as a snapshot in memory, None if the rope cannot."""
 
     def restore(self, snapshot: Any) -> None:
-        """Go back to a snapshot: whatever comes next is the same to the bit."""
+        """Restore a snapshot: whatever comes next is the same to the bit."""
 
     def to_bytes(self, snapshot: Any) -> bytes:
-        """A snapshot for a file."""
+        """Serialize a snapshot for a file."""
 
     def from_bytes(self, data: bytes) -> Any:
-        """The snapshot that `to_bytes` wrote, also that of another instance; ValueError when it does not fit."""
+        """Deserialize what `to_bytes` wrote, also of another instance; ValueError if it does not fit."""
 
     def close(self) -> None:
         """Free what the rope holds; may be called more than once."""
@@ -173,7 +171,7 @@ class Stopwatch:
 
 
 class Pair:
-    """The two partners of a co-simulation: a scheme steps and asks the rope here, and the drive itself."""
+    """Two partners of a co-simulation: a scheme steps and asks the rope here, and the drive itself."""
 
     def __init__(self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None) -> None:
         """`rope` hangs; `clock` counts the time that it takes."""
@@ -195,16 +193,16 @@ class Pair:
         return f"rope, step from t = {t:.6g} s: {forces}" if isinstance(forces, str) else ""
 
     def step(self, t: float, h: float, load: Load) -> str:
-        """Both over one step: the rope follows the motion that the drive makes under the load."""
+        """Advance both over one step: the rope follows the motion that the drive makes under the load."""
         return self.step_drive(t, h, load) or self.step_rope(t, h, self.drive.motion(load, 1.0))
 
     def step_drive(self, t: float, h: float, load: Load) -> str:
-        """The drive alone, from t to t + h [s]; "" or the cause why not."""
+        """Advance the drive alone from t to t + h [s]; "" or the cause why not."""
         self._before = self.drive.work(), self.drive.place()
         return self.drive.step(t, h, load)
 
     def forces(self) -> tuple[Vector, Vector]:
-        """Force of the rope on the drive now, and its mean over the last step, each (n,) [N]."""
+        """Return the rope's force on the drive now, and its mean over the last step, each (n,) [N]."""
         if self._forces is None:
             self._forces = self._read()
         return self._forces[: len(ENDS)], self._forces[len(ENDS) :]
@@ -226,35 +224,34 @@ class Pair:
             return self.drive.save(), self.rope.save()
 
     def restore(self, snapshot: tuple[Any, Any]) -> None:
-        """Go back to saved states."""
+        """Restore the states of drive and rope."""
         self.drive.restore(snapshot[0])
         self.restore_rope(snapshot[1])
 
     def restore_rope(self, snapshot: Any) -> None:
-        """Go back to a saved state of the rope alone."""
+        """Restore a saved state of the rope alone."""
         with self._clock:
             self.rope.restore(snapshot)
             self._forces = None
 
     def start(self, t: float) -> Memory:
-        """Memory of a scheme that begins now; before t everything is taken to have been at rest."""
+        """Return the memory of a scheme that begins at t [s]; before it everything counts as at rest."""
         force, mean = self.forces()
         return Memory((Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration),))
 
     def exchanged(self, memory: Memory, t: float, load: Load) -> Memory:
         """Memory with the step that has ended at t, where the load acts, and with the energy that it made up.
 
-        That is the work that the drive got, less the rope's mean force times the way: its work to the third order in h.
+        That is the drive's work less the rope's mean force times the distance: its work to the third order in h.
         """
         (force, mean), (work, place) = self.forces(), self._before
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
         made = self.drive.work() - work - float((mean * (self.drive.place() - place)).sum())
-        return memory._replace(
-            samples=(*memory.samples, sample)[-KEPT:], exchanges=memory.exchanges + 1, residual=memory.residual + made
-        )
+        samples = (*memory.samples, sample)[-HISTORY:]
+        return memory._replace(samples=samples, exchanges=memory.exchanges + 1, residual=memory.residual + made)
 
     def exchange(self, memory: Memory, t: float, h: float, load: Load) -> Advance:
-        """The step done under a load, drive first."""
+        """Do the step under a load, drive first, and return the new memory."""
         if cause := self.step(t, h, load):
             return Advance(memory, cause)
         return Advance(self.exchanged(memory, t + h, load))
@@ -272,7 +269,7 @@ def answer(status: Status, read: Reader) -> Vector | str:
 
 
 class Scheme(Protocol):
-    """A way to exchange."""
+    """Method of exchanging forces and motions over a communication step."""
 
     @property
     def weights(self) -> tuple[float, ...]:

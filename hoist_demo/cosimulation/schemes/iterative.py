@@ -2,7 +2,7 @@
 
 Over the step the drive's load is the parabola through the rope's force at its start, its mean and its force at its
 end: unknown are x = (mean, end). Or the mean is held: unknown is x = mean. With the rope's added mass m_a and the
-drive's mobility B = da/dF
+drive's accelerance B = da/dF
 
     d end / d mean = -m_a B ,   d mean / d mean = -3/4 m_a B ,
 
@@ -24,7 +24,6 @@ from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pai
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
-
 MOST_EXCHANGES = 30  #: Tries of one step, after which it fails.
 
 
@@ -109,7 +108,8 @@ class Iterative:
         return () if self.held else (1.0,)
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        before, force = pair.save(), memory.last.force
+        before = pair.save()
+        force = memory.last.force
         _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.held else 2, h)
         x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)
         accelerator = self._accelerator(pair)
@@ -137,7 +137,7 @@ class Iterative:
     def _accelerator(self, pair: Pair) -> Accelerator:
         if self.accelerator != "jacobian":
             return Aitken() if self.accelerator == "aitken" else Secant()
-        response: Vector = -pair.added_mass()[:, None] * pair.drive.mobility()
+        response: Vector = -pair.added_mass()[:, None] * pair.drive.accelerance()
         if self.held:
             return InterfaceJacobian(0.75 * response)
         none = np.zeros_like(response)

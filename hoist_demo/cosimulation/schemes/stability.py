@@ -21,10 +21,10 @@ from hoist_demo.cosimulation.schemes.explicit import SemiImplicit
 from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Pair, Scheme, Vector
 
 _log = logging.getLogger(__name__)
-
 MEMORY = 48  #: Steps for which the rope's answer is followed.
 PULSE = 0.05  #: Acceleration of the trial [m/s^2].
-STILL = 4, 1e-7  #: Steps without a pulse in which a rope's forces change by less than this part: it hangs still.
+STILL_STEPS = 4  #: Steps without a pulse after which a rope may be found to hang still.
+STILL_CHANGE = 1e-7  #: Largest relative change of its forces until then.
 MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope's damping beyond its memory decides.
 
 
@@ -32,31 +32,28 @@ MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope
 class StabilityEstimate:
     """Predicted stability of a scheme."""
 
-    growth: float  # of a disturbance, per communication step
+    growth_per_step: float  # factor of a disturbance in one communication step
     added_mass: float  # kg, of the rope's end over one step
     mass: float  # kg, that it acts on
 
     @property
     def stable(self) -> bool:
         """True if disturbances are expected to die out."""
-        return self.growth < MARGIN
+        return self.growth_per_step < MARGIN
 
     def warning(self, name: str, H: float) -> str:
         """Return the warning to the user; "" if all is well."""
         if self.stable:
             return ""
         return (
-            f"coupling {name} with H = {H:g} s: disturbances are expected to grow {self.growth:.3g} times per step "
-            f"(the rope's added mass {self.added_mass:.4g} kg, the conveyance's {self.mass:.4g} kg, and waves in the "
-            "rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
+            f"coupling {name} with H = {H:g} s: disturbances are expected to grow {self.growth_per_step:.3g} times per "
+            f"step (the rope's added mass {self.added_mass:.4g} kg, the conveyance's {self.mass:.4g} kg, and waves in "
+            "the rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
         )
 
 
 def predict_stability(scheme: Scheme, name: str, pair: Pair, t: float, H: float) -> StabilityEstimate | None:
-    """Predict the stability of the scheme by trial steps of the rope at rest, which are taken back.
-
-    None if it is unknown, ValueError if the rope lacks what the scheme needs.
-    """
+    """Predict the scheme's stability by trial steps of the rope at rest; None if unknown, ValueError if impossible."""
     if scheme.needs_added_mass:
         pair.added_mass()
     if pair.rope.save() is None:
@@ -71,8 +68,8 @@ def predict_stability(scheme: Scheme, name: str, pair: Pair, t: float, H: float)
         _log.info("the coupling's stability is not known: %s", cause)
         return None
     # the worst end and the smallest mass: either end of the rope may become the long leg in the course of a trip
-    mass = 1.0 / float(np.max(np.diag(pair.drive.mobility())))
-    worst = max((growth(scheme, end, mass) for end in answer.T), default=math.nan)
+    mass = 1.0 / float(np.max(np.diag(pair.drive.accelerance())))
+    worst = max((growth_per_step(scheme, end, mass) for end in answer.T), default=math.nan)
     seen = StabilityEstimate(worst, float(np.max(answer[0])), mass)
     if warning := seen.warning(name, H):
         _log.warning("%s", warning)
@@ -95,15 +92,16 @@ def measure_response(pair: Pair, t: float, H: float) -> tuple[Vector, str]:
 
 
 def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forces: Vector) -> str:
-    """Put into `forces` what a rope answers to a pulse; the cause where it fails."""
+    """Fill `forces` with the rope's answer to a pulse; return the cause of a failure, else ""."""
     snapshot = pair.rope.save()
     try:
         for k in range(MEMORY):
-            way = pulse * H * H * (k + 0.5)
-            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest + way, pulse * H, pulse * (k == 0))):
+            displacement = pulse * H * H * (k + 0.5)
+            acceleration = pulse if k == 0 else 0.0 * pulse
+            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest + displacement, pulse * H, acceleration)):
                 return cause
             forces[k] = pair.forces()[0]
-            if k == STILL[0] and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL[1], atol=0.0):
+            if k == STILL_STEPS and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL_CHANGE, atol=0.0):
                 forces[k:] = forces[k]
                 break
         return ""
@@ -111,7 +109,7 @@ def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forc
         pair.restore_rope(snapshot)
 
 
-def growth(scheme: Scheme, answer: Vector, mass: float) -> float:
+def growth_per_step(scheme: Scheme, answer: Vector, mass: float) -> float:
     """Largest root of the recursion for one end, `answer` (MEMORY,) in kg; 0 for schemes that use no past forces."""
     w = np.array(scheme.weights)
     if not w.size:

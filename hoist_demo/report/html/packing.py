@@ -13,7 +13,6 @@ import numpy as np
 from hoist_demo.recording.time_series import Array, Recording
 
 Packed = dict[str, str | float]
-
 CODES = {"u8": 254, "u16": 65534}  #: Largest integer that stands for a number, per kind; the next one is NaN.
 
 
@@ -41,25 +40,22 @@ def pack_to(values: Array, resolution: float) -> Packed:
 
 
 def thin(values: Array, most: int) -> Array:
-    """Thin to at most `most` values (1-D), peaks kept: each interval keeps its lowest and highest, in order.
-
-    Fewer values than `most` stay as they are.
-    """
+    """Thin to at most `most` values (1-D), the lowest and highest of each interval, in order; fewer stay."""
     if len(values) <= most:
         return values
     width = interval(len(values), most)
-    kept: list[float] = []
+    extremes: list[float] = []
     for start in range(0, len(values), width):
         part = values[start : start + width]
         if np.isnan(part).all():
-            kept += [math.nan, math.nan]
+            extremes += [math.nan, math.nan]
         else:
-            kept += [float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))]
-    return np.array(kept)
+            extremes += [float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))]
+    return np.array(extremes)
 
 
 def thin_times(times: Array, most: int) -> Array:
-    """Instants that belong to thin(): the first quarter and the third quarter of each interval."""
+    """Return the instants of thin(): the first quarter and the third quarter of each interval."""
     if len(times) <= most:
         return times
     width = interval(len(times), most)
@@ -70,12 +66,12 @@ def thin_times(times: Array, most: int) -> Array:
 
 
 def interval(count: int, most: int) -> int:
-    """Number of values that share a pair."""
+    """Return the number of values that share a pair."""
     return math.ceil(count / (most // 2))
 
 
 def frames(count: int, most: int) -> list[int]:
-    """Rows at even distances, at most `most`, the last one included."""
+    """Return rows at even distances, at most `most`, the last one included."""
     stride = max(1, math.ceil((count - 1) / max(1, most - 1)))
     rows = list(range(0, count, stride))
     return rows if not rows or rows[-1] == count - 1 else [*rows, count - 1]
@@ -88,16 +84,13 @@ MAPS = (
     ("tension", "Tension along the rope", "kN", 1e-3),
 )
 
-MOST_COLUMNS, ROPE_ROWS = 240, 160  #: Size of each picture.
-
+MOST_COLUMNS = 240  #: Most instants in a picture.
+ROPE_ROWS = 160  #: Places along the rope in a picture.
 MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
 
 
 def along(recording: Recording, name: str) -> dict[str, object]:
-    """Pictures of what was recorded along a rope whose curve is known, and a note of what was not.
-
-    `name` is that of one of several ropes.
-    """
+    """Return pictures of what was recorded along a rope, one `name` of several, and a note of what was not."""
     rows = frames(len(recording.time), MOST_COLUMNS)
     curves = [curve for row in rows if (curve := recording.shape_at(row)) is not None]
     # arc lengths of the points [m]
@@ -113,18 +106,15 @@ def along(recording: Recording, name: str) -> dict[str, object]:
             continue
         picture = factor * over_length(values[rows], places, length)
         titled = f"{title}, {name}" if name else title
-        kept = {"id": quantity, "title": titled, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
-        maps.append(kept | {"values": pack(picture, "u8")})
+        entry = {"id": quantity, "title": titled, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
+        maps.append(entry | {"values": pack(picture, "u8")})
     note = MISSING.format(" and ".join(missing)) if missing else ""
     size = {"length": length, "rows": ROPE_ROWS, "columns": len(rows), "span": recording.time[[0, -1]].tolist()}
     return {"maps": [one | size for one in maps], "note": note}
 
 
 def over_length(values: Array, places: list[Array], length: float) -> Array:
-    """The largest of the values (frames, n) in each of ROPE_ROWS equal parts of the length, (ROPE_ROWS, frames).
-
-    The largest, because the loop of a long rope is shorter than such a part. A frame without values has none.
-    """
+    """Return the largest value (frames, n) in each of ROPE_ROWS parts of the length; a loop may be within one part."""
     edges = np.linspace(0.0, length, ROPE_ROWS + 1)
     picture = np.full((ROPE_ROWS, len(values)), np.nan)
     for k, (column, place) in enumerate(zip(values, places, strict=True)):

@@ -17,22 +17,21 @@ from hoist_demo.parameters import ASSUMED_DATA
 from rope_model.texts import html_text
 
 LONG = 24  #: Characters from which a value may break anywhere, such as a hash.
-
 Row = tuple[str, ...]  #: Quantity, value and unit as texts, and perhaps what more is known of it.
 
 
 def asset(name: str) -> str:
-    """Text of a file of assets/."""
+    """Read a file of assets/."""
     return (files("hoist_demo.report.html") / "assets" / name).read_text(encoding="utf-8")
 
 
 def fill(template: str, **texts: str) -> str:
-    """A template of assets/ with HTML in its places."""
+    """Fill a template of assets/ with HTML."""
     return string.Template(asset(template)).substitute(texts)
 
 
-def render(kind: str, title: str, body: str, note: str = "", scripts: str = "") -> str:
-    """The page with its head; `kind` is the class that the style has rules for, `scripts` what `running` gives."""
+def render_page(kind: str, title: str, body: str, note: str = "", scripts: str = "") -> str:
+    """Return a page with its head; `kind` is its CSS class, `scripts` what `running` gives."""
     return fill(
         "page.html",
         kind=kind,
@@ -47,21 +46,21 @@ def render(kind: str, title: str, body: str, note: str = "", scripts: str = "") 
 
 
 def running(files: Sequence[str], data: Mapping[str, object]) -> str:
-    """The scripts of a page, and what they read."""
+    """Return the script elements of a page: the data as JSON, and the code that reads them."""
     code = "\n".join(asset(name) for name in ("common.js", *files))
     text = json.dumps(_finite(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     inside = text.replace("<", "\\u003c")  # it may stand in a script element
     return f'<script type="application/json" id="data">{inside}</script>\n<script>\n"use strict";\n{code}\n</script>'
 
 
-def write(path: Path, text: str) -> Path:
+def write_html(path: Path, text: str) -> Path:
     """Write a page; the same text gives the same bytes on every system."""
     path.write_text(text, encoding="utf-8", errors="replace", newline="\n")
     return path
 
 
-def table(title: str, rows: Sequence[Row]) -> str:
-    """A titled table of quantity, value, unit and what more is known; nothing without rows."""
+def titled_table(title: str, rows: Sequence[Row]) -> str:
+    """Return a titled table of quantity, value, unit and more columns; "" without rows."""
     lines = [
         f'<tr><td>{html_text(quantity)}</td><td class="{_value(value)}">{html_text(value)}</td>'
         + "".join(f'<td class="unit">{html_text(text)}</td>' for text in more)
@@ -76,13 +75,13 @@ def _value(text: str) -> str:
 
 
 def number(value: float, digits: int = 5) -> str:
-    """Significant digits for people, without an exponent where ten places do."""
+    """Format a number for people, without an exponent where ten places do."""
     text = f"{value:.{digits}g}"
     return f"{float(text):.10g}" if "e+" in text else text
 
 
 def engineering(largest: float, unit: str) -> tuple[float, str]:
-    """Factor to a unit in which a quantity of this magnitude has few digits, and that unit: 9.96e7 J are 99.6 MJ."""
+    """Return the factor to a unit in which this magnitude has few digits, and that unit: 9.96e7 J are 99.6 MJ."""
     steps = _PREFIXES if re.split(r"[.\s/]", unit)[0] in ("J", "N", "W", "Pa") else ()
     return next(((1.0 / size, prefix + unit) for size, prefix in steps if largest >= 10.0 * size), (1.0, unit))
 
@@ -91,13 +90,13 @@ _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 
 
 def unit_text(unit: str) -> str:
-    """A unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
+    """Format a unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
     text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
     return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
 
 
 def _finite(data: object) -> object:
-    """NaN and infinities as null, which JSON has no other word for."""
+    """Replace NaN and infinities by None, which JSON writes as null."""
     if isinstance(data, float):
         return data if math.isfinite(data) else None
     if isinstance(data, Mapping):
@@ -107,23 +106,25 @@ def _finite(data: object) -> object:
     return data
 
 
-#: Of a picture: its width, a row's height, where the axis begins, and its length, in pixels.
-WIDTH, ROW, LABEL, AXIS = 760, 26, 290, 440
+WIDTH = 760  #: Width of a picture of bars in pixels.
+ROW = 26  #: Height of a row in pixels.
+LABEL = 290  #: Width of the labels left of the axis in pixels.
+AXIS = 440  #: Length of the axis in pixels.
 
 
 @dataclass(frozen=True)
 class Bar:
-    """A row: what is drawn from `low` to `high`, with a dot `at`, as parts of the axis; texts beside it."""
+    """Row of `bars`: a line from `low` to `high` with a dot `at`, as parts of the axis."""
 
     label: str
     low: float
     high: float
     at: float
-    told: bool = True  # drawn full rather than faint
+    solid: bool = True  # else faint
 
 
 def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) -> str:
-    """Bars over a common axis from 0 to 1, as SVG; `ticks` are places on the axis with their texts."""
+    """Draw rows over a common axis from 0 to 1, as SVG; `ticks` are places on it with their texts."""
     height = ROW * (len(rows) + 1)
     parts = [
         f'<line class="grid" x1="{_x(place):.1f}" x2="{_x(place):.1f}" y1="0" y2="{height - ROW}"/>'
@@ -131,12 +132,13 @@ def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) ->
         for place, text in ticks
     ]
     for k, row in enumerate(rows):
-        y, colour = ROW * (k + 0.5), "var(--left)" if row.told else "var(--soft)"
+        y = ROW * (k + 0.5)
+        colour = "var(--left)" if row.solid else "var(--soft)"
         low, high, at = (_x(min(max(x, 0.0), 1.0)) for x in (row.low, row.high, row.at))
         parts.append(
             f'<text x="{LABEL - 10}" y="{y + 4:.1f}" text-anchor="end" font-size="13">{html_text(row.label)}</text>'
             f'<line x1="{low:.1f}" x2="{high:.1f}" y1="{y:.1f}" y2="{y:.1f}" stroke="{colour}" stroke-width="6" '
-            f'stroke-opacity="{0.55 if row.told else 0.25}"/>'
+            f'stroke-opacity="{0.55 if row.solid else 0.25}"/>'
             f'<circle cx="{at:.1f}" cy="{y:.1f}" r="4.5" fill="{colour}"/>'
         )
     return (
@@ -145,21 +147,21 @@ def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) ->
     )
 
 
-def grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table."""
+def plain_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return an HTML table with a head row."""
     cells = "".join(f"<tr>{''.join(f'<td>{html_text(cell)}</td>' for cell in row)}</tr>" for row in rows)
     return f"<table><tr>{''.join(f'<th>{html_text(name)}</th>' for name in head)}</tr>{cells}</table>"
 
 
 def paragraphs(texts: Sequence[str]) -> str:
-    """Each text by itself."""
+    """Return a paragraph for each text."""
     return "".join(f"<p>{html_text(text)}</p>" for text in texts)
 
 
 def write_sheet(path: Path, title: str, parts: Sequence[tuple[str, str]]) -> Path:
-    """The page of headings and what stands under them, as HTML; one without a heading stands first."""
+    """Write a page of headings with HTML under them; a part without a heading stands first."""
     body = "\n".join((f"<h2>{html_text(heading)}</h2>\n" if heading else "") + part for heading, part in parts)
-    return write(path, render("study", title, f'<main class="sheet">\n{body}\n</main>'))
+    return write_html(path, render_page("study", title, f'<main class="sheet">\n{body}\n</main>'))
 
 
 def _x(place: float) -> float:

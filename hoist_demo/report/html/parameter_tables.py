@@ -8,16 +8,15 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.report.html.page import Row, number, unit_text
 
 _NO_UNIT = "-"
-
-Table = tuple[str, list[Row]]  #: Title and rows.
-
-
-def tables(data: Mapping[str, object], statuses: Mapping[str, str]) -> list[Table]:
-    """A table for each dataclass; its title is that of the section to which its parameters belong."""
-    return [(title, rows(part, f"{title.lower()}.", statuses)) for title, part in data.items()]
+TitledRows = tuple[str, list[Row]]  #: Title and rows.
 
 
-def rope_tables(rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str, str]) -> list[Table]:
+def parameter_tables(data: Mapping[str, object], statuses: Mapping[str, str]) -> list[TitledRows]:
+    """Return a table for each dataclass, under the section's title."""
+    return [(title, parameter_rows(part, f"{title.lower()}.", statuses)) for title, part in data.items()]
+
+
+def rope_tables(rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str, str]) -> list[TitledRows]:
     """Return tables of the balance rope's source, of the fidelity computed, and of all its parameters."""
     ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
@@ -28,31 +27,31 @@ def rope_tables(rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
     parameters: list[Row] = [
-        (name, word(rope.display(name)), unit_text(unit), statuses.get(f"{rope.prefix}{name}", ""))
+        (name, word(rope.display(name)), unit_text(rope.units.get(name, "")), statuses.get(f"{rope.prefix}{name}", ""))
         for name in rope.parameters
-        for unit in (rope.units.get(name, ""),)
     ]
     return [(rope.whose("Balance rope"), head), (rope.whose("Parameters of the balance rope"), parameters)]
 
 
 def word(value: object) -> str:
-    """Return a value for people."""
+    """Format a value for people."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     return number(value) if isinstance(value, int | float) else str(value)
 
 
-def rows(data: Any, section: str, statuses: Mapping[str, str]) -> list[Row]:
-    """One row per number, flag or word of a dataclass, those of dataclasses within it included."""
-    found: list[Row] = []
+def parameter_rows(data: Any, section: str, statuses: Mapping[str, str]) -> list[Row]:
+    """Return one row per number, flag or word of a dataclass, those of dataclasses within it included."""
+    listed: list[Row] = []
     for field in fields(data):
         value = getattr(data, field.name)
         unit, meaning = (field.metadata.get(key, "") for key in ("unit", "description"))
         key = f"{section}{field.name}"
-        name, status = key + (f", {meaning}" if meaning else ""), statuses.get(key, "")
+        name = key + (f", {meaning}" if meaning else "")
+        status = statuses.get(key, "")
         if is_dataclass(value):
-            found += rows(value, f"{key}.", statuses)
+            listed += parameter_rows(value, f"{key}.", statuses)
         elif value is None or isinstance(value, str | int | float):
             shown = unit_text(unit) if isinstance(value, int | float) and unit != _NO_UNIT else ""
-            found.append((name, word("none" if value in (None, "") else value), shown, status))
-    return found
+            listed.append((name, word("none" if value in (None, "") else value), shown, status))
+    return listed

@@ -8,73 +8,70 @@ import numpy as np
 
 from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
 from hoist_demo.cosimulation.run_state import Result
-from hoist_demo.parameters import Hoist
+from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.incidents import guard_trip
-from hoist_demo.recording.passages import FAR
-from hoist_demo.recording.ropes import of_rope
+from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import TIME, Array, Recording, is_along
 from hoist_demo.report import panels
 from hoist_demo.report.html import packing, page, parameter_tables
 from hoist_demo.report.html.packing import along
-from hoist_demo.report.rows import CHANGED, Report
+from hoist_demo.report.rows import CHANGED, Report, rows_by_group
 from hoist_demo.report.verdict import COLUMNS, Verdict
+from rope_model import FAR
 from rope_model.texts import html_text
 
 MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
-
 MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
-
 SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
 
 
 def run_report(
     result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (UNKNOWN,)
 ) -> Path:
-    """Write the report of a run to `path`: verdict, pictures, and the rest.
-
-    `ropes` have the shaft that is drawn. Same run, same bytes but the clock's.
-    """
+    """Write the report of a run, the same bytes but the clock's; the shaft drawn is that of the first of `ropes`."""
     numbers = "".join(
-        page.table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in found])
-        for group in dict.fromkeys(row.group for row in report.rows)
-        for found in ([row for row in report.rows if row.group == group],)
+        page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows])
+        for group, rows in rows_by_group(report.rows).items()
     )
-    body = page.fill("run.html", numbers=numbers, given="".join(page.table(*table) for table in report.given))
+    body = page.fill("run.html", numbers=numbers, given="".join(page.titled_table(*table) for table in report.given))
     data = _data(result, hoist, ropes)
     data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
-    return page.write(path, page.render("run", report.title, body, _verdict(report.verdict, report.changed), scripts))
+    note = _verdict(report.verdict, report.changed)
+    return page.write_html(path, page.render_page("run", report.title, body, note, scripts))
 
 
 _NO = '<td class="tripped">NO</td>'
 
 
-def _verdict(verdict: Verdict, changed: parameter_tables.Table) -> str:
+def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     kind = "note good" if verdict.good else "note stopped"
     parts = [f'<p class="{kind}"><strong>{html_text(verdict.words)}</strong></p>']
     if verdict.rows:
-        rows = page.grid(COLUMNS, [row.cells for row in verdict.rows])
+        rows = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
         parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
     parts += [f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>' for text in verdict.remarks]
     if changed[1]:
         parts.append(
-            f"<details open><summary>{html_text(changed[0])}</summary>{page.grid(CHANGED, changed[1])}</details>"
+            f"<details open><summary>{html_text(changed[0])}</summary>{page.plain_table(CHANGED, changed[1])}</details>"
         )
     return "".join(parts)
 
 
 def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, object]:
-    """All that the scripts read; a run without a recorded row leaves the numbers of its end only."""
-    recording, of_ropes = result.recording, [rope.name for rope in ropes]
+    """Return the data for the scripts; a run without a recorded row has no time."""
+    recording = result.recording
+    of_ropes = [rope.name for rope in ropes]
     if not recording.signals:
         return {"time": None}
-    start, extra = float(recording.time[0]), panels.derived_signals(recording, hoist)
-    known = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
-    names = [name for name in known if name != TIME and not is_along(name)]
+    start = float(recording.time[0])
+    extra = panels.derived_signals(recording, hoist)
+    finite = [name for name, values in recording.signals.items() if bool(np.isfinite(values).any())]
+    names = [name for name in finite if name != TIME and not is_along(name)]
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
     shown = panels.panels(recording, hoist, of_ropes)
-    drawn = [(rope, own) for rope in ropes if _drawn(own := of_rope(recording, rope.name))]
+    drawn = [(rope, own) for rope in ropes if _drawn(own := rope_signals(recording, rope.name))]
     return {
         "time": packing.pack_to(packing.thin_times(recording.time, MOST_TIMES), 1e-4),
         # a run that stopped at once has one row, and an axis needs a length
@@ -83,8 +80,8 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
         "panels": [asdict(panel) | {"quiet": panels.quiet(recording, panel)} for panel in shown],
         "marks": [asdict(mark) for mark in panels.marks(result)],
         "transformations": panels.transformations(recording, of_ropes),
-        "slips": {end: panels.slips(recording, end, of_ropes) for end in ("left", "right")},
-        "swivels": {end: f"{end}.swivel.slipping" in names for end in ("left", "right")},
+        "slips": {end: panels.slips(recording, end, of_ropes) for end in SIDES},
+        "swivels": {end: f"{end}.swivel.slipping" in names for end in SIDES},
         "locked": ropes[0].locked,
         "alike": hoist.tail_rope_number,
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
@@ -104,12 +101,12 @@ def _drawn(own: Recording) -> bool:
 
 
 def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
-    """The rope's curve at its frames, in the shaft, and where its ends are from the conveyances' centres."""
+    """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
     rows = packing.frames(len(own.time), MOST_FRAMES)
     curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.place.origin
     return {
         "name": rope.name,
-        "places": [rope.place.at(end) for end in ("left", "right")],
+        "places": [rope.place.at(end) for end in SIDES],
         "points": curves.shape[1],
         "t": packing.pack_to(own.time[rows], 1e-4),
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},

@@ -15,17 +15,17 @@ import pandas as pd
 
 from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
-from hoist_demo.report.html.parameter_tables import Table
+from hoist_demo.report.html.parameter_tables import TitledRows
 from hoist_demo.study.goal import Goal
 from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
-from hoist_demo.study.perform import Performed
+from hoist_demo.study.perform import MISSING, WARNINGS, Performed
 from hoist_demo.study.store import SEPARATOR, kind_of
 from rope_model.texts import html_text
 
-STATUS, CAUSE = "status", "cause"
-WARNINGS, MISSING = "warnings", "missing"  # texts of runs, told by kind and no columns
-ROUNDING = 1e-9  # of a number, within which two are one
-RUN, KEY = "run", "key"  # the page counts the runs itself; a hash is no axis
+STATUS = "status"
+CAUSE = "cause"
+_NO_COLUMNS = (STATUS, CAUSE, "run", "key", WARNINGS, MISSING)  #: Columns of the table that the page does not plot.
+ROUNDING = 1e-9  #: Relative difference within which two numbers are one.
 _OWN = ("title", "parameters")
 #: columns that are shown first behind what varies and what is judged
 _FIRST = ("judged", "within", "excess", "slip_safety", "clearance", "loop_turns", "rope_force_peak", "sway")
@@ -36,7 +36,7 @@ def study_report(
     stated: Mapping[str, str],
     meta: Mapping[str, Any],
     path: str | Path,
-    more: Sequence[Table] = (),
+    more: Sequence[TitledRows] = (),
     performed: Performed | None = None,
     goal: Goal | None = None,
 ) -> Path:
@@ -44,14 +44,14 @@ def study_report(
 
     `more` are tables of the data, `performed` the study's outcome, which is judged by `goal`.
     """
-    path, best = Path(path), performed.best if performed else None
+    best = performed.best if performed else None
     by, limits = tuple(goal.metrics) if goal else (), goal.bounds if goal else ()
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values, units, factors = _in_engineering_units(
         {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
     )
-    names = [name for name in values if name not in (STATUS, CAUSE, RUN, KEY, WARNINGS, MISSING)]
+    names = [name for name in values if name not in _NO_COLUMNS]
     varied = {name for name in names if _differ(values[name])}
     fixed = [name for name in parameters if name in names and name not in varied]
     nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
@@ -82,22 +82,23 @@ def study_report(
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
-    told = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
-    told += [f"{best.told[:1].upper()}{best.told[1:]}."] if best else []
+    sentences = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
+    sentences += [f"{best.text[:1].upper()}{best.text[1:]}."] if best else []
     body = page.fill(
         "study.html",
-        outcome="</p><p>".join(html_text(text.strip()) for text in told if text),
+        outcome="</p><p>".join(html_text(text.strip()) for text in sentences if text),
         remarks=_list("Not monotonic", performed.remarks if performed else ())
         + _list("Warnings", _by_text(table, WARNINGS))
         + _list("Missing", _by_text(table, MISSING)),
-        given=page.table("Study", rest)
-        + page.table(
+        given=page.titled_table("Study", rest)
+        + page.titled_table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
         )
-        + page.table("Not shown by any run", [(name, "", "") for name in nowhere])
-        + "".join(page.table(title, rows) for title, rows in more),
+        + page.titled_table("Not shown by any run", [(name, "", "") for name in nowhere])
+        + "".join(page.titled_table(title, rows) for title, rows in more),
     )
-    return page.write(path, page.render("study", title, body, scripts=page.running(("study.js",), data)))
+    scripts = page.running(("study.js",), data)
+    return page.write_html(Path(path), page.render_page("study", title, body, scripts=scripts))
 
 
 def _differ(values: Sequence[float | str | None]) -> bool:
@@ -113,13 +114,13 @@ def _place(name: str, order: Sequence[str]) -> int:
 
 
 def _list(title: str, lines: Sequence[str]) -> str:
-    """A titled list; nothing without lines."""
+    """Return a titled list; "" without lines."""
     items = "".join(f"<li>{html_text(line)}</li>" for line in lines)
     return f"<h2>{html_text(title)}</h2><ul>{items}</ul>" if lines else ""
 
 
 def _by_text(table: pd.DataFrame, column: str) -> list[str]:
-    """Each text of a column with its runs; those that differ in their numbers only are one."""
+    """Return each text of a column behind its runs; texts that differ in numbers only are one."""
     kinds: dict[str, tuple[str, list[int]]] = {}
     for k, cell in enumerate(table[column] if column in table.columns else ()):
         for text in cell.split(SEPARATOR) if isinstance(cell, str) and cell else ():
@@ -130,7 +131,7 @@ def _by_text(table: pd.DataFrame, column: str) -> list[str]:
 def _in_engineering_units(
     values: Mapping[str, list[float | str | None]], stated: Mapping[str, str]
 ) -> tuple[dict[str, list[float | str | None]], dict[str, str], dict[str, float]]:
-    """The columns, their units with prefixes where the numbers are large, and the factors of these."""
+    """Return the columns, their units with prefixes where the numbers are large, and the factors."""
     shown, units, factors = dict(values), dict(stated), dict[str, float]()
     for name, column in values.items():
         numbers = [abs(value) for value in column if isinstance(value, float) and math.isfinite(value)]
@@ -140,7 +141,7 @@ def _in_engineering_units(
 
 
 def _passed(table: pd.DataFrame) -> str:
-    """A sentence about runs in which the rope passed through something; "" where there are none."""
+    """Return a sentence on runs in which the rope passed through something; "" for none."""
     runs = [k + 1 for k, text in enumerate(table[STATUS]) if PASSED in str(text)]
     return f"In {_listed(runs)} the rope passed into or through something, the status says what." if runs else ""
 
@@ -152,7 +153,7 @@ def _listed(runs: Sequence[int]) -> str:
 
 
 def _early(table: pd.DataFrame) -> str:
-    """A sentence where conveyances have arrived before their reference; "" where none has."""
+    """Return a sentence on conveyances that arrived before their reference; "" for none."""
     if not {"cycle_time", "trajectory_time"} <= set(table.columns):
         return ""
     cycle, trajectory = (pd.to_numeric(table[name]) for name in ("cycle_time", "trajectory_time"))
@@ -166,7 +167,7 @@ def _early(table: pd.DataFrame) -> str:
 
 
 def _plain(value: Any) -> float | str | None:
-    """A cell as JSON knows it; booleans as words, because they are no quantity."""
+    """Convert a cell to a number or text for JSON; booleans become words."""
     if pd.isna(value):
         return None
     if isinstance(value, str | bool) or pd.api.types.is_bool(value):

@@ -1,0 +1,36 @@
+"""Parameters of the design of a trip: the controllers by name, the shaper's mode, and the optimisation."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
+
+CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")  #: Names; design.controllers has them.
+
+
+@dataclass(frozen=True)
+class Shaper(Stated):
+    """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study) or modelled."""
+
+    kind: Literal["ZV", "ZVD"] = quantity("ZVD", "")
+    frequency: float = quantity(0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", VANISHING)
+    damping: float = quantity(0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it"))
+
+    @property
+    def impulses(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of time [s] and amplitude [1]; the amplitudes sum to 1."""
+        K = math.exp(-self.damping * math.pi / math.sqrt(1.0 - self.damping**2))
+        half = 0.5 / self.frequency
+        weights = (1.0, K) if self.kind == "ZV" else (1.0, 2.0 * K, K**2)
+        return tuple((k * half, weight / sum(weights)) for k, weight in enumerate(weights))
+
+
+@dataclass(frozen=True)
+class TrajectoryOptions(Stated):
+    """Options of the optimisation, with defaults of ours [assumed]."""
+
+    swing_speed: float = quantity(0.01, "m/s", "of the conveyances after arrival, that is worth swing_price")
+    swing_price: float = quantity(1.0, "s")
+    hold: float = quantity(1.5, "s", "after arrival, over which the swing counts")
+    intervals: int = quantity(120, "1", "of the trip", Bounds(20, 2000, cure="take about 8 per second"))
