@@ -1,4 +1,4 @@
-/* rope_model.simulation.fidelity: which fidelity of the model serves, and why.  The estimates are explained there. */
+/* Choice of the model's fidelity.  C version of rope_model/simulation/fidelity.py, which explains the estimates. */
 
 #include "rules.h"
 
@@ -10,7 +10,7 @@ const char *fidelity_name(int fidelity) {
     return names[fidelity];
 }
 
-/* text (MESSAGE): an input by its number, and its value */
+/* Write name and value of an input into text (MESSAGE bytes). */
 static void input_text(const EndMotion ends[2], int number, char *text) {
     const int side = (number - 1) / INPUT_COUNT, place = (number - 1) % INPUT_COUNT;
     say_nonzero_input(text, SIDE_NAMES[side], INPUTS[place], end_value(&ends[side], place));

@@ -1,4 +1,4 @@
-/* rope_model.parameter_table: the bounds of every parameter; the first that is broken gives the message. */
+/* Bounds of the parameters; the first violation gives the message.  C version of rope_model/parameter_table.py. */
 
 #include <stdio.h>
 
@@ -35,7 +35,7 @@ static void choice(const Check *check, const char *what, int code, int last, con
         snprintf(check->message, MESSAGE, "%s.%s = %d is none of the choices: %s", check->group, what, code, choices);
 }
 
-/* a bound with a number in it */
+/* Join the text of a bound that contains a number. */
 static const char *joined(char room[96], const char *before, const char *number, const char *behind) {
     snprintf(room, 96, "%s%s%s", before, number, behind);
     return room;
@@ -43,7 +43,7 @@ static const char *joined(char room[96], const char *before, const char *number,
 
 #define JOINED(before, number, behind) joined((char[96]){0}, before, number, behind)
 
-#include "parameters.inc" /* check_scene, and check_rope and so on, functions for each group: generated */
+#include "parameters.inc" /* generated: check_scene, and a function for each group, as check_rope */
 
 void require_in_bounds(const Mesh *mesh, char *message) {
     message[0] = '\0';

@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* some libraries write "-nan" or "nan(ind)" */
+/* Write x if it is not finite; some C libraries print "-nan" or "nan(ind)". */
 static int not_finite(char *room, double x) {
     if (isfinite(x)) return 0;
     strcpy(room, isnan(x) ? "nan" : x > 0 ? "inf" : "-inf");
     return 1;
 }
 
-/* the locale may put a comma */
+/* Replace the comma of some locales. */
 static const char *with_point(char *room) {
     char *comma = strchr(room, ',');
     if (comma) *comma = '.';
@@ -25,8 +25,8 @@ const char *text_number(char room[NUMBER], double x, int digits) {
     return with_point(room);
 }
 
-/* Whether room, "d.ddde+xx", is x.  Below a power of two the numbers are twice as dense: there the nearest text may be
-   another number's, and the next text up is tried. */
+/* True if the text "d.ddde+xx" reads back as x, or the next text up does: below a power of two, where numbers are twice
+   as dense, the nearest text may belong to another number. */
 static int reads_back(char *room, double x) {
     char *last = strchr(room, 'e') - 1;
     if (strtod(room, NULL) == x) return 1;

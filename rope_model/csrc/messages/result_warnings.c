@@ -1,14 +1,14 @@
-/* Warnings about results that are valid: the port of rope_model.simulation.messages.result_warnings, which see. */
+/* Warnings about valid results.  C version of rope_model/simulation/messages/result_warnings.py. */
 
 #include <stdio.h>
 
 #include "rules.h"
 #include "simulator.h"
 
-/* does not compile unless rope.h has room for the warnings of Python */
+/* Compiles only if ROPE_WARNINGS of rope.h fits the warnings of Python. */
 enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOLATION) };
 
-/* of the loop against its ends */
+/* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
     return state->loop_yaw - diagnostics_direction(&m);
@@ -47,7 +47,7 @@ static void leg_contact(Simulator *rope, char *message) {
     tell_touching_legs(&rope->scene, rope->state, yaw_of(rope->state), message);
 }
 
-/* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */
+/* Return the twist from end to end, rad, by conveyances and swivels turned against the line between the ends. */
 static double end_twist(State *state) {
     const Arrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];

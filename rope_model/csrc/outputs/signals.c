@@ -1,9 +1,9 @@
-/* Values of the output signals: the port of rope_model.simulation.outputs.signals. */
+/* Values of the output signals.  C version of rope_model/simulation/outputs/signals.py. */
 
 #include "simulator.h"
 #include "state_signals.h" /* state_signals: generated */
 
-/* the loop's lowest point, kept while the state stays */
+/* Return the loop's lowest point, which is kept until the state changes. */
 static const LoopBottom *loop(Simulator *rope) {
     if (!rope->bottom_known) {
         const Arrays m = state_arrays(rope->state);
@@ -49,10 +49,9 @@ static void clearance_signals(Simulator *rope, double *values) {
     for (int kind = 0; kind < KINDS; kind++) values[SIGNAL_CLEARANCE_LINING + kind] = nearest[kind].clearance;
 }
 
-/* the order of physics.stress.material_values */
+/* values of physics.stress.material_values */
 enum { BENDING_STRESS, TORSIONAL_STRESS, CURVATURE, TORQUE, MATERIAL_VALUES };
 
-/* of an element */
 static double material_value(const Simulator *rope, int element, int which) {
     double found[MATERIAL_VALUES];
     material_values(&rope->scene.rope, rope->state->fidelity == TORSIONAL, rope->strains[element], found);
@@ -85,7 +84,7 @@ static void contact_signals(Simulator *rope, double *values) {
 }
 
 static void audit_signals(Simulator *rope, double *values) {
-    audit_values(&rope->state->audit, values + SIGNAL_AUDIT_MOMENTUM); /* in their order */
+    audit_values(&rope->state->audit, values + SIGNAL_AUDIT_MOMENTUM);
 }
 
 static void error_signals(Simulator *rope, double *values) {
@@ -101,7 +100,7 @@ static void error_signals(Simulator *rope, double *values) {
     values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
-/* of the points at arc lengths `at`: all x, then all y, then all z */
+/* Coordinates of the points at arc lengths `at`: all x, then all y, then all z. */
 static void points_at(const Simulator *rope, const double *at, double *values) {
     const Arrays m = state_arrays(rope->state);
     double xyz[SHAPE_POINTS][3];
@@ -117,7 +116,7 @@ static void shape_signals(Simulator *rope, double *values) {
     points_at(rope, at, values + SIGNAL_SHAPE_X_1);
 }
 
-/* a value of the material at arc lengths `at`, which ascend, linear between the middles of the elements */
+/* Interpolate a material value at arc lengths `at`, which ascend, between the middles of the elements. */
 static void along(const Simulator *rope, const double *at, int which, double *values) {
     const Arrays m = state_arrays(rope->state);
     for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
