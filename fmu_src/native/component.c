@@ -19,7 +19,7 @@ struct Component {
     void *context;
     ModelInstance *model;
     double start, stop; /* stop: infinite if not announced */
-    double time;        /* of the host; the model differs by less than SHORTEST_STEP */
+    double time;        /* host's time, s; the model differs by less than SHORTEST_STEP */
     int mode, changed, retune;
     int started;     /* initialised, and not reset since */
     int valid;       /* the last initialisation or step succeeded */

@@ -1,7 +1,5 @@
-/* A model behind value references, for the FMI shells.
-
-   Actions that return int return 1 on success, and 0 after they have logged the reason.  Nothing but states is
-   allocated between the end of initialisation and destruction. */
+/* A model behind value references, for the FMI shells.  Actions that return int return 1 on success, and 0 after they
+   have logged the reason.  Between the end of initialisation and destruction only states are allocated. */
 #ifndef COMPONENT_H
 #define COMPONENT_H
 
@@ -30,7 +28,7 @@ int component_refuse(Component *c, const char *message);
 /* Enter FAILED after a refusal, with its reason in status.message. */
 void component_fail(Component *c);
 
-int component_given(Component *c, const void *pointer); /* refuse NULL */
+int component_given(Component *c, const void *pointer); /* Refuse NULL. */
 /* Check names of log categories; *all is true if they select all, also for an empty list. */
 int component_categories(Component *c, size_t number, const char *const names[], int *all);
 
@@ -44,7 +42,7 @@ int component_exit_initialization(Component *c);
 /* Step to t + h; with to_event only to the first event before it. */
 int component_step(Component *c, double t, double h, int to_event);
 double component_time(const Component *c);
-int component_at_event(const Component *c); /* true if the last step ended there */
+int component_at_event(const Component *c); /* True if the last step ended at an event. */
 /* Terminate.  Does nothing after a failure, and after a refusal before the first step. */
 int component_terminate(Component *c, const char *function);
 void component_reset(Component *c);
@@ -68,6 +66,6 @@ int component_derivative(Component *c, const unsigned *unknown, size_t unknowns,
 size_t component_state_bytes(const Component *c);
 void component_save(const Component *c, void *to);
 int component_restore(Component *c, const void *from, size_t bytes);
-int component_is_state(Component *c, const void *from, size_t bytes); /* refuse what component_restore cannot read */
+int component_is_state(Component *c, const void *from, size_t bytes); /* Refuse what component_restore cannot read. */
 
 #endif

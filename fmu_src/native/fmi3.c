@@ -1,7 +1,5 @@
-/* FMI 3.0 for co-simulation of any model: all functions of the standard, over component.h.
-
-   Functions of clocks and intermediate update return an error.  Event mode changes nothing: fmi3DoStep has handled the
-   event when it returns. */
+/* FMI 3.0 for co-simulation of any model: all functions of the standard, over component.h.  Those of clocks and
+   intermediate update return an error.  Event mode changes nothing: fmi3DoStep has handled the event on return. */
 #include "component.h"
 #include "fmi3Functions.h"
 #include "snapshot.h"

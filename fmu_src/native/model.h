@@ -45,7 +45,7 @@ typedef struct ModelInstance ModelInstance;
 
 /* `values` has the entries by value reference (MODEL_SCALARS doubles; others are 0), finite, with choices in range and
    integers whole.  Functions that return int return 1 on success.  They return 0 on failure: `message` (MODEL_MESSAGE
-   bytes) has value, bound and cure, and the model is unchanged. */
+   bytes) names value, bound and cure, and the model is unchanged. */
 
 /* Prepare this process for models; call it before model_create.  `resources` is the FMU's folder of that name, a URI in
    FMI 2.0, a path in 3.0. */
@@ -67,7 +67,7 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
 int model_text(ModelInstance *model, size_t scalar, const char **text, char *message);
 /* Write a line for the log about the model; "" for none. */
 void model_note(const ModelInstance *model, char *message);
-/* Write warning `number`, from 0 on; "" if it does not apply.  Return 0 behind the last warning. */
+/* Write warning `number`, from 0 on; "" if it does not apply.  Return 0 after the last warning. */
 int model_warning(ModelInstance *model, int number, char *message);
 
 /* Add seed times the derivatives of the scalars `unknown` with respect to the scalar `known` to sum (number). */

@@ -155,9 +155,8 @@ static int find_python(char *message) {
         void **place;
     } entries[] = {PYTHON_FUNCTIONS(ENTRY)};
     static int found_all;
-    void *from;
     if (found_all) return 1;
-    from = (void *)library();
+    void *from = (void *)library();
     if (!from) {
         snprintf(message, MODEL_MESSAGE,
                  "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
@@ -183,11 +182,10 @@ static int find_python(char *message) {
 }
 
 static int have_python(char *message) {
-    int there;
     begin_alone();
-    there = find_python(message);
+    const int found = find_python(message);
     end_alone();
-    return there;
+    return found;
 }
 
 /* answers of Python */
@@ -261,9 +259,8 @@ int model_open(const char *resources, char *message) {
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
-    size_t room = MODEL_SCALARS * sizeof(double);
-    ModelInstance *model = allocator->take(1, sizeof *model + 3 * room + MODEL_SCALARS);
-    int ok;
+    size_t bytes = MODEL_SCALARS * sizeof(double);
+    ModelInstance *model = allocator->take(1, sizeof *model + 3 * bytes + MODEL_SCALARS);
     if (!model) {
         snprintf(message, MODEL_MESSAGE, "no memory for the model; free other instances first");
         return NULL;
@@ -273,19 +270,19 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     model->outputs = model->values + MODEL_SCALARS;
     model->derivatives = model->outputs + MODEL_SCALARS;
     model->known = (unsigned char *)(model->derivatives + MODEL_SCALARS);
-    memcpy(model->values, values, room);
-    memset(model->outputs, 0, 2 * room + MODEL_SCALARS);
+    memcpy(model->values, values, bytes);
+    memset(model->outputs, 0, 2 * bytes + MODEL_SCALARS);
     int gil = python.PyGILState_Ensure();
     PyObject *answer = NULL;
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
         answer = python.PyObject_CallMethod(
             model->object, "create", "NNNN",
-            python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
-            python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
+            python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)bytes, READ),
+            python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)bytes, WRITE),
             python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
-            python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE));
-    ok = check_answer(model->object, answer, message);
+            python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)bytes, WRITE));
+    const int ok = check_answer(model->object, answer, message);
     python.PyGILState_Release(gil);
     if (ok) return model;
     model_destroy(model);
@@ -364,12 +361,12 @@ void model_note(const ModelInstance *model, char *message) {
 }
 
 int model_warning(ModelInstance *model, int number, char *message) {
-    int gil = python.PyGILState_Ensure(), there;
-    there = number < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
+    const int gil = python.PyGILState_Ensure();
+    const int exists = number < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
     message[0] = '\0';
-    if (there) take_text(python.PyObject_CallMethod(model->object, "warning", "i", number), message);
+    if (exists) take_text(python.PyObject_CallMethod(model->object, "warning", "i", number), message);
     python.PyGILState_Release(gil);
-    return there;
+    return exists;
 }
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,

@@ -5,8 +5,8 @@
 
 struct Snapshot {
     const void *mark; /* &OURS until it is freed */
-    size_t bytes, room;
-    uint64_t state[]; /* of 64 bits for alignment */
+    size_t bytes, capacity;
+    uint64_t state[]; /* words of 64 bits, for alignment */
 };
 
 static const char OURS = 1; /* its address marks a snapshot */
@@ -18,7 +18,7 @@ static Snapshot *allocate_snapshot(Component *c, const Allocator *allocator, siz
         return NULL;
     }
     snapshot->mark = &OURS;
-    snapshot->room = bytes;
+    snapshot->capacity = bytes;
     return snapshot;
 }
 
@@ -31,7 +31,7 @@ int snapshot_given(Component *c, const Snapshot *snapshot) {
 
 int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {
     size_t bytes = component_state_bytes(c);
-    if (!*snapshot || (*snapshot)->room < bytes) {
+    if (!*snapshot || (*snapshot)->capacity < bytes) {
         Snapshot *larger = allocate_snapshot(c, allocator, bytes);
         if (!larger) return 0;
         snapshot_free(allocator, *snapshot);

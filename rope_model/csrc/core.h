@@ -54,15 +54,13 @@ void ends_prescribed_motion(const Scene *scene, const State *state, int side, do
 const char *fidelity_name(int fidelity);
 int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, char *reason);
 int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces);
-void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *what);
+void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause);
 
 /* mesh/adaptation.c */
-/* Return the angle plus the full turns that bring it closest to `last`. */
-double nearest_turn(double angle, double last);
+double nearest_turn(double angle, double last); /* Return the angle plus full turns that is closest to last. */
 
 /* mesh/partition.c; `bottom` is the arc length of the loop's lowest point, `faced` has PLACES_FACED entries */
-/* Return the length of the elements in the loop segment, m. */
-double partition_fine(const Pattern *pattern, const double *lengths);
+double partition_fine(const Pattern *pattern, const double *lengths); /* Length of elements in the loop segment, m. */
 Mesh fit_mesh(const Scene *scene);
 /* Arc lengths of the legs that face a divider; INFINITY for none, and for a mesh that the user gives. */
 void faced_by(const Scene *scene, double left, double right, double *faced);
@@ -72,12 +70,11 @@ int partition_elements(const Mesh *mesh, double length, const double *faced, cha
 void partition(const Mesh *mesh, double length, double bottom, const double *faced, int elements, Pattern *pattern,
                double *lengths);
 void partition_transform(Pattern *pattern, int direction, const double *faced, int elements, double *lengths);
-/* True if a window must move because its divider has left it. */
-int window_due(const Pattern *pattern, const double *faced);
+int window_due(const Pattern *pattern, const double *faced); /* True if a divider has left its window. */
 
 /* mesh/transfer.c */
-/* Interpolate x (nodes x DOF) at arc lengths `at`: y (places x DOF). */
-void transfer_interpolate(int nodes, const double *x, const double *s, int places, const double *at, double *y);
+/* Interpolate x (nodes x DOF) at arc lengths `places`: y (number x DOF). */
+void transfer_interpolate(int nodes, const double *x, const double *s, int number, const double *places, double *y);
 /* Transfer up to 8 fields x (nodes x DOF) between meshes; `work` has TRANSFER_WORK(fields) numbers a node. */
 #define TRANSFER_WORK(fields) (10 + 14 * (fields))
 void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
@@ -104,17 +101,17 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
 /* True if the legs are certainly apart, and within a quarter turn of `across`, the line from left to right. */
 int legs_apart(const Arrays *m, const double across[2], double diameter, double above);
 LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom);
-/* Ascending arc lengths `at` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
-void shape_places(double total, double bottom_s, double loop, int points, double *at);
-/* Coordinates xyz (points x 3) of the centre line at arc lengths `at`, which ascend. */
-void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *at, double *xyz);
-/* Tension (points), N, at arc lengths `at`, which ascend, by the balance of momentum to the left of them. */
-void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at,
+/* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
+void shape_places(double total, double bottom_s, double loop, int points, double *places);
+/* Coordinates xyz (points x 3) of the centre line at arc lengths `places`, which ascend. */
+void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double *xyz);
+/* Tension (points), N, at arc lengths `places`, which ascend, by the balance of momentum to the left of them. */
+void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension);
-/* Return the last element from k on whose middle is at or before arc length `at`, or k. */
-int middle_before(int nodes, const double *s, int k, double at);
+/* Return the last element from k on whose middle is at or before arc length `place`, or k. */
+int middle_before(int nodes, const double *s, int k, double place);
 /* Interpolate linearly between the middles of element k (`value`) and k + 1 (`next`), as numpy.interp does. */
-double interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next);
+double interpolate_midpoints(int nodes, const double *s, int k, double place, double value, double next);
 
 /* outputs/guards.c */
 /* Return the height of the loop's bottom above its quasi-static position, m. */
@@ -130,8 +127,8 @@ void require_in_bounds(const Mesh *mesh, char *message); /* Check a mesh alone, 
 /* rigid.c */
 void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
                 double *a, double *reaction, double *kinetic, double *gravity, char *message);
-/* Tension (points), N, at arc lengths `at` with heights y. */
-void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
+/* Tension (points), N, at arc lengths `places` with heights y. */
+void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places, const double *y,
                    double *tension);
 /* Change of both end tensions, N, when one end's position, speed and acceleration along an axis change. */
 void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],

@@ -37,11 +37,11 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
     }
 }
 
-void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
+void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places, const double *y,
                    double *tension) {
     Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
     for (int k = 0; k < points; k++)
-        tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], at[k]);
+        tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
 }
 
 void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],

@@ -9,7 +9,7 @@ enum { AIR_LAW = 9, AIR = AIR_LAW + 2 * 4 };
 enum { MOST_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 typedef struct {
-    int status;         /* of NewtonStatus */
+    int status;         /* a NewtonStatus, as CONVERGED */
     int iterations;     /* corrections so far */
     int applies;        /* true if the latest correction applies */
     double norm;        /* norm of the latest correction that applied */
@@ -34,7 +34,7 @@ enum { CONTACT_ROPE = CONTACT_FORCES + KINDS, CONTACT_BALANCE };
 
 /* Configuration of the latest contact detection. */
 typedef struct {
-    double free;         /* least distance of what was not near, m */
+    double free;         /* lower bound of all distances, m */
     double *q, *lengths; /* copies */
 } ClearanceCache;
 
@@ -44,7 +44,7 @@ typedef struct {
     int bodies, any;            /* any: true if an element may touch a body */
     Placed placed[MOST_BODIES]; /* bodies at the latest contact detection */
     double speeds[MOST_BODIES][3];
-    double margin;  /* least distance of the other elements at the latest check, m */
+    double margin;  /* lower bound of the distances of elements not in `near`, m */
     double longest; /* longest element, m */
     ClearanceCache cache;
     unsigned *near; /* bodies that each element may touch, one bit each */
@@ -69,7 +69,7 @@ typedef struct {
     double (*boxes)[6]; /* bounding box of each element */
     int *others;        /* elements near the present one */
     double *arc_gaps;   /* arc length from the end of the present element to each of them, m */
-    double *distances;  /* from the present place to each of them, m */
+    double *distances;  /* distance of each of them from the present place, m */
     double *xi;         /* element coordinate of the nearest place in each of them */
     double *scratch;    /* CG_ARRAYS arrays of the size of q, for conjugate gradients */
     ClearanceCache cache;
@@ -133,9 +133,8 @@ int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodie
 int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
 
 /* contact/point_forces.c */
-/* Advance to a place, which is not before the previous one. */
-void elements_at(const System *s, int number, PointForce *point);
-void nodal_forces(const System *s, double *R); /* Subtract the point forces from R. */
+void elements_at(const System *s, int number, PointForce *point); /* Advance to a place, in ascending order. */
+void nodal_forces(const System *s, double *R);                    /* Subtract the point forces from R. */
 /* Add load and power of the point forces. */
 void point_forces_push(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 /* Interpolate r, or its speed, in an element with shape functions N. */
@@ -147,8 +146,7 @@ static inline void at_places(const double *x, int element, const double N[4], do
 /* contact/self_contact.c */
 /* Find contacts of the rope with itself, with tangents along (cq, cv) of q and v; return their number. */
 int find_self_contacts(const System *s, const double *q, const double *v, double cq, double cv);
-/* Subtract the contact forces from R. */
-void self_contact_take_force(const SelfContactState *self_contact, double *R);
+void self_contact_take_force(const SelfContactState *self_contact, double *R); /* Subtract forces from R. */
 /* Add the product of the tangent with x to y. */
 void self_contact_times(const SelfContactState *self_contact, const double *x, double *y);
 void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
@@ -175,12 +173,11 @@ int clearance_exceeds(const System *s, const ClearanceCache *cache, const double
 /* Judge a correction of this norm; `fresh` is true if its factorization is new. */
 Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits);
 
-/* physics/contact_element.c; contact forces on r and r' of both nodes of an element */
+/* physics/contact_element.c; contact forces on r and r' of both nodes; contact_sums adds to its sums */
 enum { CONTACT_DOF = 12 };
 void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]);
 void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]);
-/* Add to the sums. */
 void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
 /* rope_kernels.c */
@@ -193,8 +190,7 @@ const Chain *fastest_chains(void);
 /* rope_system.c */
 /* Sum the contact of all elements with bodies and of the rope with itself. */
 void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
-/* Return the length of the longest element that may touch a body, m; 0 for none. */
-double longest_near(const System *s);
+double longest_near(const System *s); /* Length of the longest element that may touch a body, m; 0 for none. */
 /* Return the largest entry of x where the rope is free, entries of r' times `slopes`; infinite if one is not finite. */
 double rope_system_norm(const System *s, const double *x, double slopes);
 

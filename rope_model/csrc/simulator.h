@@ -21,19 +21,19 @@ struct Simulator {
     Scene scene;
     Memory memory;
     Mesh mesh;           /* never AUTO_MESH */
-    const Chain *chains; /* of the fidelities TORSIONAL to PLANAR */
+    const Chain *chains; /* one for each fidelity from TORSIONAL to PLANAR */
     int elements, initialized;
     size_t state_bytes;
     State *state, *next;        /* an advance works on next; both swap when it succeeds */
     State *spare;               /* scratch, as for the trial whether a swivel sticks */
-    Arrays trial;               /* of the latest trial step; scratch otherwise */
+    Arrays trial;               /* arrays of the latest trial step; scratch otherwise */
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* referred to the state, and during an advance to the state in progress */
     double *wires;              /* WIRE_HISTORY numbers an element, referred as frames; or NULL */
     double *curved;             /* CURVED numbers an element, referred as frames; or NULL */
     double *latest;             /* System.latest; or NULL */
-    void *work;                 /* of the chain */
+    void *work;                 /* scratch of the chain */
     Surroundings *around;
     SelfContactState *self_contact;
     PointForces forces;
@@ -59,8 +59,7 @@ void with_passages(const Simulator *rope, State *state);
 
 /* curvature.c */
 int is_curved(const Simulator *rope, const State *state);
-/* Return the rope with a part of its permanent curvature. */
-Rope partly_curved(const Rope *whole, double part);
+Rope partly_curved(const Rope *whole, double part); /* Return the rope with a part of its permanent curvature. */
 void curved_reference(Simulator *rope, State *state, const double *q); /* Refer the permanent curvature to q. */
 
 /* ends/switching.c */
@@ -86,8 +85,7 @@ StepResult model_trial(Simulator *rope, State *state, double h);
 void model_restart(Simulator *rope, State *state);
 void model_commit(Simulator *rope, State *state, const StepResult *trial);
 void model_powers(const Simulator *rope, State *state);
-/* Update the energies of the state; return the change of their total. */
-double model_energies(Simulator *rope, State *state);
+double model_energies(Simulator *rope, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
 double model_bottom(const Simulator *rope, const State *state, double t);
 /* Call faced_by with the heights of the ends at t. */
@@ -99,8 +97,7 @@ void begin_audit(const Simulator *rope, State *state);
 void audit_interval(const Simulator *rope, State *state, double h, double residual_before);
 
 /* numerics/generalized_alpha.c */
-/* Step into the trial's arrays. */
-StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h);
+StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h); /* Step into rope->trial. */
 void generalized_alpha_restart(Simulator *rope, State *state, const System *s);
 /* Return the time by which b is moved when a step h follows one of length `before` (0 after a restart). */
 double recentring(const Coefficients *method, double h, double before);
@@ -121,8 +118,7 @@ int flexible_start(Simulator *rope, State *state, char *message);
 
 /* rope_system.c */
 System rope_system(const Simulator *rope, State *state);
-/* Refer frames, permanent curvature and wires to q. */
-void rope_system_refer(Simulator *rope, State *state, const double *q);
+void rope_system_refer(Simulator *rope, State *state, const double *q); /* Refer frames, curvature, wires to q. */
 /* Refer frames and angles to q; return the change of theta at the right end. */
 double rope_system_transport(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
 /* Set prescribed entries at t of q, v and a in x, or of the first `orders` of them. */
@@ -138,7 +134,7 @@ void record_event(State *state, int what, int which, double kinetic, double pote
 
 /* stepping/events.c */
 /* Return the right end of an interval, at most `width` wide, in which f changes from negative to nonnegative. */
-double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
+double locate(double (*f)(void *, double), void *data, double low, double high, double f_low, double f_high,
               double width);
 
 /* stepping/hang.c */
@@ -152,8 +148,7 @@ void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2],
 int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message);
 
 /* stepping/stepping.c */
-/* Set the state to that of the rigid model at t. */
-int as_rigid(Simulator *rope, State *state, double t, char *message);
+int as_rigid(Simulator *rope, State *state, double t, char *message);         /* Move the rigid model to t. */
 int step_towards(Simulator *rope, State *state, double t_end, char *message); /* Take one accepted step. */
 
 /* wires.c; nothing changes unless wires rub */

@@ -5,8 +5,8 @@
 enum { NUMBER = 40 };
 
 /* Print f"{x:.{digits}g}" or f"{x!r}" of Python; return room. */
-const char *text_number(char room[NUMBER], double x, int digits);
-const char *text_exact(char room[NUMBER], double x);
+const char *text_number(char buffer[NUMBER], double x, int digits);
+const char *text_exact(char buffer[NUMBER], double x);
 
 /* texts that last to the end of the block */
 #define ROUNDED(x, digits) text_number((char[NUMBER]){0}, x, digits)

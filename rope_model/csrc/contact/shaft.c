@@ -2,7 +2,7 @@
 
 #include "simulator.h"
 
-/* NearestSearch for the place nearest to a body, in the part of the rope between two nodes. */
+/* Search for the place nearest to a body, in the part of the rope between two nodes. */
 typedef struct {
     Placed placed;
     int first, last;
@@ -25,7 +25,7 @@ static void probe(NearestSearch *search, double s, const double *place) {
     search->nearest = (Nearest){clearance, search->t, s, place[1], touched};
 }
 
-/* NearestSearch a piece of this length from s on, between the places and slopes a and b, by bisection. */
+/* Search a piece of this length from s on, between the places and slopes a and b, by bisection. */
 static void refine(NearestSearch *search, double s, double length, const double *a, const double *b) {
     double box[6], between[6];
     enclosing_box(length, a, b, box);

@@ -46,8 +46,8 @@ typedef struct {
     int64_t iterations, work; /* Newton iterations so far, and allowed */
 } EventSearch;
 
-static double excess_after(void *with, double h) {
-    EventSearch *search = with;
+static double excess_after(void *data, double h) {
+    EventSearch *search = data;
     if (search->iterations >= search->work) return -1; /* ends at the earliest time known to be past the event */
     const StepResult trial = model_trial(search->rope, search->state, h);
     search->iterations += trial.newton.iterations;

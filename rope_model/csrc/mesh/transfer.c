@@ -9,22 +9,22 @@ static double tolerance_of(int nodes, const double *s) {
     return 1e-9 * s[nodes - 1];
 }
 
-void transfer_interpolate(int nodes, const double *x, const double *s, int places, const double *at, double *y) {
+void transfer_interpolate(int nodes, const double *x, const double *s, int number, const double *places, double *y) {
     const double tolerance = tolerance_of(nodes, s);
     int i = 0;
-    for (int k = 0; k < places; k++, y += DOF) {
+    for (int k = 0; k < number; k++, y += DOF) {
         /* Find the last element whose left node is left of the place.  Places mostly ascend. */
-        while (i < nodes - 2 && s[i + 1] < at[k] + tolerance) i++;
-        while (i > 0 && s[i] >= at[k] + tolerance) i--;
+        while (i < nodes - 2 && s[i + 1] < places[k] + tolerance) i++;
+        while (i > 0 && s[i] >= places[k] + tolerance) i--;
         const double left_s = s[i], right_s = s[i + 1], *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
 
         /* A place at a node has the node's values exactly. */
-        const int nearer_left = at[k] - left_s < right_s - at[k];
+        const int nearer_left = places[k] - left_s < right_s - places[k];
         const double l = right_s - left_s;
-        if (fabs((nearer_left ? left_s : right_s) - at[k]) <= tolerance)
+        if (fabs((nearer_left ? left_s : right_s) - places[k]) <= tolerance)
             memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
         else
-            node_values(smaller(larger((at[k] - left_s) / l, 0.0), 1.0), l, left, y);
+            node_values(smaller(larger((places[k] - left_s) / l, 0.0), 1.0), l, left, y);
     }
 }
 

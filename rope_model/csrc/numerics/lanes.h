@@ -45,13 +45,11 @@ typedef long long Place __attribute__((vector_size(8 * LANES)));
 #define PAIR_OF(x, y) ((P2){(x), (y)})
 #define SIDE(x, i) ((x)[i])
 static inline V SQRT_V(V x) {
-    int i;
-    for (i = 0; i < LANES; ++i) x[i] = sqrt(x[i]);
+    for (int i = 0; i < LANES; ++i) x[i] = sqrt(x[i]);
     return x;
 }
 static inline V FABS_V(V x) {
-    int i;
-    for (i = 0; i < LANES; ++i) x[i] = fabs(x[i]);
+    for (int i = 0; i < LANES; ++i) x[i] = fabs(x[i]);
     return x;
 }
 #else

@@ -35,30 +35,30 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     return bottom;
 }
 
-void shape_places(double total, double bottom_s, double loop, int points, double *at) {
+void shape_places(double total, double bottom_s, double loop, int points, double *places) {
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        at[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
+        places[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
     }
 }
 
-void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
+void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double *xyz) {
     for (int k = 0, i = 0; k < points; k++, xyz += 3) {
-        while (i < nodes - 2 && s[i + 1] < at[k]) i++;
+        while (i < nodes - 2 && s[i + 1] < places[k]) i++;
         const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
-        place_between((at[k] - s[i]) / l, l, a, a + DOF, xyz);
+        place_between((places[k] - s[i]) / l, l, a, a + DOF, xyz);
     }
 }
 
-void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at,
+void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension) {
     const double *s = arrays->s;
     double before[3] = {0, 0, 0}, row[DOF];
     int i = 0;
     for (int k = 0; k < points; k++) {
         /* Integrate the acceleration, cubic between the nodes, over the elements to the left ... */
-        for (; i < arrays->elements - 1 && s[i + 1] <= at[k]; i++) {
+        for (; i < arrays->elements - 1 && s[i + 1] <= places[k]; i++) {
             const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
             double l = arrays->lengths[i];
             for (int axis = 0; axis < 3; axis++)
@@ -66,26 +66,26 @@ void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int p
         }
         /* ... and over the part of the present element. */
         const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
-        double l = arrays->lengths[i], xi = (at[k] - s[i]) / l, force[3];
-        transfer_interpolate(arrays->nodes, arrays->q, s, 1, &at[k], row);
+        double l = arrays->lengths[i], xi = (places[k] - s[i]) / l, force[3];
+        transfer_interpolate(arrays->nodes, arrays->q, s, 1, &places[k], row);
         for (int axis = 0; axis < 3; axis++) {
             double within = hermite_integral_to(xi, l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
             force[axis] = rho * (before[axis] + within) - arrays->reaction[axis];
         }
-        force[1] += rho * gravity * at[k];
+        force[1] += rho * gravity * places[k];
         tension[k] = dot(force, row + SLOPE) / sqrt(dot(row + SLOPE, row + SLOPE));
     }
 }
 
-int middle_before(int nodes, const double *s, int k, double at) {
-    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at) k++;
+int middle_before(int nodes, const double *s, int k, double place) {
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= place) k++;
     return k;
 }
 
-double interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next) {
+double interpolate_midpoints(int nodes, const double *s, int k, double place, double value, double next) {
     double middle = 0.5 * (s[k] + s[k + 1]);
-    if (k == nodes - 2 || at <= middle) return value;
-    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (at - middle) + value;
+    if (k == nodes - 2 || place <= middle) return value;
+    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (place - middle) + value;
 }
 
 /* Copy the points of a leg upwards from where it first reaches `height`; return their number.  `first` is the leg's
@@ -161,9 +161,9 @@ static double smallest_squared(int lefts, double left[LEG][3], int rights, doubl
 
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]) {
-    double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
-    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
-    diagnostics_shape(nodes, q, s, OUTLINE, at, outline[0]);
+    double places[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
+    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, places);
+    diagnostics_shape(nodes, q, s, OUTLINE, places, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
@@ -237,14 +237,14 @@ LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom) {
     heading(bottom->yaw, across);
     for (double height = fmin(left.high[1], right.high[1]); height < HUGE_VAL;
          height = fmin(left.high[1], right.high[1])) {
-        const double then[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
-                                climb_at(&right, height, 2) - climb_at(&left, height, 2)};
-        const double turned = turn_about_y(across, then);
+        const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
+                                       climb_at(&right, height, 2) - climb_at(&left, height, 2)};
+        const double turned = turn_about_y(across, next_across);
         if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
         sharpest = fmax(sharpest, fabs(turned));
         angle -= turned;
         below = height;
-        memcpy(across, then, sizeof across);
+        memcpy(across, next_across, sizeof across);
         if (left.high[1] <= height) climb_on(&left);
         if (right.high[1] <= height) climb_on(&right);
     }

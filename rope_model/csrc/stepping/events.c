@@ -2,13 +2,13 @@
 
 #include "simulator.h"
 
-double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
+double locate(double (*f)(void *, double), void *data, double low, double high, double f_low, double f_high,
               double width) {
     Bracket bracket = {low, high, f_low, f_high, 0, 0};
     while (bracket.high - bracket.low > width) {
         const double x = trial_place(&bracket, width);
         if (!(bracket.low < x && x < bracket.high)) break;
-        bracket = narrowed(&bracket, x, f(with, x));
+        bracket = narrowed(&bracket, x, f(data, x));
     }
     return bracket.high;
 }

@@ -3,15 +3,15 @@
 #include "rules.h"
 #include "simulator.h"
 
-static const char *const ENDED[] = NEWTON_TEXTS; /* messages of a Newton status */
+static const char *const NEWTON_MESSAGES[] = NEWTON_TEXTS; /* messages of a Newton status */
 
 typedef struct {
     const Simulator *rope;
     const State *state;
 } DueContext;
 
-static double due_at(void *with, double time) {
-    const DueContext *context = with;
+static double due_at(void *data, double time) {
+    const DueContext *context = data;
     return distance_to_due(&context->state->pattern, model_bottom(context->rope, context->state, time));
 }
 
@@ -24,9 +24,9 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
     const double at_start = due_at(&context, t);
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
-        const double then = due_at(&context, times[k]);
-        if (0 > at_start && then >= MESH_LATEST * state->pattern.coarse)
-            return fmin(locate(due_at, &context, t, times[k], at_start, then, EVENT_WIDTH), stop);
+        const double value = due_at(&context, times[k]);
+        if (0 > at_start && value >= MESH_LATEST * state->pattern.coarse)
+            return fmin(locate(due_at, &context, t, times[k], at_start, value, EVENT_WIDTH), stop);
     }
     return stop;
 }
@@ -59,16 +59,17 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
         if (h <= solver->step_min) {
             char why[MESSAGE];
             if (trial->reached) say_error_too_large(why, trial->relative / solver->tolerance);
-            return say_step_fails(message, h, solver->step_min, trial->reached ? why : ENDED[trial->newton.status]);
+            return say_step_fails(message, h, solver->step_min,
+                                  trial->reached ? why : NEWTON_MESSAGES[trial->newton.status]);
         }
         h = fmax(0.5 * h, solver->step_min);
         parts = 2;
         next = h;
     }
-    const NextStep then = next_step(solver, h, next, trial->relative, rejected, trial->t, state->calm_since);
-    state->calm_since = then.calm_since;
-    state->counts.given_up += then.given_up > 0 || trial->newton.error > solver->newton_tolerance;
-    *step_next = then.length;
+    const NextStep following = next_step(solver, h, next, trial->relative, rejected, trial->t, state->calm_since);
+    state->calm_since = following.calm_since;
+    state->counts.given_up += following.given_up > 0 || trial->newton.error > solver->newton_tolerance;
+    *step_next = following.length;
     *reaches = parts == 1;
     return 1;
 }
@@ -99,7 +100,7 @@ int step_towards(Simulator *rope, State *state, double t_end, char *message) {
     if (state->fidelity == RIGID) return rigid_step(rope, state, t_end, message);
     const int transformed = transform_if_due(rope, state);
     if (transformed != CONVERGED)
-        return say_transformation_fails(message, rope->scene.solver.step_min, ENDED[transformed]);
+        return say_transformation_fails(message, rope->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     release_swivels(rope, state);
     const double stop = next_stop(rope, state, t_end);
     double step_next, end;
@@ -113,7 +114,7 @@ int step_towards(Simulator *rope, State *state, double t_end, char *message) {
         /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), rope->scene.solver.step_min);
         if (state->step_next > 0.75 * (end - state->t))
-            return say_step_to_event_fails(message, ENDED[trial.newton.status]);
+            return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
         state->counts.rejections += 1;
     }
     model_commit(rope, state, &trial);
