@@ -7,11 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* host and model may differ by this much about the time t, s: by some roundings of it */
-#define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t))
-/* s: in less nothing moves.  Hosts that end on a multiple of their step arrive there by such rests of it */
-#define SHORTEST_STEP 1e-9
-/* what has been entered since the model was set up */
+#define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t)) /* s, difference allowed between times of host and model */
+#define SHORTEST_STEP 1e-9 /* s; a shorter one moves nothing.  Rounding of the host's times leaves such steps */
+/* entries that changed since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
 enum { NUMBER = 32, STATE_VERSION = 5 };
 
@@ -20,21 +18,21 @@ struct Component {
     ComponentLog log;
     void *context;
     ModelInstance *model;
-    double start, stop; /* infinite when none was announced */
-    double time;        /* where the host has brought it; the model is less than SHORTEST_STEP from it */
+    double start, stop; /* stop: infinite if not announced */
+    double time;        /* host's time, s; the model differs by less than SHORTEST_STEP */
     int mode, changed, retune;
     int started;     /* initialised, and not reset since */
-    int valid;       /* of the last initialisation or step */
+    int valid;       /* the last initialisation or step succeeded */
     int at_event;    /* the last step ended at an event */
-    unsigned warned; /* bit k: warning k has been in the log since initialisation began */
+    unsigned warned; /* bit k: warning k was logged since initialisation began */
     char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
-    double values[]; /* the entries, those that the model goes by, and what was entered; MODEL_SCALARS each */
+    double values[]; /* entries, those that the model uses, and flags of entered(); MODEL_SCALARS each */
 };
 
-/* before the values and the model's bytes of a state */
+/* Header of a state; the values and the model's bytes follow. */
 typedef struct {
     char magic[8];
-    uint64_t bytes, checksum; /* checksum: of all that follows it */
+    uint64_t bytes, checksum; /* checksum: of the bytes behind it */
     uint32_t version;
     int32_t mode, valid, started, at_event;
     double start, stop, time;
@@ -54,7 +52,7 @@ static int refuse(Component *c, const char *format, ...) {
     return 0;
 }
 
-/* of each scalar, 1 where the host has set it */
+/* Return flags of all scalars, 1 where the host has set the value. */
 static double *entered(Component *c) {
     return c->values + 2 * MODEL_SCALARS;
 }
@@ -63,13 +61,13 @@ static size_t values_bytes(void) {
     return 3 * MODEL_SCALARS * sizeof(double);
 }
 
-/* the model goes by the present entries */
+/* Record that the model uses the present entries. */
 static void take_over(Component *c) {
     memcpy(c->values + MODEL_SCALARS, c->values, MODEL_SCALARS * sizeof(double));
     c->retune = 0;
 }
 
-/* the shortest decimal that reads back as x */
+/* Print the shortest decimal that reads back as x. */
 static const char *shortest(double x, char text[NUMBER]) {
     if (isnan(x)) return "nan";
     if (isinf(x)) return x > 0 ? "inf" : "-inf";
@@ -169,7 +167,6 @@ void component_enter_initialization(Component *c) {
     c->warned = 0;
 }
 
-/* warnings, each of them once */
 static void warn(Component *c) {
     char text[MODEL_MESSAGE];
     for (int k = 0;; k++) {
@@ -190,7 +187,8 @@ static int set_up(Component *c) {
     c->changed = NOTHING;
     c->valid = 1;
     c->status[0] = '\0';
-    if (!c->model && !(c->model = model_create(c->values, &c->allocator, why)))
+    if (!c->model) c->model = model_create(c->values, &c->allocator, why);
+    if (!c->model)
         refuse(c, "initialisation: %s", why);
     else if (!model_initialize(c->model, c->start, c->values, why)) {
         refuse(c, "%s", why);
@@ -208,7 +206,7 @@ static int set_up(Component *c) {
     return 0;
 }
 
-/* the model with what has been entered so far; while initialising it is set up when it is first needed */
+/* Provide the model.  During initialisation it is set up anew after each change of an entry. */
 static int have_model(Component *c) {
     if (c->mode == INITIALIZATION && c->changed) return set_up(c);
     if (c->model) return 1;
@@ -236,7 +234,7 @@ static int step(Component *c, double t, double h, int *event) {
     if (t + h > c->stop + TIME_SLACK(c->stop))
         return refuse(c, "a step to t = %s s goes beyond the stop time %s s; announce a later one, or none",
                       shortest(t + h, text), shortest(c->stop, other));
-    if (t + h - model_time(c->model) < SHORTEST_STEP) { /* the next step goes on from the model's time */
+    if (t + h - model_time(c->model) < SHORTEST_STEP) { /* the next step starts at the model's time */
         if (event) *event = 0;
         return 1;
     }
@@ -270,7 +268,7 @@ int component_at_event(const Component *c) {
 }
 
 int component_terminate(Component *c, const char *function) {
-    /* a host that ends because something failed has been told: a second error would hide the first */
+    /* After a failure, a second error would hide the first. */
     if (c->mode == FAILED || (c->mode & (INSTANTIATED | INITIALIZATION) && c->message[0])) return 1;
     if (!component_allows(c, function, STEPPING)) return 0;
     c->mode = TERMINATED;
@@ -286,12 +284,13 @@ void component_reset(Component *c) {
     c->stop = INFINITY;
     c->valid = 1;
     c->status[0] = c->message[0] = '\0';
-    for (size_t i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i), entered(c)[i] = 0.0;
+    memset(entered(c), 0, MODEL_SCALARS * sizeof(double));
+    for (size_t i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
 }
 
 /* values */
 
-/* the variable's scalars; 0 for one that is in the array of another */
+/* Return the number of scalars of a variable; 0 for an element of another variable. */
 static size_t length_of(unsigned reference) {
     return model_has_arrays() ? MODEL_VARIABLES[reference].length : 1;
 }
@@ -306,9 +305,9 @@ int component_find(Component *c, unsigned reference, Kind kind, size_t *first, s
 }
 
 int component_has_token(const char *token) {
-    char own[MODEL_TOKEN];
-    model_token(own);
-    return token && !strcmp(token, own);
+    char expected[MODEL_TOKEN];
+    model_token(expected);
+    return token && !strcmp(token, expected);
 }
 
 int component_get(Component *c, size_t scalar, double *value) {
@@ -320,10 +319,10 @@ int component_get(Component *c, size_t scalar, double *value) {
     if (variable->source == FROM_TIME) *value = component_time(c);
     if (variable->source != FROM_MODEL) return 1;
     if (have_model(c) && (model_output(c->model, scalar, value, why) || refuse(c, "%s", why))) {
-        if (variable->kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX); /* of what counts on and on */
+        if (variable->kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX); /* counters grow without bound */
         return 1;
     }
-    if (variable->kind == KIND_REAL) *value = NAN; /* nothing that looks like a force */
+    if (variable->kind == KIND_REAL) *value = NAN; /* must not look like a force */
     return 0;
 }
 
@@ -334,7 +333,7 @@ int component_get_text(Component *c, size_t scalar, const char **text) {
     return have_model(c) && (model_text(c->model, scalar, text, why) || refuse(c, "%s", why));
 }
 
-/* why an entry cannot have the value; "" when it can */
+/* Write the reason why an entry cannot have the value; "" if it can. */
 static void check_entry(const Variable *variable, double value, char why[MODEL_MESSAGE]) {
     char text[NUMBER];
     why[0] = '\0';
@@ -375,7 +374,7 @@ static int enter(Component *c, size_t scalar, double value) {
 
 int component_set(Component *c, size_t scalar, double value) {
     if (!enter(c, scalar, value)) return 0;
-    if (c->started) entered(c)[scalar] = 1.0; /* what importers set before are start values */
+    if (c->started) entered(c)[scalar] = 1.0; /* earlier ones are start values */
     return 1;
 }
 
@@ -427,7 +426,7 @@ size_t component_state_bytes(const Component *c) {
     return sizeof(StateHeader) + values_bytes() + model_bytes(c);
 }
 
-/* FNV-1a over words, for hosts save at every step: a defence against damage, not against malice */
+/* Return the FNV-1a hash over words: fast, because hosts save at every step.  It detects damage, not malice. */
 static uint64_t checksum(const unsigned char *bytes, size_t number) {
     uint64_t sum = 14695981039346656037u, word;
     for (; number >= sizeof word; bytes += sizeof word, number -= sizeof word) {
@@ -466,7 +465,7 @@ void component_save(const Component *c, void *to) {
     memcpy(to, &header, sizeof header);
 }
 
-/* whether the text is one that refuse() made: it ends, and its characters can be shown */
+/* True if the text is terminated and printable, as those of refuse() are. */
 static int is_message(const char text[MODEL_MESSAGE]) {
     for (size_t i = 0; i < MODEL_MESSAGE; i++) {
         if (text[i] == '\0') return 1;
@@ -479,11 +478,11 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1);
     size_t least = sizeof *header + values_bytes(), i;
-    char why[MODEL_MESSAGE], own[MODEL_TOKEN];
-    model_token(own);
+    char why[MODEL_MESSAGE], expected[MODEL_TOKEN];
+    model_token(expected);
     if (bytes < sizeof *header || memcmp(header->magic, MAGIC, sizeof MAGIC))
         return refuse(c, "these %lu bytes are not a state of this FMU", (unsigned long)bytes);
-    if (header->version != STATE_VERSION || memcmp(header->token, own, MODEL_TOKEN))
+    if (header->version != STATE_VERSION || memcmp(header->token, expected, MODEL_TOKEN))
         return refuse(c, "the state is none of this FMU's: it is another build's; restore it there");
     if (bytes < least || header->bytes != bytes || header->checksum != state_checksum(from, bytes))
         return refuse(c, "these %lu bytes are a damaged state: length or checksum do not fit; save it anew",
@@ -519,7 +518,7 @@ int component_restore(Component *c, const void *from, size_t bytes) {
     if (!component_is_state(c, from, bytes)) return 0;
     if (header->started) {
         size_t number = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
-        /* another's parameters need another model; the present one stays until that has taken the state */
+        /* Other fixed parameters need a new model; the present one stays until that has the state. */
         int fits = c->started && c->model && same_fixed(values, c->values);
         model = fits ? c->model : model_create(goes_by, &c->allocator, why);
         if (!model || !model_retune(model, goes_by, why) || !model_restore(model, rest, number, why)) {

@@ -1,4 +1,4 @@
-/* FMI 2.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h. */
+/* FMI 2.0 for co-simulation of any model: all functions of the standard, over component.h. */
 #include <string.h>
 
 #include "component.h"
@@ -12,14 +12,14 @@ typedef struct {
     Allocator allocator;
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
-    int logging; /* of notes */
+    int logging; /* true if notes are logged */
     char name[NAME];
 } Instance;
 
 static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment, const char *name, Severity severity,
                 const char *message) {
     static const fmi2Status statuses[] = {fmi2OK, fmi2Warning, fmi2Error};
-    /* the logger takes a format; some hosts print it as it is */
+    /* The logger takes a format, which some hosts print as it is. */
     char format[2 * MODEL_MESSAGE], *end = format;
     if (!logger) return;
     for (; *message && end < format + sizeof format - 2; message++) {
@@ -79,7 +79,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                            .environment = functions->componentEnvironment,
                            .logging = loggingOn != fmi2False};
         strncpy(fields.name, instanceName, NAME - 1);
-        Instance *i = made(fields);
+        Instance *i = create_instance(fields);
         if (i) return i;
         wrong = NO_MEMORY;
     }
@@ -92,7 +92,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     Instance *i = c;
-    (void)toleranceDefined, (void)tolerance; /* a parameter of the model has that part */
+    (void)toleranceDefined, (void)tolerance; /* the model has a parameter for it */
     return status(may(i, "fmi2SetupExperiment", INSTANTIATED) &&
                   component_setup(i->component, startTime, stopTimeDefined, stopTime));
 }
@@ -107,7 +107,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
     Instance *i = c;
-    (void)noSetFMUStatePriorToCurrentPoint; /* states are the host's, nothing is to be thrown away */
+    (void)noSetFMUStatePriorToCurrentPoint; /* the host owns the states */
     return status(may(i, "fmi2DoStep", STEPPING) &&
                   component_step(i->component, currentCommunicationPoint, communicationStepSize, 0));
 }
@@ -127,21 +127,21 @@ VARIABLES_OF(Integer, KIND_INTEGER)
 VARIABLES_OF(Boolean, KIND_BOOLEAN)
 VARIABLES_OF(String, KIND_STRING)
 
-/* derivatives */
-
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     Instance *i = c;
     if (!may_access(i, "fmi2GetDirectionalDerivative", COMPUTED, vUnknown_ref, nUnknown, dvUnknown)) return fmi2Error;
-    if (nKnown && !(not_null(i, vKnown_ref) && not_null(i, dvKnown))) return fmi2Error;
+    if (nKnown && !(component_given(i->component, vKnown_ref) && component_given(i->component, dvKnown)))
+        return fmi2Error;
     return status(component_derivative(i->component, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
 }
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
     Instance *i = c;
-    if (!may_access(i, "fmi2SetRealInputDerivatives", SETTABLE, vr, nvr, value) || (nvr && !not_null(i, order)))
+    if (!may_access(i, "fmi2SetRealInputDerivatives", SETTABLE, vr, nvr, value) ||
+        (nvr && !component_given(i->component, order)))
         return fmi2Error;
     for (size_t k = 0; k < nvr; k++) {
         size_t first, length;
@@ -152,15 +152,15 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return fmi2OK;
 }
 
-/* not every argument is read from here on */
+/* functions below ignore arguments */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 
-/* status; only steps that run on in the background have a pending one */
+/* status; only steps in the background have a pending one */
 
 #define STATUS_OF(name, Type, found, answered)                                                                         \
     fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, Type *value) {                                   \
         Instance *i = c;                                                                                               \
-        if (!may(i, "fmi2Get" #name, COMPUTED) || !not_null(i, value)) return fmi2Error;                               \
+        if (!may(i, "fmi2Get" #name, COMPUTED) || !component_given(i->component, value)) return fmi2Error;             \
         *value = found;                                                                                                \
         return answered ? fmi2OK : fmi2Discard;                                                                        \
     }
@@ -171,14 +171,14 @@ STATUS_OF(IntegerStatus, fmi2Integer, 0, 0)
 STATUS_OF(BooleanStatus, fmi2Boolean, fmi2False, s == fmi2Terminated)
 STATUS_OF(StringStatus, fmi2String, "", 0)
 
-/* what steps in the background and capability flags rule out */
+/* functions ruled out by capability flags */
 
 REFUSED(CancelStep, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel",
         fmi2Component instance)
 REFUSED(GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none",
         fmi2Component instance, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], fmi2Real value[])
 
-/* model exchange: a complete library has these functions, this FMU has no such interface */
+/* functions of model exchange, refused */
 
 REFUSED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component instance)
 REFUSED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component instance, fmi2EventInfo *eventInfo)

@@ -1,7 +1,5 @@
-/* FMI 3.0 for co-simulation, of any model: every function of the standard, each a few lines over component.h.
-
-   No clocks, no intermediate update: those functions say so and return an error.  Event mode is step mode by another
-   name: what an event changes is changed when fmi3DoStep returns at it. */
+/* FMI 3.0 for co-simulation of any model: all functions of the standard, over component.h.  Those of clocks and
+   intermediate update return an error.  Event mode changes nothing: fmi3DoStep has handled the event on return. */
 #include "component.h"
 #include "fmi3Functions.h"
 #include "snapshot.h"
@@ -11,7 +9,7 @@ typedef struct {
     Allocator allocator;
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
-    int logging; /* of notes */
+    int logging; /* true if notes are logged */
     int event_mode, early_return;
 } Instance;
 
@@ -58,7 +56,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     else if (!model_open(resourcePath, why))
         wrong = why;
     if (!wrong) {
-        Instance *i = made((Instance){
+        Instance *i = create_instance((Instance){
             NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn, eventModeUsed, earlyReturnAllowed});
         if (i) return i;
         wrong = NO_MEMORY;
@@ -72,7 +70,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     Instance *i = instance;
-    (void)toleranceDefined, (void)tolerance; /* a parameter of the model has that part */
+    (void)toleranceDefined, (void)tolerance; /* the model has a parameter for it */
     if (!may(i, "fmi3EnterInitializationMode", INSTANTIATED) ||
         !component_setup(i->component, startTime, stopTimeDefined, stopTime))
         return fmi3Error;
@@ -84,9 +82,10 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
     Instance *i = instance;
-    (void)noSetFMUStatePriorToCurrentPoint; /* states are the host's, nothing is to be thrown away */
-    if (!may(i, "fmi3DoStep", STEPPING) || !not_null(i, eventHandlingNeeded) || !not_null(i, terminateSimulation) ||
-        !not_null(i, earlyReturn) || !not_null(i, lastSuccessfulTime))
+    (void)noSetFMUStatePriorToCurrentPoint; /* the host owns the states */
+    if (!may(i, "fmi3DoStep", STEPPING) || !component_given(i->component, eventHandlingNeeded) ||
+        !component_given(i->component, terminateSimulation) || !component_given(i->component, earlyReturn) ||
+        !component_given(i->component, lastSuccessfulTime))
         return fmi3Error;
     int to_event = i->event_mode && i->early_return;
     int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize, to_event);
@@ -97,17 +96,17 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     return status(ok);
 }
 
-static fmi3Status of_events(Instance *i, const char *function) {
+static fmi3Status in_event_mode(Instance *i, const char *function) {
     if (!may(i, function, STEPPING)) return fmi3Error;
     return status(i->event_mode || component_refuse(i->component, "instantiate the FMU with eventModeUsed = true"));
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-    return of_events(instance, "fmi3EnterEventMode");
+    return in_event_mode(instance, "fmi3EnterEventMode");
 }
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
-    return of_events(instance, "fmi3EnterStepMode");
+    return in_event_mode(instance, "fmi3EnterStepMode");
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
@@ -116,10 +115,11 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
                                     fmi3Float64 *nextEventTime) {
     fmi3Boolean *const answers[] = {discreteStatesNeedUpdate, terminateSimulation, nominalsOfContinuousStatesChanged,
                                     valuesOfContinuousStatesChanged, nextEventTimeDefined};
-    if (of_events(instance, "fmi3UpdateDiscreteStates") != fmi3OK || !not_null(instance, nextEventTime))
+    Instance *i = instance;
+    if (in_event_mode(i, "fmi3UpdateDiscreteStates") != fmi3OK || !component_given(i->component, nextEventTime))
         return fmi3Error;
     for (int k = 0; k < 5; k++) {
-        if (!not_null(instance, answers[k])) return fmi3Error;
+        if (!component_given(i->component, answers[k])) return fmi3Error;
         *answers[k] = fmi3False;
     }
     return fmi3OK;
@@ -127,7 +127,6 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
 
 /* values */
 
-/* the two functions of a type that this FMU has variables of */
 #define VARIABLES_OF(Type, kind)                                                                                       \
     fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
                              size_t nValueReferences, fmi3##Type values[], size_t nValues) {                           \
@@ -144,14 +143,14 @@ VARIABLES_OF(Int64, KIND_ENUMERATION)
 VARIABLES_OF(Boolean, KIND_BOOLEAN)
 VARIABLES_OF(String, KIND_STRING)
 
-/* types that this FMU has no variables of */
+/* types without variables */
 
 static fmi3Status none_of(Instance *i, const char *function, size_t number) {
     if (!may(i, function, ANY_MODE)) return fmi3Error;
     return status(!number || component_refuse(i->component, "there is no variable of this type"));
 }
 
-/* not every argument is read from here on */
+/* functions below ignore arguments */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #define NONE_OF(name, ...)                                                                                             \
     fmi3Status fmi3##name(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,  \
@@ -174,21 +173,19 @@ NONE_OF(SetBinary, const size_t valueSizes[], const fmi3Binary values[], size_t 
 NONE_OF(GetClock, fmi3Clock values[])
 NONE_OF(SetClock, const fmi3Clock values[])
 
-/* derivatives */
-
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
     Instance *i = instance;
     if (!may_access(i, "fmi3GetDirectionalDerivative", COMPUTED, unknowns, nUnknowns, sensitivity)) return fmi3Error;
-    if (nKnowns && !(not_null(i, knowns) && not_null(i, seed))) return fmi3Error;
+    if (nKnowns && !(component_given(i->component, knowns) && component_given(i->component, seed))) return fmi3Error;
     if (nSeed != nKnowns || nSensitivity != nUnknowns)
         return status(component_refuse(i->component,
                                        "derivatives are of scalars: give one seed per known, one place per unknown"));
     return status(component_derivative(i->component, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity));
 }
 
-/* what the capability flags rule out: nobody reads the arguments */
+/* functions ruled out by capability flags */
 
 #define NOT_PROVIDED "this FMU does not provide that; see its capability flags"
 #define NO_EVENTS "this FMU has no structural parameters, no discrete states to evaluate and no clocks"
@@ -224,7 +221,7 @@ OF_CLOCKS(SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolu
 REFUSED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
         fmi3Float64 activationTime)
 
-/* other kinds of simulation: what is behind the environment begins with logMessage */
+/* other kinds of simulation; the first argument behind the environment is logMessage */
 
 #define OTHER_KIND(name, ...)                                                                                          \
     fmi3Instance fmi3Instantiate##name(fmi3String instanceName, fmi3String instantiationToken,                         \

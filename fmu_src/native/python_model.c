@@ -1,11 +1,11 @@
-/* A model written in Python: the functions of model.h hand over to an object of a class in the FMU's resources.
+/* A model written in Python: the functions of model.h call an object of a class in the FMU's resources.
 
-   The interpreter is the process's own; where there is none (a tool that is not Python) a libpython is loaded, and
-   stays until the process ends, because numpy cannot be loaded a second time.  Only functions of Python's stable ABI
-   are used, by name, so that one library serves every Python from 3.11 on and needs no header of it.
+   The interpreter is that of the process.  A tool without Python loads a libpython, which stays until the process ends
+   because numpy cannot be loaded twice.  Functions of Python's stable ABI are loaded by name, so that one library
+   serves every Python from 3.11 on, without its headers.
 
-   Object and library share arrays by scalar: the entries of the last call, the outputs, which of these are known
-   since the last change, and derivatives.  An output that is not known makes Python compute it with its kin. */
+   Object and library share arrays by scalar: entries of the last call, outputs, flags of the outputs known since the
+   last change, and derivatives.  Python computes an unknown output together with its group. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -47,11 +47,10 @@ typedef struct PyObject PyObject;
 static struct {
     PYTHON_FUNCTIONS(POINTER)
 } python;
-/* makes an object of the model's class; NULL until the package has been loaded; read and written with the GIL */
-static PyObject *make;
+static PyObject *make; /* creates a model object; NULL until the package is loaded; needs the GIL */
 
 enum { READ = 0x100, WRITE = 0x200 }; /* access to a memoryview */
-enum { OLDEST = 11, NEWEST = 29 };    /* Python 3.x that is tried */
+enum { OLDEST = 11, NEWEST = 29 };    /* versions 3.x to try */
 
 struct ModelInstance {
     PyObject *object;
@@ -61,7 +60,7 @@ struct ModelInstance {
     unsigned char *known;
 };
 
-/* The module that pythonfmu's builder names, from the folder that the host names, and the class that it defines. */
+/* Loads the module that pythonfmu's builder names from the host's folder, and finds its class. */
 static const char LOAD[] =
     "import functools, importlib, pathlib, sys, urllib.request\n"
     "wrong = ''\n"
@@ -105,7 +104,7 @@ static void *symbol(HMODULE from, const char *name) {
     return (void *)GetProcAddress(from, name);
 }
 
-/* the forwarder to whichever python3x.dll is beside it */
+/* python3.dll forwards to the python3x.dll beside it. */
 static HMODULE library(void) {
     HMODULE found = GetModuleHandleA("python3.dll");
     return found ? found : LoadLibraryA("python3.dll");
@@ -133,31 +132,31 @@ static const char NAME[] = "libpython3.%d.dylib";
 static const char NAME[] = "libpython3.%d.so.1.0";
 #endif
 
-/* the process's own, or a library whose symbols numpy's and casadi's libraries will see, too */
+/* Return the process itself, or a libpython whose symbols are visible to the libraries of numpy and casadi. */
 static void *library(void) {
     void *found = dlopen(NULL, RTLD_LAZY);
     char name[sizeof NAME];
     if (found && dlsym(found, "Py_IsInitialized")) return found;
     for (int minor = OLDEST; minor <= NEWEST; minor++) {
         snprintf(name, sizeof name, NAME, minor);
-        if ((found = dlopen(name, RTLD_LAZY | RTLD_GLOBAL))) return found;
+        found = dlopen(name, RTLD_LAZY | RTLD_GLOBAL);
+        if (found) return found;
     }
     return NULL;
 }
 
 #endif
 
-/* Python's functions in `python`, and an interpreter, made by one thread while others wait.  Nobody waits for the GIL
-   meanwhile: a thread that came with it would wait for the lock, and both for ever. */
+/* Load Python's functions and an interpreter, in one thread while others wait.  This must not wait for the GIL: a
+   thread that holds it may wait for the lock. */
 static int find_python(char *message) {
     static const struct {
         const char *name;
         void **place;
     } entries[] = {PYTHON_FUNCTIONS(ENTRY)};
     static int found_all;
-    void *from;
     if (found_all) return 1;
-    from = (void *)library();
+    void *from = (void *)library();
     if (!from) {
         snprintf(message, MODEL_MESSAGE,
                  "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
@@ -178,20 +177,20 @@ static int find_python(char *message) {
         python.Py_InitializeEx(0);  /* signals stay the host's */
         python.PyEval_SaveThread(); /* each call takes the interpreter's lock */
     }
-    return found_all = 1;
+    found_all = 1;
+    return 1;
 }
 
 static int have_python(char *message) {
-    int there;
     begin_alone();
-    there = find_python(message);
+    const int found = find_python(message);
     end_alone();
-    return there;
+    return found;
 }
 
-/* what Python answered */
+/* answers of Python */
 
-/* all of a message that fits, cut between two characters */
+/* Copy a message as far as it fits, cut between two characters. */
 static void copy(const char *text, char *message) {
     size_t length = strlen(text);
     if (length >= MODEL_MESSAGE)
@@ -200,13 +199,13 @@ static void copy(const char *text, char *message) {
     message[length] = '\0';
 }
 
-/* an exception that no Python code caught */
+/* Report an exception that no Python code caught. */
 static void report(char *message) {
     python.PyErr_WriteUnraisable(NULL);
     copy("internal error in Python, please report it; its standard error has the traceback", message);
 }
 
-/* copies a string and lets go of it */
+/* Copy a string and release it. */
 static void take_text(PyObject *text, char *message) {
     const char *found = text ? python.PyUnicode_AsUTF8AndSize(text, NULL) : NULL;
     if (found)
@@ -216,7 +215,7 @@ static void take_text(PyObject *text, char *message) {
     python.Py_DecRef(text);
 }
 
-/* whether a method succeeded; else why, from the object's message */
+/* True if a method succeeded; else copies the object's message. */
 static int check_answer(PyObject *object, PyObject *answer, char *message) {
     int ok = answer ? python.PyObject_IsTrue(answer) : -1;
     python.Py_DecRef(answer);
@@ -245,10 +244,11 @@ int model_open(const char *resources, char *message) {
         PyObject *builtins = python.PyImport_ImportModule("builtins");
         PyObject *scope = python.Py_BuildValue("{s:s}", "location", resources ? resources : "");
         PyObject *done = builtins && scope ? python.PyObject_CallMethod(builtins, "exec", "sO", LOAD, scope) : NULL;
-        /* threads that come meanwhile import the same module, which Python loads once, and find the same class */
+        /* Other threads may import the same module meanwhile; Python loads it once. */
+        if (done) loaded = python.PyDict_GetItemString(scope, "make"); /* scope is never released */
         if (!done)
             report(message);
-        else if (!(loaded = python.PyDict_GetItemString(scope, "make"))) /* scope is never given back */
+        else if (!loaded)
             take_text(python.Py_BuildValue("O", python.PyDict_GetItemString(scope, "wrong")), message);
         if (loaded) make = loaded;
         python.Py_DecRef(done);
@@ -259,9 +259,8 @@ int model_open(const char *resources, char *message) {
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
-    size_t room = MODEL_SCALARS * sizeof(double);
-    ModelInstance *model = allocator->take(1, sizeof *model + 3 * room + MODEL_SCALARS);
-    int ok;
+    size_t bytes = MODEL_SCALARS * sizeof(double);
+    ModelInstance *model = allocator->take(1, sizeof *model + 3 * bytes + MODEL_SCALARS);
     if (!model) {
         snprintf(message, MODEL_MESSAGE, "no memory for the model; free other instances first");
         return NULL;
@@ -271,19 +270,19 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     model->outputs = model->values + MODEL_SCALARS;
     model->derivatives = model->outputs + MODEL_SCALARS;
     model->known = (unsigned char *)(model->derivatives + MODEL_SCALARS);
-    memcpy(model->values, values, room);
-    memset(model->outputs, 0, 2 * room + MODEL_SCALARS);
+    memcpy(model->values, values, bytes);
+    memset(model->outputs, 0, 2 * bytes + MODEL_SCALARS);
     int gil = python.PyGILState_Ensure();
     PyObject *answer = NULL;
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
         answer = python.PyObject_CallMethod(
             model->object, "create", "NNNN",
-            python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)room, READ),
-            python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)room, WRITE),
+            python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)bytes, READ),
+            python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)bytes, WRITE),
             python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
-            python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)room, WRITE));
-    ok = check_answer(model->object, answer, message);
+            python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)bytes, WRITE));
+    const int ok = check_answer(model->object, answer, message);
     python.PyGILState_Release(gil);
     if (ok) return model;
     model_destroy(model);
@@ -292,7 +291,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
 
 void model_destroy(ModelInstance *model) {
     if (!model) return;
-    if (python.Py_IsInitialized()) { /* not so when a host that is Python ends before its FMUs */
+    if (python.Py_IsInitialized()) { /* a Python host may end before its FMUs */
         int gil = python.PyGILState_Ensure();
         python.Py_DecRef(model->object);
         python.PyGILState_Release(gil);
@@ -300,12 +299,12 @@ void model_destroy(ModelInstance *model) {
     model->give_back(model);
 }
 
-/* whether a method succeeds with these entries, and with as many of the numbers as its format has; else why */
+/* Call a method with these entries and as many of t and h as `format` has; return true on success. */
 static int succeeds(ModelInstance *model, const double *values, const char *method, const char *format, double t,
                     double h, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     memcpy(model->values, values, MODEL_SCALARS * sizeof(double));
-    memset(model->known, 0, MODEL_SCALARS); /* what was computed from other entries */
+    memset(model->known, 0, MODEL_SCALARS); /* computed from other entries */
     ok = check_answer(model->object, python.PyObject_CallMethod(model->object, method, format, t, h), message);
     python.PyGILState_Release(gil);
     return ok;
@@ -343,7 +342,7 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
     return ok;
 }
 
-/* the object keeps the text until that scalar is asked for again */
+/* The object keeps the text until the next call for this scalar. */
 int model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
     int gil = python.PyGILState_Ensure();
     PyObject *answer = python.PyObject_CallMethod(model->object, "text", "n", (ptrdiff_t)scalar);
@@ -362,12 +361,12 @@ void model_note(const ModelInstance *model, char *message) {
 }
 
 int model_warning(ModelInstance *model, int number, char *message) {
-    int gil = python.PyGILState_Ensure(), there;
-    there = number < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
+    const int gil = python.PyGILState_Ensure();
+    const int exists = number < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
     message[0] = '\0';
-    if (there) take_text(python.PyObject_CallMethod(model->object, "warning", "i", number), message);
+    if (exists) take_text(python.PyObject_CallMethod(model->object, "warning", "i", number), message);
     python.PyGILState_Release(gil);
-    return there;
+    return exists;
 }
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,

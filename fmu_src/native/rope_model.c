@@ -1,4 +1,4 @@
-/* The balance rope as a model: entries to scene and end motions, signals to outputs. */
+/* The balance rope as a model.  Entries become scene and end motions, signals become outputs. */
 #include <stdio.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@ struct ModelInstance {
     Simulator *rope;
     Memory memory;
     Scene scene;
-    int at_step_end; /* the reading of the inputs */
+    int at_step_end; /* true if inputs apply at the end of a step */
     char warning[(ROPE_EXTRAPOLATION + 1) * (MODEL_MESSAGE + 2)];
 };
 
@@ -41,7 +41,7 @@ static int copy_message(const ModelInstance *model, int ok, char *message) {
 }
 
 int model_open(const char *resources, char *message) {
-    (void)resources, (void)message; /* all is in this library */
+    (void)resources, (void)message; /* nothing to load */
     return 1;
 }
 
@@ -52,8 +52,7 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
         return NULL;
     }
     memset(model, 0, sizeof *model);
-    model->memory.take = allocator->take;
-    model->memory.give_back = allocator->give_back;
+    model->memory = (Memory){allocator->take, allocator->give_back};
     read_parameters(model, values);
     model->rope = rope_create(&model->scene, &model->memory, message);
     if (model->rope) return model;
@@ -77,7 +76,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, i
     EndMotion ends[2];
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
-    if (event && !model->at_step_end) /* nobody gives a motion at the event, but it is extrapolated */
+    if (event && !model->at_step_end) /* only extrapolated motions are known at an event */
         return copy_message(model, rope_advance_to_event(model->rope, t + h, ends, given_at, event), message);
     return copy_message(model, rope_advance_to(model->rope, t + h, ends, given_at), message);
 }
@@ -107,7 +106,7 @@ int model_warning(ModelInstance *model, int number, char *message) {
     return 1;
 }
 
-/* all of them, a line each */
+/* Return all warnings, a line each. */
 static const char *warning(ModelInstance *model) {
     char text[MODEL_MESSAGE], *end = model->warning, *stop = end + sizeof(model->warning);
     *end = '\0';

@@ -1,4 +1,4 @@
-/* Where each scalar of the interface lives in the rope; the table is generated from fmu_src.interface. */
+/* Place of each scalar of the interface in the rope; the table is generated from fmu_src.interface. */
 #ifndef ROPE_TABLE_H
 #define ROPE_TABLE_H
 
@@ -9,9 +9,9 @@
 enum Where {
     NOWHERE,
     SCENE_REAL,    /* offset: in struct Scene */
-    SCENE_INTEGER, /* likewise */
+    SCENE_INTEGER, /* as SCENE_REAL */
     LEFT_MOTION,   /* offset: in struct EndMotion */
-    RIGHT_MOTION,  /* likewise */
+    RIGHT_MOTION,  /* as LEFT_MOTION */
     SIGNAL,        /* offset: number of the signal */
     FIDELITY_NAME,
     FIDELITY_REASON,
@@ -22,12 +22,12 @@ enum Where {
 typedef struct {
     enum Where where;
     size_t offset;
-    int derivative; /* place in what rope_load_derivative gives; -1: none */
+    int derivative; /* index in the result of rope_load_derivative; -1 for none */
 } Place;
 
 extern const Place ROPE_PLACES[]; /* MODEL_SCALARS */
 
 enum { INPUTS_OF_END = sizeof(EndMotion) / sizeof(double) };
-extern const size_t ROPE_MOTIONS[2][INPUTS_OF_END]; /* the scalars of both ends' motions, as in EndMotion */
+extern const size_t ROPE_MOTIONS[2][INPUTS_OF_END]; /* scalars of both ends' motions, in the order of EndMotion */
 
 #endif

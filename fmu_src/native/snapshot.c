@@ -4,22 +4,21 @@
 #include <string.h>
 
 struct Snapshot {
-    const void *mark; /* OURS, until it is freed */
-    size_t bytes, room;
-    uint64_t state[]; /* aligned for whatever a state holds */
+    const void *mark; /* &OURS until it is freed */
+    size_t bytes, capacity;
+    uint64_t state[]; /* words of 64 bits, for alignment */
 };
 
-/* whose address no other memory holds but by chance */
-static const char OURS = 1;
+static const char OURS = 1; /* its address marks a snapshot */
 
-static Snapshot *with_room(Component *c, const Allocator *allocator, size_t bytes) {
+static Snapshot *allocate_snapshot(Component *c, const Allocator *allocator, size_t bytes) {
     Snapshot *snapshot = bytes < SIZE_MAX / 2 ? allocator->take(1, sizeof *snapshot + bytes) : NULL;
     if (!snapshot) {
         component_refuse(c, "no memory for a state; free states that are not needed");
         return NULL;
     }
     snapshot->mark = &OURS;
-    snapshot->room = bytes;
+    snapshot->capacity = bytes;
     return snapshot;
 }
 
@@ -32,8 +31,8 @@ int snapshot_given(Component *c, const Snapshot *snapshot) {
 
 int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {
     size_t bytes = component_state_bytes(c);
-    if (!*snapshot || (*snapshot)->room < bytes) {
-        Snapshot *larger = with_room(c, allocator, bytes);
+    if (!*snapshot || (*snapshot)->capacity < bytes) {
+        Snapshot *larger = allocate_snapshot(c, allocator, bytes);
         if (!larger) return 0;
         snapshot_free(allocator, *snapshot);
         *snapshot = larger;
@@ -65,7 +64,7 @@ int snapshot_write(Component *c, const Snapshot *snapshot, void *to, size_t byte
 }
 
 int snapshot_read(Component *c, const Allocator *allocator, const void *from, size_t bytes, Snapshot **snapshot) {
-    Snapshot *read = with_room(c, allocator, bytes);
+    Snapshot *read = allocate_snapshot(c, allocator, bytes);
     if (!read) return 0;
     memcpy(read->state, from, bytes);
     read->bytes = bytes;

@@ -1,4 +1,4 @@
-/* States of a component as objects that a host holds, and as bytes that it keeps. */
+/* States of a component, as objects and as bytes of a host.  Functions return as those of component.h. */
 #ifndef SNAPSHOT_H
 #define SNAPSHOT_H
 
@@ -6,18 +6,16 @@
 
 typedef struct Snapshot Snapshot;
 
-/* return as the functions of component.h */
-
-/* whether it is a snapshot of this FMU that was not freed, and not NULL */
+/* Refuse NULL, and what is not a snapshot of this FMU or was freed. */
 int snapshot_given(Component *c, const Snapshot *snapshot);
-/* *snapshot: NULL for a new one, or one of this FMU to write over */
+/* Save the state; *snapshot is NULL for a new one, or one to overwrite. */
 int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot);
 int snapshot_restore(Component *c, const Snapshot *snapshot);
 void snapshot_free(const Allocator *allocator, Snapshot *snapshot);
 
 size_t snapshot_bytes(const Snapshot *snapshot);
 int snapshot_write(Component *c, const Snapshot *snapshot, void *to, size_t bytes);
-/* a new snapshot from bytes that snapshot_write wrote, in any process */
+/* Create a snapshot from the bytes of snapshot_write. */
 int snapshot_read(Component *c, const Allocator *allocator, const void *from, size_t bytes, Snapshot **snapshot);
 
 #endif

@@ -13,9 +13,11 @@ from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
     accuracy,
     air,
+    air_element,
     contact,
     contact_error,
     contact_places,
+    curved_element,
     element,
     elementary,
     energy_balance,
@@ -107,7 +109,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "places_skipped(distance, diameter, weight, number)": rope_on_rope.places_skipped,
     "most_places(length, elements, diameter)": rope_on_rope.most_places,
     "nearer_place(xi, l, point[3], a[6], b[6])": rope_on_rope.nearer_place,
-    "Touch self_contact_law(contact, diameter, apart[3], speed[3], cq, cv)": rope_on_rope.self_contact_law,
+    "Touch self_contact_law(contact, diameter, separation[3], speed[3], cq, cv)": rope_on_rope.self_contact_law,
     "part_of_time(start, stop, t)": point_forces.part_of_time,
     "void point_load(place[3], force[3], load[6])": point_forces.point_load,
     "largest_motion(longest, q[6], before[6])": contact.largest_motion,
@@ -129,7 +131,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "loop_height(rope, layout, lowest, left, right)": guard.loop_height,
     "sideways(point[3], left[3], right[3])": guard.sideways,
     "off_plumb(height, a[3], b[3], end[3])": guard.off_plumb,
-    "GuardState watch(guard, GuardState state, t, seen[5])": guard.watch,
+    "GuardState watch(guard, GuardState state, t, quantities[5])": guard.watch,
     "void material_values(rope, torsional, strains[3], values[4])": stress.material_values,
     f"void element_parameters(rope, gravity, P[{len(element.PARAMETERS)}])": element.parameters,
     "EnergyBalance with_energies(energy_balance, balance[9], double contact)": energy_balance.with_energies,
@@ -149,23 +151,21 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "FittedMesh fit_elements(scene, loop_error, decades)": mesh_fit.fit_elements,
     f"void faced_places(scene, left, right, places[{len(mesh.NOWHERE)}])": mesh_fit.faced_places,
     "void newton_coefficients(Coefficients method, h, c[3])": generalized_alpha.newton_coefficients,
-    "void prediction_weights(Coefficients method, h, recentring, ahead, weights[6])": (
-        generalized_alpha.prediction_weights
-    ),
-    "void auxiliary_weights(Coefficients method, recentring, weights[4])": generalized_alpha.auxiliary_weights,
+    "void prediction_weights(Coefficients method, h, time_shift, ahead, w[6])": generalized_alpha.prediction_weights,
+    "void auxiliary_weights(Coefficients method, time_shift, weights[4])": generalized_alpha.auxiliary_weights,
     "recentring_time(Coefficients method, h, before)": generalized_alpha.recentring_time,
     "local_error(Coefficients method, h, change)": generalized_alpha.local_error,
     "trial_place(bracket, width)": events.trial_place,
     "Bracket narrowed(bracket, x, value)": events.narrowed,
     "relaxation(change, last)": statics.relaxation,
-    "StepLimits step_limits(scene, ErrorSums sums, bottom, apart, error_constant)": accuracy.step_limits,
-    "ErrorSums add_errors(scene, ErrorSums sums, bottom, apart, h, constant, paces[2], place, force)": (
+    "StepLimits step_limits(scene, ErrorSums sums, bottom, end_speed, error_constant)": accuracy.step_limits,
+    "ErrorSums add_errors(scene, ErrorSums sums, bottom, end_speed, h, constant, paces[2], place, force)": (
         accuracy.add_errors
     ),
     "step_error(StepLimits limits, h, place, strain)": accuracy.step_error,
     "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
     "most_work(interval, step_max)": stepping.most_work,
-    "substeps(way, step_next, left)": accuracy.substeps,
+    "substeps(interval, step_next, steps_left)": accuracy.substeps,
     "newton_may_leave(newton_tolerance, work_max, hasty)": accuracy.newton_may_leave,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
@@ -179,7 +179,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
     "axial_share(rope, bottom, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
-    "Audit audit_after_step(audit, Coefficients method, h, recentring, load[6], force, change, share)": (
+    "Audit audit_after_step(audit, Coefficients method, h, time_shift, load[6], force, change, share)": (
         audit.after_step
     ),
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
@@ -215,7 +215,9 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", accuracy, "ACCEPT_BELOW STEP_WORK BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
     ("", adaptation, "RELAXATION_TIME"),
     ("", contact, "LOOK_AHEAD OWN_LENGTH"),
+    ("", curved_element, "CURVED"),
     ("", diagnostics, "PIECES FINE OUTLINE"),
+    ("", element, "FRAME"),
     ("", generalized_alpha, "LARGEST_GROWTH"),
     ("", guard, "NEVER"),
     ("", hang, "CURVATURE_STEPS PLACING_STEPS TWIST_STEP LEAST_TWIST_STEP MOST_TURN MOST_CORRECTIONS"),
@@ -239,6 +241,12 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     prefix + name: getattr(module, name) for prefix, module, names in _SHARED for name in names.split()
 } | {
     "PARAMETERS": len(element.PARAMETERS),
+    "BALANCE": element.BALANCE.index("damping_power"),
+    "MOMENTUM": len(element.MOMENTUM),
+    "STRAINS": len(element.STRAINS),
+    "AIR_BALANCE": len(air_element.AIR_BALANCE),
+    **{name.upper(): k for k, name in enumerate(element.BALANCE)},
+    **{status.name: status.code for status in newton.NewtonStatus},
     **{f"P_{name.upper()}": k for k, name in enumerate(element.PARAMETERS)},
     "FAR": FAR,
     "CHATTER_TIME": switching.CHATTER[1],

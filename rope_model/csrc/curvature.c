@@ -1,4 +1,4 @@
-/* The permanent curvature of a rope along its present shape: rope_model.simulation.curvature, which see. */
+/* Permanent curvature of the rope.  C version of rope_model/simulation/curvature.py, which explains the method. */
 
 #include "simulator.h"
 
@@ -19,11 +19,11 @@ void curved_reference(Simulator *rope, State *state, const double *q) {
     double e1[3] = DIRECTOR_START, components[6], found[12], *to = rope->curved, s = 0;
     const int elements = is_curved(rope, state) ? m.elements : 0;
     for (int e = 0; e < elements; e++, q += DOF, to += CURVED) {
-        const double of_element[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
+        const double material[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
         curvature_components(data, s, m.lengths[e], components);
         curvature_vectors(components, m.lengths[e], q, e1, found);
         memcpy(to, found, 9 * sizeof *to);
-        memcpy(to + 9, of_element, sizeof of_element);
+        memcpy(to + 9, material, sizeof material);
         memcpy(e1, found + 9, sizeof e1);
         s += m.lengths[e];
     }

@@ -1,4 +1,4 @@
-/* rope_model.simulation.fidelity: which fidelity of the model serves, and why.  The estimates are explained there. */
+/* Choice of the model's fidelity.  C version of rope_model/simulation/fidelity.py, which explains the estimates. */
 
 #include "rules.h"
 
@@ -10,31 +10,31 @@ const char *fidelity_name(int fidelity) {
     return names[fidelity];
 }
 
-/* text (MESSAGE): an input by its number, and its value */
+/* Write name and value of an input into text (MESSAGE bytes). */
 static void input_text(const EndMotion ends[2], int number, char *text) {
     const int side = (number - 1) / INPUT_COUNT, place = (number - 1) % INPUT_COUNT;
     say_nonzero_input(text, SIDE_NAMES[side], INPUTS[place], end_value(&ends[side], place));
 }
 
-void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *what) {
+void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause) {
     const EndMotion *left = &ends[LEFT], *right = &ends[RIGHT];
-    what[0] = '\0';
+    cause[0] = '\0';
     if (fidelity == TORSIONAL) return;
     const int number = (int)unsupported_input(scene, fidelity, left, right);
     char why[MESSAGE];
     if (number == 0 && scene->model.fidelity == AUTO_FIDELITY)
-        tell_unsupported(scene, fidelity, left, right, forces, what);
-    if (number == 0 && fidelity == RIGID && forces > 0) say_applied_forces(what);
+        tell_unsupported(scene, fidelity, left, right, forces, cause);
+    if (number == 0 && fidelity == RIGID && forces > 0) say_applied_forces(cause);
     if (number == 0) return;
-    input_text(ends, number, what);
-    if (fidelity == SPATIAL && out_of_plane(number)) say_while_swivels_hold(what, memcpy(why, what, sizeof why));
+    input_text(ends, number, cause);
+    if (fidelity == SPATIAL && out_of_plane(number)) say_while_swivels_hold(cause, memcpy(why, cause, sizeof why));
 }
 
 int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces) {
-    char what[MESSAGE];
+    char cause[MESSAGE];
     for (int fidelity = RIGID; fidelity > TORSIONAL; fidelity--) {
-        unsupported_motion(scene, fidelity, ends, forces, what);
-        if (!what[0]) return fidelity;
+        unsupported_motion(scene, fidelity, ends, forces, cause);
+        if (!cause[0]) return fidelity;
     }
     return TORSIONAL;
 }

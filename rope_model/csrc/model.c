@@ -1,12 +1,13 @@
-/* Trial steps, accepted steps and their accounts: rope_model.simulation.model, which see. */
+/* Trial and accepted steps.  C version of rope_model/simulation/model.py, which explains the method. */
 
 #include "simulator.h"
 
-static double apart(const Arrays *m) {
+/* Return the relative vertical speed of the ends, m/s. */
+static double end_speed(const Arrays *m) {
     return m->v[1] - end_row(m->v, m->nodes, RIGHT)[1];
 }
 
-/* what conveyances, bodies and air put on the rope: force and moment about the origin */
+/* Load of conveyances, bodies and air on the rope: force and moment about the origin. */
 static void load_on(const Simulator *rope, State *state, const System *s, double load[6]) {
     const Arrays m = state_arrays(state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
@@ -19,7 +20,7 @@ static void load_on(const Simulator *rope, State *state, const System *s, double
         end_load(q, R, ends_moment(&rope->scene, state, side, R), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
     }
-    /* what goes across its plane a planar rope does not feel */
+    /* A planar rope has no load across its plane. */
     if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
 }
 
@@ -39,8 +40,8 @@ void begin_audit(const Simulator *rope, State *state) {
     memset(state->audit.impulse, 0, sizeof state->audit.impulse);
 }
 
-/* before: the ends' vertical reactions at the step's start */
-static void audit_step(const Simulator *rope, State *state, const System *s, double h, double correction_motion,
+/* Audit a step; `before` has the vertical reactions of the ends at its start. */
+static void audit_step(const Simulator *rope, State *state, const System *s, double h, double time_shift,
                        const double before[2]) {
     const Arrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
@@ -51,11 +52,11 @@ static void audit_step(const Simulator *rope, State *state, const System *s, dou
         force = fmax(force, fabs(now));
         change = fmax(change, fabs(now - before[side]));
     }
-    state->audit = audit_after_step(&state->audit, &method, h, correction_motion, load, force, change,
+    state->audit = audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
                                     axial_share(&rope->scene.rope, model_bottom(rope, state, state->t), h));
 }
 
-/* the largest square of the change of r' over an element */
+/* Return the largest square of the change of r' over an element. */
 static double largest_bend(const Arrays *m) {
     double largest = 0;
     for (int k = 0; k < m->elements; k++) {
@@ -79,12 +80,12 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
                                         energy_residual(&state->energy_balance) - residual_before, largest_bend(&m));
 }
 
-/* local error of a trial step over what the accuracy allows */
+/* Return the local error of a trial step divided by its tolerance. */
 static double relative_error(const Simulator *rope, State *state, const StepResult *result) {
     const Arrays old = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom(rope, state, state->t),
-                                          apart(&old), local_error(&method, 1, 1));
+                                          end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
 }
@@ -117,7 +118,6 @@ void model_faced(const Simulator *rope, const State *state, double t, double *fa
     faced_by(&rope->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), faced);
 }
 
-/* what flows in and out at this instant */
 void model_powers(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
     state->power_ends = state->power_swivel = 0;
@@ -137,7 +137,7 @@ void model_powers(const Simulator *rope, State *state) {
     }
 }
 
-/* from the sums over the elements; the inertia of the swivels counts as kinetic energy of the rope */
+/* Set the energies from sums over the elements.  The inertia of the swivels adds to the kinetic energy. */
 static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s, const double *q,
                          const double *v) {
     double sums[BALANCE], contact[CONTACT_BALANCE];
@@ -167,16 +167,16 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
     const double forces[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
     const Coefficients method = {rope->scene.solver.rho_inf};
-    const double correction_motion = recentring(&method, trial->h, state->h);
+    const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom = model_bottom(rope, state, state->t), speed = apart(&m);
+    const double bottom = model_bottom(rope, state, state->t), speed = end_speed(&m);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
-        const size_t at = (side ? size - DOF : 0) + SLOPE + 1;
-        paces[side] = (now->v[at] - m.v[at]) / h;
+        const size_t slope = (side ? size - DOF : 0) + SLOPE + 1;
+        paces[side] = (now->v[slope] - m.v[slope]) / h;
     }
-    /* what the material takes up follows from the strains' differences over the step: the rates at its ends carry the
-       integrator's own oscillation, whose square does not average out.  The middle and the mean rate lie in q and v */
+    /* Losses follow from the differences over the step: rates at its ends have the integrator's own oscillation, whose
+       square does not average out.  Put the middle of the step into q, and the mean rate into v. */
     for (size_t i = 0; i < size; i++) {
         const double q = m.q[i];
         m.q[i] = 0.5 * (q + now->q[i]);
@@ -190,7 +190,8 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const double slid = wires_slip(rope, state, now->q);
     with_angles_along(rope, state, now->q, now->v, now->a, now->b);
     memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
-    state->t = s.time = trial->t, state->h = trial->h;
+    state->t = s.time = trial->t;
+    state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
     state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, local_error(&method, 1, 1), paces,
@@ -201,5 +202,5 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
     const double now_powers[] = {state->power_ends, state->power_swivel};
     *energy = account_of_step(energy, h, before, now_powers, taken, slid, air[0]);
-    audit_step(rope, state, &s, h, correction_motion, forces);
+    audit_step(rope, state, &s, h, time_shift, forces);
 }

@@ -1,4 +1,4 @@
-/* rope_model.parameter_table: the bounds of every parameter; the first that is broken gives the message. */
+/* Bounds of the parameters; the first violation gives the message.  C version of rope_model/parameter_table.py. */
 
 #include <stdio.h>
 
@@ -10,40 +10,40 @@ typedef struct {
     char *message;
 } Check;
 
-static void refuse(const Check *check, const char *what, const char *value, const char *bound, const char *cure) {
+static void refuse(const Check *check, const char *name, const char *value, const char *bound, const char *cure) {
     if (!check->message[0])
         snprintf(check->message, MESSAGE, "%s%s%s = %s is out of range: it must be %s; %s", check->group,
-                 check->group[0] ? ": " : "", what, value, bound, cure);
+                 check->group[0] ? ": " : "", name, value, bound, cure);
 }
 
-static void require_finite(const Check *check, const char *what, double x) {
-    if (!isfinite(x)) refuse(check, what, EXACT(x), "finite", "give a number");
+static void require_finite(const Check *check, const char *name, double x) {
+    if (!isfinite(x)) refuse(check, name, EXACT(x), "finite", "give a number");
 }
 
-static void real(const Check *check, const char *what, double x, double lower, double upper, const char *bound,
+static void real(const Check *check, const char *name, double x, double lower, double upper, const char *bound,
                  const char *cure) {
-    if (!(lower <= x && x <= upper)) refuse(check, what, EXACT(x), bound, cure);
+    if (!(lower <= x && x <= upper)) refuse(check, name, EXACT(x), bound, cure);
 }
 
-static void whole(const Check *check, const char *what, int x, double lower, double upper, const char *bound,
+static void whole(const Check *check, const char *name, int x, double lower, double upper, const char *bound,
                   const char *cure) {
-    if (!(lower <= x && x <= upper)) refuse(check, what, ROUNDED(x, 10), bound, cure);
+    if (!(lower <= x && x <= upper)) refuse(check, name, ROUNDED(x, 10), bound, cure);
 }
 
-static void choice(const Check *check, const char *what, int code, int last, const char *choices) {
+static void choice(const Check *check, const char *name, int code, int last, const char *choices) {
     if ((code < 0 || code > last) && !check->message[0])
-        snprintf(check->message, MESSAGE, "%s.%s = %d is none of the choices: %s", check->group, what, code, choices);
+        snprintf(check->message, MESSAGE, "%s.%s = %d is none of the choices: %s", check->group, name, code, choices);
 }
 
-/* a bound with a number in it */
-static const char *joined(char room[96], const char *before, const char *number, const char *behind) {
-    snprintf(room, 96, "%s%s%s", before, number, behind);
-    return room;
+/* Join the text of a bound that contains a number. */
+static const char *joined(char buffer[96], const char *before, const char *number, const char *behind) {
+    snprintf(buffer, 96, "%s%s%s", before, number, behind);
+    return buffer;
 }
 
 #define JOINED(before, number, behind) joined((char[96]){0}, before, number, behind)
 
-#include "parameters.inc" /* check_scene, and check_rope and so on, functions for each group: generated */
+#include "parameters.inc" /* generated: check_scene, and a function for each group, as check_rope */
 
 void require_in_bounds(const Mesh *mesh, char *message) {
     message[0] = '\0';

@@ -1,9 +1,9 @@
-/* rope_model.simulation.rigid: an inextensible rope without bending stiffness, two straight legs and a half circle. */
+/* Rigid rope: two straight legs and a half circle.  C version of rope_model/simulation/rigid.py. */
 
 #include "messages.h"
 #include "simulator.h"
 
-/* velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF) */
+/* Velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF). */
 static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     for (int i = 0; i < nodes * DOF; i += DOF) {
         for (int k = 0; k < 3; k++) v[i + k] = -flow.u * q[i + SLOPE + k];
@@ -22,8 +22,8 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
         return;
     }
     rigid_energies(&scene->rope, &scene->layout, &pull, &ends[LEFT], &ends[RIGHT], energies);
-    *kinetic = energies[0], *gravity = energies[1];
-
+    *kinetic = energies[0];
+    *gravity = energies[1];
     suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
     hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message);
     if (message[0]) return;
@@ -37,11 +37,11 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
     }
 }
 
-void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at, const double *y,
+void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places, const double *y,
                    double *tension) {
     Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
     for (int k = 0; k < points; k++)
-        tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], at[k]);
+        tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
 }
 
 void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],
@@ -53,22 +53,22 @@ void tension_change(const Scene *scene, const EndMotion ends[2], int side, int a
     for (int end = LEFT; end <= RIGHT; end++) gained[end] = after.tensions[end] - before.tensions[end];
 }
 
-/* theta of an equilibrium q counted from the rigid rope instead of along q */
+/* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
 static void count_from_rigid(Simulator *rope, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
-    double *own = rope->trial.q, *rest = rope->trial.v;
-    memcpy(own, q, sizeof(double) * size);
+    double *moved = rope->trial.q, *rest = rope->trial.v;
+    memcpy(moved, q, sizeof(double) * size);
     memset(rest, 0, sizeof(double) * size);
     rope_system_refer(rope, state, rigid);
-    rope_system_transport(rope, state, own, rest, rest, rest);
-    for (size_t at = ANGLE; at < size; at += DOF) q[at] -= own[at] - q[at];
+    rope_system_transport(rope, state, moved, rest, rest, rest);
+    for (size_t i = ANGLE; i < size; i += DOF) q[i] -= moved[i] - q[i];
 }
 
 int flexible_start(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
-    /* b and a_rate are free until the restart */
+    /* b and a_rate are scratch until the restart. */
     double *q = m.b, *reaction = m.a_rate, *const all[3] = {m.q, m.v, m.a};
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     state_copy(rope, rope->spare, state);
@@ -78,7 +78,7 @@ int flexible_start(Simulator *rope, State *state, char *message) {
     const double turned = state->offsets[RIGHT];
     memcpy(q, m.q, bytes);
     memcpy(reaction, m.reaction, bytes);
-    for (int k = 1; k < 3 && found; k++) { /* before, and after */
+    for (int k = 1; k < 3 && found; k++) { /* equilibria just before and after t */
         state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
         state->offsets[RIGHT] = turned;
         memcpy(m.q, q, bytes);

@@ -1,22 +1,19 @@
 /* The balance rope for C hosts: an FMI shell, or Python by ctypes.  SI units, angles in radians.
 
-   The simulator does what rope_model.simulation.simulator.RopeSimulator does, step for step; tests hold the two equal.
-   All memory is taken by rope_create; nothing is allocated afterwards.  There are no globals: simulators are
-   independent of each other, and one may be used by one thread at a time. */
+   Simulates as rope_model/simulation/simulator.py does, step for step; tests hold the two equal.  rope_create allocates
+   all memory.  There are no globals: simulators are independent, and one thread at a time may use each of them. */
 #ifndef ROPE_H
 #define ROPE_H
 
 #include <stddef.h>
 
-#include "parameters.h" /* codes of choices; Rope, Layout, Swivel, Mesh, Accuracy, Solver, Model, Scene and EndMotion: generated */
+#include "parameters.h" /* generated: codes of choices, EndMotion, and Scene with its groups of parameters */
 
 enum { LEFT, RIGHT };
-/* degrees of freedom of a node: r (3), r' (3), theta */
-enum { SLOPE = 3, ANGLE = 6, DOF = 7 };
-/* room for a message, its end included */
-enum { MESSAGE = 512 };
+enum { SLOPE = 3, ANGLE = 6, DOF = 7 }; /* degrees of freedom of a node: r (3), r' (3), theta */
+enum { MESSAGE = 512 };                 /* bytes for a message, with its terminating zero */
 
-/* where memory comes from and goes to; as calloc and free */
+/* The host's allocator, with the behaviour of calloc and free. */
 typedef struct {
     void *(*take)(size_t number, size_t size);
     void (*give_back)(void *);
@@ -24,60 +21,59 @@ typedef struct {
 
 typedef struct Simulator Simulator;
 
-/* A rope for the scene, not yet initialised.  NULL, and message (MESSAGE bytes) says why, for a parameter out of range,
-   a mesh that does not fit the rope, or no memory. */
+/* Create a rope, not yet initialised.  Return NULL, with the reason in message (MESSAGE bytes), if a parameter is out
+   of range, the mesh does not fit the rope, or memory is short. */
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message);
 void rope_destroy(Simulator *rope);
 
-/* The calls below return 1 when all is well; 0 when not, then rope_message says why and the state is what it was. */
-int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
-/* less than ROPE_SHORTEST_INTERVAL ahead nothing moves, and the time is not lost: the next step begins where this one
-   did.  The motions are those at the instant given_at, t or before, and are extrapolated with constant accelerations */
-int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at);
-/* the same, or less: to the first instant at which a swivel is released, sticks or slips, a guard trips or a body is
-   struck, but for a ms at least; *event tells whether there was one.  Guards and bodies are looked at every 10 ms and
-   at t.  Is *event set before, the last step ended at one: the motions of before are then no new sample. */
-int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event);
+/* On success an action returns 1.  On failure it returns 0, the state is unchanged, and rope_message has the reason. */
 
-/* Takes the solver, swivels and air of `scene`.  The caller changes tunable parameters only. */
+/* Hang the rope at rest at time t between the ends, which must not move. */
+int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
+/* Advance to t.  `ends` are the motions at given_at, which is t or earlier; they are extrapolated with constant
+   accelerations.  An interval below ROPE_SHORTEST_INTERVAL moves nothing; the next one starts at the same time. */
+int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at);
+/* Advance as rope_advance_to does, but stop at the first event after at least 1 ms: a swivel is released, sticks or
+   slips; a guard trips; a body is struck.  Guards and bodies are checked every 10 ms and at t.  *event, in: nonzero if
+   the previous call stopped at one; unchanged motions are then no new sample.  *event, out: nonzero if this one did. */
+int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event);
+/* Replace the parameters of solver, swivels and air by those of `scene`.  Only tunable ones may differ. */
 int rope_retune(Simulator *rope, const Scene *scene);
-/* Forces at places of the rope: the arc length from its left end, m, in ascending order, and the force at `start` and
-   at `stop`, N, linear between them and held beyond. */
+
+/* Point forces on the rope. */
 typedef struct {
     int number;
-    double start, stop;
-    const double (*places)[7];
+    double start, stop;        /* times, s, between which the forces are linear; they are constant before and after */
+    const double (*places)[7]; /* arc length from the left end, m, ascending; force at start (3) and at stop (3), N */
 } PointForces;
-/* They act until others are given.  The places stay the caller's and must stay where they are; they are no part of the
-   state. */
+/* Apply point forces until the next call.  The rope keeps the pointer to `places`; a saved state has no forces. */
 void rope_apply(Simulator *rope, const PointForces *forces);
-/* of each node: arc length, r, r', and the rates of both */
+/* Arc length, r, r', and the rates of r and r' of each node. */
 void rope_rows(const Simulator *rope, double (*rows)[13]);
-/* by how much each of the places is moved by their forces at `start`, when those come in at the end of a step as long
-   as the last, as far as the equations are linear in it */
+/* Displacements, m, by forces at `start` that act at the end of a step as long as the last one; linearised. */
 void rope_displacement(Simulator *rope, const PointForces *forces, double (*moved)[3]);
 const char *rope_message(const Simulator *rope);
 
 int rope_is_initialized(const Simulator *rope);
 double rope_time(const Simulator *rope);
 int rope_elements(const Simulator *rope);
-const char *rope_fidelity(const Simulator *rope); /* "torsional" ... */
+const char *rope_fidelity(const Simulator *rope); /* "torsional", "spatial", "planar" or "rigid" */
 const char *rope_fidelity_reason(const Simulator *rope);
 
-/* A warning about valid results, by its number below ROPE_WARNINGS, or ROPE_EXTRAPOLATION for hosts that extrapolate
-   the ends' motions: a sentence in message (MESSAGE bytes), or "". */
+/* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `number` is below
+   ROPE_WARNINGS; ROPE_EXTRAPOLATION is for hosts that extrapolate the ends' motions. */
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *rope, int number, char *message);
 
-/* The values of outputs, by their numbers in rope_model.simulation.outputs.signal_table.SIGNALS; booleans and integers
-   are exact.  Computed when first asked for after a change of state. */
+/* Write the values of outputs, by their numbers in rope_model.simulation.outputs.signal_table.SIGNALS.  Booleans and
+   integers are exact.  A value is computed at the first call after a change of state. */
 void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
 
-/* Derivative of the twelve forces and moments left.fx ... left.mz, right.fx ... right.mz to one of the 26 inputs
-   (13 of EndMotion on the left, then on the right), given for the start or the end of a step as long as the last. */
+/* Differentiate the forces and moments left.fx ... left.mz, right.fx ... right.mz with respect to one of the 26 inputs,
+   EndMotion on the left and on the right.  The input is given at the start or the end of a step as long as the last. */
 int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]);
 
-/* The complete state: plain bytes without addresses, the same in every process. */
+/* The complete state is a block of bytes without addresses, valid in every process. */
 size_t rope_state_bytes(const Simulator *rope);
 void rope_save(const Simulator *rope, void *to);
 int rope_restore(Simulator *rope, const void *from, size_t bytes);

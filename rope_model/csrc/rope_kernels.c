@@ -1,11 +1,10 @@
-/* The choice between the forms of the chains, and the memory that each needs. */
+/* Choice between the forms of the chains, and their memory. */
 
 #include "lanes.h"
 #include "processor.h"
 #include "rope_system.h"
 
-/* tangents, steps, correction and residual: of the torsional chain, the largest, a tangent has MOST entries, and a step
-   as many numbers for either end */
+/* The torsional chain is the largest: a tangent has MOST entries, and a step as many for either end. */
 size_t chain_work_bytes(int elements) {
     enum { MOST = DOF * (2 * DOF + 1) };
     const size_t n = (size_t)elements;

@@ -1,5 +1,4 @@
-/* The same with four elements at a time, for processors with AVX2; chosen when the program runs.  Without fused
-   multiplication the results are those of the plain form to the bit. */
+/* Chains with four elements at a time, for AVX2.  Without fused multiplication they equal the plain form to the bit. */
 
 #include "processor.h"
 

@@ -1,4 +1,4 @@
-/* The same with eight elements at a time, for processors with AVX-512, which could fuse multiplications. */
+/* Chains with eight elements at a time, for processors with AVX-512, whose fused multiplications are switched off. */
 
 #include "processor.h"
 

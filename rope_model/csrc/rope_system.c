@@ -1,4 +1,4 @@
-/* The equations of motion of a state: rope_model.simulation.rope_system, which see. */
+/* Equations of motion of a state.  C version of rope_model/simulation/rope_system.py, which explains the method. */
 
 #include "simulator.h"
 
@@ -9,7 +9,7 @@ System rope_system(const Simulator *rope, State *state) {
                 .lengths = x.lengths,
                 .frames = rope->frames,
                 .around = rope->around->bodies > 0 ? rope->around : NULL,
-                .own = rope->own->presses ? rope->own : NULL,
+                .self_contact = rope->self_contact->presses ? rope->self_contact : NULL,
                 .forces = rope->forces.number > 0 ? &rope->forces : NULL,
                 .time = state->t,
                 .wires = state->rubs ? rope->wires : NULL,
@@ -35,7 +35,7 @@ System rope_system(const Simulator *rope, State *state) {
     return s;
 }
 
-/* what the material is counted from besides the frames */
+/* Refer permanent curvature and friction between wires to q. */
 static void refer_material(Simulator *rope, State *state, const System *s, const double *q) {
     curved_reference(rope, state, q);
     if (!state->rubs) return;
@@ -54,12 +54,12 @@ double rope_system_transport(Simulator *rope, State *state, double *q, double *v
     double (*gained)[3] = rope->strains, turn = 0;
     chain_of(rope, state)->transport(&s, q, v, a, gained);
     for (int k = 0; k < s.elements; k++) {
-        const size_t at = (size_t)(k + 1) * DOF + ANGLE;
+        const size_t theta = (size_t)(k + 1) * DOF + ANGLE;
         turn += gained[k][0];
-        q[at] += turn;
-        v[at] += gained[k][1];
-        a[at] += gained[k][2];
-        b[at] += gained[k][2];
+        q[theta] += turn;
+        v[theta] += gained[k][1];
+        a[theta] += gained[k][2];
+        b[theta] += gained[k][2];
     }
     refer_material(rope, state, &s, q);
     return turn;

@@ -1,92 +1,59 @@
-/* The equations of motion of a rope, and what acts on it: rope_model.simulation.rope_system and contact.  Arrays have
-   DOF entries a node; what a fidelity leaves out stays zero. */
+/* Equations of motion of a rope, and the forces on it.  C version of rope_model/simulation/rope_system.py and contact.
+   Arrays q, v, a, x and R have DOF entries a node; degrees of freedom that a fidelity omits stay zero. */
 #ifndef ROPE_SYSTEM_H
 #define ROPE_SYSTEM_H
 
-#include "formulas.h"
+#include "formulas.h" /* generated, with the sizes BALANCE, FRAME, STRAINS, MOMENTUM, AIR_BALANCE and CURVED */
 
-enum {
-    BALANCE = 7,
-    FRAME = 21,
-    STRAINS = 3,
-    MOMENTUM = 9,
-    AIR_LAW = 9,
-    AIR = AIR_LAW + 2 * 4,
-    AIR_BALANCE = 7,
-    CURVED = 12,
-    MOST_LANES = 8 /* the last group of elements may have lanes to spare */
-};
-/* of physics.element.BALANCE, without the powers, which are the losses */
-enum { AXIAL, COUPLING, TORSION, BENDING, KINETIC, SPIN, GRAVITY };
-
-/* of numerics.newton.NewtonStatus */
-enum { TOO_MANY, CONVERGED, DIVERGED, NOT_FINITE };
+enum { AIR_LAW = 9, AIR = AIR_LAW + 2 * 4 };
+enum { MOST_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 typedef struct {
-    int status, iterations, applies; /* applies: whether the latest correction does */
-    /* contraction: before the first correction the share of it that is reckoned as left; sum: of the norms of all that
-       did apply */
-    double norm, error, contraction, sum;
+    int status;         /* a NewtonStatus, as CONVERGED */
+    int iterations;     /* corrections so far */
+    int applies;        /* true if the latest correction applies */
+    double norm;        /* norm of the latest correction that applied */
+    double error;       /* error estimate after it */
+    double contraction; /* ratio of the latest norms; before the first correction the share of it assumed to remain */
+    double sum;         /* sum of the norms of corrections that applied */
 } Progress;
 
 typedef struct {
     double rounds, per_round, slow, unsure, growing;
 } NewtonLimits;
 
-/* newton.c: after a correction of this norm; fresh: whether its factorization is new */
-Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits);
-
 enum { FIXED = -1, MOST_BODIES = 10 };
 typedef struct {
-    int kind, moves_with; /* LEFT or RIGHT, or FIXED */
+    int kind, moves_with; /* moves_with: LEFT, RIGHT or FIXED */
     Body body;
 } Placed;
-/* bodies.c: the bodies that are there with the rope's ends at these places: their number */
-int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies);
-/* the box around some elements from first on, as body_least_distance takes it; the element behind the last of them */
-int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
 
-/* shaft.c: where the rope is nearest to the bodies of each kind now */
-void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
-/* the same where that is nearer than `nearest` says */
-void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+/* Entries of physics.contact_element.CONTACT_BALANCE, and the pressure of the rope on itself. */
+enum { CONTACT_ENERGY, CONTACT_DISSIPATED, CONTACT_MOVED, CONTACT_LOAD, CONTACT_FORCES = CONTACT_LOAD + 6 };
+enum { CONTACT_ROPE = CONTACT_FORCES + KINDS, CONTACT_BALANCE };
 
-static inline void far_bodies(Nearest nearest[KINDS]) {
-    for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = FAR};
-}
-
-/* of physics.contact_element.CONTACT_BALANCE */
-enum {
-    CONTACT_ENERGY,
-    CONTACT_DISSIPATED,
-    CONTACT_MOVED,
-    CONTACT_LOAD,
-    CONTACT_FORCES = CONTACT_LOAD + 6,
-    CONTACT_ROPE = CONTACT_FORCES + KINDS, /* the pressure of the rope on itself */
-    CONTACT_BALANCE
-};
-
-/* the rope where it was last looked at: q and lengths as they were, free: how far at least all was then, in m */
+/* Configuration of the latest contact detection. */
 typedef struct {
-    double free, *q, *lengths;
+    double free;         /* lower bound of all distances, m */
+    double *q, *lengths; /* copies */
 } ClearanceCache;
 
-/* the bodies around the rope: where they were last looked for, their speeds, and of each element which it may touch, as
-   bits; any: whether there are such.  longest: element then, margin: how far at least what is not near was from all
-   elements at the latest look, made or spared, in m */
+/* Bodies around the rope. */
 typedef struct {
     const Scene *scene;
-    int bodies, any;
-    Placed placed[MOST_BODIES];
-    double speeds[MOST_BODIES][3], margin, longest;
-    ClearanceCache seen;
-    unsigned *near;
+    int bodies, any;            /* any: true if an element may touch a body */
+    Placed placed[MOST_BODIES]; /* bodies at the latest contact detection */
+    double speeds[MOST_BODIES][3];
+    double margin;  /* lower bound of the distances of elements not in `near`, m */
+    double longest; /* longest element, m */
+    ClearanceCache cache;
+    unsigned *near; /* bodies that each element may touch, one bit each */
 } Surroundings;
 
-/* Two places of the rope that press each other. */
+/* Two places of the rope in contact. */
 typedef struct {
     int elements[2];
-    double place;  /* element coordinate in the second element */
+    double xi;     /* element coordinate in the second element */
     double weight; /* length of rope that the law acts on, m */
     double N[8];   /* shape functions at both places, those of the second negative */
     Touch law;
@@ -95,121 +62,136 @@ typedef struct {
 /* Contact of the rope with itself: result and buffers of find_self_contacts. */
 typedef struct {
     const Scene *scene;
-    int presses; /* whether contacts act; otherwise there is no memory for them */
-    int number;
+    int presses; /* true if contacts act; otherwise there is no memory for touches */
+    int number;  /* number of touches */
     SelfContact *touches;
     double nearest[2];  /* least distance of centre lines that touch, and its height, m */
-    double (*boxes)[6]; /* around each element */
+    double (*boxes)[6]; /* bounding box of each element */
     int *others;        /* elements near the present one */
-    double *ways;       /* arc length from the end of the present element to each of them, m */
-    double *distances;  /* from the present place to each of them, m */
-    double *where;      /* element coordinate of the nearest place in each of them */
+    double *arc_gaps;   /* arc length from the end of the present element to each of them, m */
+    double *distances;  /* distance of each of them from the present place, m */
+    double *xi;         /* element coordinate of the nearest place in each of them */
     double *scratch;    /* CG_ARRAYS arrays of the size of q, for conjugate gradients */
-    ClearanceCache seen;
+    ClearanceCache cache;
 } SelfContactState;
 enum { CG_ARRAYS = 4 };
 
-/* Inner nodes are free and bare; an end node has its free degrees of freedom, and a load, a friction load (load per
-   newton of the node's own upward reaction) and an inertia on theta.  frames, aligned to 64 bytes, are what the
-   elements' frames are counted from, as `refer` of the chain wrote them.  around: NULL where there are no bodies,
-   own: NULL where the rope does not press itself.  forces, at `time`: NULL where there are none.
-   air: the numbers of physics.air.AirLaw, the first 0 where there is none.  wires: physics.wire_element.HISTORY of each
-   element, NULL where no wires rub; latest: WIRE_LATEST of each, where their latest tangent was, scratch as frames are.
-   curved: physics.curved_element.CURVED numbers of each element, NULL of a rope without permanent curvature. */
-typedef struct {
-    int elements, free[2][DOF];
-    const double *lengths;
-    double *frames;
-    Surroundings *around;
-    SelfContactState *own;
-    const PointForces *forces;
-    const double *wires, *curved;
-    double time, *latest, P[PARAMETERS], air[AIR_LAW], load[2], friction_load[2], inertia[2], shortest;
-} System;
-
-typedef struct {
-    /* q, v, a move until R, the last known reactions on input, is zero where free; v and a follow by c[1], c[2].  The
-       first tangents have the axial strains of the q `before`, if there is one */
-    Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
-                      double tolerance, const double *before, double balance[BALANCE]);
-    /* J x = M a with the J that solve was left with, work as it left it */
-    void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
-                    const double *known, double *x);
-    /* J x = -R on the free degrees of freedom; factorized: J is as the latest call left it */
-    void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
-                        const double *known, const double c[3], int factorized, double *x, double *R);
-    /* R may be NULL */
-    void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
-                     double balance[BALANCE]);
-    void (*losses)(const System *, const double *q, const double *v, double powers[2]);
-    /* of physics.air.AIR_BALANCE */
-    void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
-    void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
-    /* of physics.element.MOMENTUM, q being what the frames are counted from; with the spin of what turns at the ends */
-    void (*momentum)(const System *, const double *q, const double *v, double sums[MOMENTUM]);
-    /* the frames of the system are counted from q from now on */
-    void (*refer)(const System *, const double *q);
-    /* the same, and what the angles gain by it: each element's `transport` of physics.element */
-    void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
-} Chain;
-
-/* contact/surroundings.c */
-/* Find the elements that may touch a body, now or after a move by `margin` (m). */
-void find_near_bodies(const System *s, const double *q, const double *v, double margin);
-/* Add elements that came near during Newton's corrections, the sum of whose norms is given; return whether any did. */
-int add_near_bodies(const System *s, const double *q, double corrections);
-/* Remember the configuration, and tell later whether no clearance can have fallen below `least` (m) since. */
-void remember_configuration(const System *s, ClearanceCache *seen, const double *q);
-int clearance_exceeds(const System *s, const ClearanceCache *seen, const double *q, double least);
-
-/* physics/contact_element.c: contact forces on an element, whose nodes' r and r' are twelve numbers */
-enum { CONTACT_DOF = 12 };
-void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]);
-void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
-                     double tangent[CONTACT_DOF][CONTACT_DOF]);
-/* added to the sums */
-void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);
-
-/* contact/point_forces.c */
-/* A place with a force. */
+/* Point force on an element. */
 typedef struct {
     int element;
     double start; /* arc length where the element begins, m */
     double N[4];  /* shape functions at the place */
     double force[3];
-} Pushed;
-/* Go on to a place, which is not before the previous one. */
-void elements_at(const System *s, int number, Pushed *at);
-/* to R; and what they do as a load, and their power */
-void nodal_forces(const System *s, double *R);
+} PointForce;
+
+/* A rope at one instant.  Inner nodes are free and without loads. */
+typedef struct {
+    int elements, free[2][DOF]; /* free: degrees of freedom of the end nodes that are not prescribed */
+    const double *lengths;
+    double *frames;                 /* reference of the elements' frames, from Chain.refer; aligned to 64 bytes */
+    Surroundings *around;           /* NULL without bodies */
+    SelfContactState *self_contact; /* NULL without contact of the rope with itself */
+    const PointForces *forces;      /* NULL without forces */
+    const double *wires;            /* WIRE_HISTORY numbers an element; NULL without friction between wires */
+    const double *curved;           /* CURVED numbers an element; NULL without permanent curvature */
+    double time;                    /* time at which point forces are evaluated, s */
+    double *latest; /* WIRE_LATEST numbers an element, of the latest tangent; scratch, aligned as frames */
+    double P[PARAMETERS], air[AIR_LAW]; /* air: an AirLaw, whose first number is 0 without air */
+    double load[2], friction_load[2];   /* moments on theta of the ends; friction per newton of upward reaction */
+    double inertia[2], shortest;        /* inertia: of theta at the ends; shortest: element, m */
+} System;
+
+/* Operations on a chain of elements at one fidelity. */
+typedef struct {
+    /* Newton's method: correct q, v, a until R is zero where free; v and a follow q by c[1] and c[2].  R holds the last
+       known reactions on input.  The first tangents take axial strains from q `before` unless it is NULL. */
+    Progress (*solve)(const System *, void *work, double *q, double *v, double *a, double *R, const double c[3],
+                      double tolerance, const double *before, double balance[BALANCE]);
+    /* Solve J x = M change with the factors that solve left in `work`. */
+    void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
+                    const double *known, double *x);
+    /* Solve J x = -R on the free degrees of freedom; `factorized` keeps the factors of the latest call. */
+    void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
+                        const double *known, const double c[3], int factorized, double *x, double *R);
+    void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
+                     double balance[BALANCE]); /* R may be NULL */
+    void (*losses)(const System *, const double *q, const double *v, double powers[2]);
+    void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
+    void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
+    /* Momentum with the spin of the swivels; the frames must be referred to q. */
+    void (*momentum)(const System *, const double *q, const double *v, double sums[MOMENTUM]);
+    /* Refer the system's frames to q. */
+    void (*refer)(const System *, const double *q);
+    /* Refer the frames to q, and return the change of each element's angles (`transport` of physics.element). */
+    void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
+} Chain;
+
+/* contact/bodies.c */
+/* Place the bodies of the shaft for rope ends at `ends`; return their number. */
+int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies);
+/* Box around a group of elements from `first` on, for body_least_distance; return the element after the group. */
+int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
+
+/* contact/point_forces.c */
+void elements_at(const System *s, int number, PointForce *point); /* Advance to a place, in ascending order. */
+void nodal_forces(const System *s, double *R);                    /* Subtract the point forces from R. */
+/* Add load and power of the point forces. */
 void point_forces_push(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
-/* r (or its speed) at a place of an element */
+/* Interpolate r, or its speed, in an element with shape functions N. */
 static inline void at_places(const double *x, int element, const double N[4], double y[3]) {
     const double *a = x + (size_t)element * DOF, *b = a + DOF;
     for (int i = 0; i < 3; i++) y[i] = N[0] * a[i] + N[1] * a[SLOPE + i] + N[2] * b[i] + N[3] * b[SLOPE + i];
 }
 
-/* self_contact.c: where the rope touches itself, and how often it presses there, with tangents along (cq, cv) of q and
- * v */
+/* contact/self_contact.c */
+/* Find contacts of the rope with itself, with tangents along (cq, cv) of q and v; return their number. */
 int find_self_contacts(const System *s, const double *q, const double *v, double cq, double cv);
-/* to R, and the product of the tangent with x to y */
-void self_contact_take_force(const SelfContactState *own, double *R);
-void self_contact_times(const SelfContactState *own, const double *x, double *y);
+void self_contact_take_force(const SelfContactState *self_contact, double *R); /* Subtract forces from R. */
+/* Add the product of the tangent with x to y. */
+void self_contact_times(const SelfContactState *self_contact, const double *x, double *y);
 void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
-/* rope_system.c: of bodies and of the rope with itself, all elements, where they are */
-void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
-/* the longest of the elements that may touch a body, m; 0 for none */
-double longest_near(const System *s);
-/* the largest of the numbers x (nodes x DOF) where the rope is free, those of r' times `slopes`; infinite when one is
-   no number */
-double rope_system_norm(const System *s, const double *x, double slopes);
+/* contact/shaft.c */
+static inline void far_bodies(Nearest nearest[KINDS]) {
+    for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = FAR};
+}
+/* Find the place of the rope nearest to the bodies of each kind. */
+void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+/* Update `nearest` where the rope is nearer. */
+void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
 
-/* rope_kernels.c: bytes of work that a chain of so many elements needs, whatever the fidelity; aligned to 64 bytes */
+/* contact/surroundings.c */
+/* Find the elements that may touch a body, now or after a move by `margin` (m). */
+void find_near_bodies(const System *s, const double *q, const double *v, double margin);
+/* Add elements that came near during Newton's corrections, whose norms sum to `corrections`; return true if any did. */
+int add_near_bodies(const System *s, const double *q, double corrections);
+void remember_configuration(const System *s, ClearanceCache *cache, const double *q);
+/* True if no clearance can have fallen below `least` (m) since remember_configuration. */
+int clearance_exceeds(const System *s, const ClearanceCache *cache, const double *q, double least);
+
+/* numerics/newton.c */
+/* Judge a correction of this norm; `fresh` is true if its factorization is new. */
+Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits);
+
+/* physics/contact_element.c; contact forces on r and r' of both nodes; contact_sums adds to its sums */
+enum { CONTACT_DOF = 12 };
+void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]);
+void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
+                     double tangent[CONTACT_DOF][CONTACT_DOF]);
+void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+
+/* rope_kernels.c */
+/* Bytes of `work` for a chain of any fidelity, aligned to 64 bytes. */
 size_t chain_work_bytes(int elements);
-/* bytes of the frames of so many elements */
 size_t chain_frames_bytes(int elements);
-/* of the fidelities TORSIONAL to PLANAR, in the fastest form that this processor runs */
+/* Return the chains of the fidelities TORSIONAL to PLANAR, in the fastest form that this processor runs. */
 const Chain *fastest_chains(void);
+
+/* rope_system.c */
+/* Sum the contact of all elements with bodies and of the rope with itself. */
+void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+double longest_near(const System *s); /* Length of the longest element that may touch a body, m; 0 for none. */
+/* Return the largest entry of x where the rope is free, entries of r' times `slopes`; infinite if one is not finite. */
+double rope_system_norm(const System *s, const double *x, double slopes);
 
 #endif

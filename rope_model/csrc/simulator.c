@@ -1,4 +1,4 @@
-/* The rope in time: rope_model.simulation.simulator, which see. */
+/* The simulator.  C version of rope_model/simulation/simulator.py, which explains the method. */
 
 #include "rules.h"
 #include "simulator.h"
@@ -17,7 +17,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
         if (scene->mesh.kind == AUTO_MESH) say_fitted_mesh_fails(message, why);
         return NULL;
     }
-    Simulator *rope = with_memory(scene, elements, memory, message);
+    Simulator *rope = allocate_simulator(scene, elements, memory, message);
     if (rope == NULL) return NULL;
     rope->mesh = mesh;
     rope->around->bodies = may_touch(&scene->shaft);
@@ -48,7 +48,7 @@ const char *rope_fidelity_reason(const Simulator *rope) {
     return rope->initialized ? rope->state->fidelity_reason : "";
 }
 
-/* what was worked on becomes the state */
+/* Make `next` the state. */
 static int accept(Simulator *rope) {
     State *before = rope->state;
     rope->state = rope->next;
@@ -70,7 +70,7 @@ int rope_retune(Simulator *rope, const Scene *scene) {
     return 1;
 }
 
-/* the ends at rest at t where the rope is hung up; points: where they are; 0 when they cannot be */
+/* Set the ends at rest, with their suspension points; return 0 with a message if they cannot rest. */
 static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], double points[2][3]) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
@@ -84,7 +84,7 @@ static int hold_ends(Simulator *rope, State *state, const EndMotion ends[2], dou
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
         if (fastest > RESTS_BELOW) return say_moves_at_start(rope->message, SIDE_NAMES[side]);
     }
-    paths_at_rest(rope, state, ends, rope->scene.model.fidelity == RIGID); /* a rigid rope is at its place at once */
+    paths_at_rest(rope, state, ends, rope->scene.model.fidelity == RIGID); /* a rigid rope needs no steps */
     const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
     suspension_points(&rope->scene.layout, &first[LEFT], &first[RIGHT], points);
     return 1;
@@ -132,7 +132,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     return accept(rope);
 }
 
-/* what did not succeed has left the frames counted from elsewhere */
+/* Refer the frames to the state again after a failure. */
 static int conclude(Simulator *rope, int succeeded) {
     if (!succeeded && rope->initialized) rope_system_refer(rope, rope->state, state_arrays(rope->state).q);
     return succeeded;
@@ -142,13 +142,13 @@ int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     return conclude(rope, initialize(rope, t, ends));
 }
 
-/* an end with the host's sample, for a step to t */
+/* Return the filter of an end with the host's sample, for a step to t. */
 static InputFilter follow_end(const State *before, const FilterSettings *settings, int side, double t,
                               const EndMotion *end, double given_at) {
     return filter_sample(&before->filters[side], settings, given_at, t - before->paths[side].stop, end);
 }
 
-/* the account of an end up to the stop of its path */
+/* Update the misfit of an end up to the stop of its path. */
 static void account_end(const Simulator *rope, State *state, const FilterSettings *settings, int side,
                         const InputFilter *now) {
     const double bottom = model_bottom(rope, rope->state, rope->state->t);
@@ -156,7 +156,7 @@ static void account_end(const Simulator *rope, State *state, const FilterSetting
     state->filters[side] = add_misfit(now, &state->paths[side], settings, &rope->scene.rope, leg);
 }
 
-/* the ends' next paths, and the fidelity that can follow them; 0 when none can */
+/* Set the next paths of the ends, and raise the fidelity if they need it; return 0 with a message on failure. */
 static int move_ends(Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &rope->scene;
     const FilterSettings settings = filter_settings(scene, scene->inputs.given);
@@ -172,10 +172,10 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         account_end(rope, state, &settings, side, &now);
     }
     char why[MESSAGE];
-    EndMotion seen[2] = {ends[LEFT], ends[RIGHT]};
+    EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
     for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
-        seen[side] = path_at(&state->paths[side], t);
-    unsupported_motion(&rope->scene, state->fidelity, seen, rope->forces.number, why);
+        filtered[side] = path_at(&state->paths[side], t);
+    unsupported_motion(&rope->scene, state->fidelity, filtered, rope->forces.number, why);
     if (!why[0]) return 1;
     if (rope->scene.model.fidelity != AUTO_FIDELITY)
         return say_fixed_model_cannot_follow(rope->message, fidelity_name(state->fidelity), why);
@@ -184,7 +184,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
     return 1;
 }
 
-/* whether something has happened since the communication step began, or is to happen now */
+/* True if an event has happened since the communication step began, or is due now. */
 static int has_event(const Simulator *rope, const State *state) {
     const State *before = rope->state;
     int found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
@@ -195,7 +195,7 @@ static int has_event(const Simulator *rope, const State *state) {
     return found;
 }
 
-/* the ends' paths are to be left at `t`, and so are their accounts */
+/* End the paths of the ends, and their misfits, at t. */
 static void cut_paths(const Simulator *rope, State *state, double t, const EndMotion ends[2], double given_at) {
     const FilterSettings settings = filter_settings(&rope->scene, rope->scene.inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -205,7 +205,7 @@ static void cut_paths(const Simulator *rope, State *state, double t, const EndMo
     }
 }
 
-/* to an event, if `event` is not NULL; at least for CHATTER_TIME, so that a swivel that chatters is still noticed */
+/* Advance to t, or to an event unless `event` is NULL.  An event may end it after CHATTER_TIME, to detect chatter. */
 static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
     State *state = rope->next;
     const double begin = rope->state->t, step_max = rope->scene.solver.step_max;
@@ -238,8 +238,11 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
             with_passages(rope, state);
             with_guards(&rope->scene, state);
         }
-        if (event && (*event |= has_event(rope, state)) && state->t < t && state->t - begin >= CHATTER_TIME)
-            cut_paths(rope, state, t = state->t, ends, given_at);
+        if (event != NULL) *event |= has_event(rope, state);
+        if (event != NULL && *event && state->t < t && state->t - begin >= CHATTER_TIME) {
+            t = state->t; /* last round */
+            cut_paths(rope, state, t, ends, given_at);
+        }
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -= 0.5 * (state->t - t_before) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
     }
@@ -288,7 +291,8 @@ void rope_rows(const Simulator *rope, double (*rows)[13]) {
     for (int node = 0; node < m.nodes; node++) {
         const double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
         rows[node][0] = m.s[node];
-        for (int k = 0; k < ANGLE; k++) rows[node][1 + k] = q[k], rows[node][1 + ANGLE + k] = v[k];
+        memcpy(rows[node] + 1, q, ANGLE * sizeof *q);
+        memcpy(rows[node] + 1 + ANGLE, v, ANGLE * sizeof *v);
     }
 }
 
@@ -304,17 +308,17 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
         s.forces = k == 0 ? NULL : forces;
         chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, k, answers[k], rope->trial.v);
     }
-    Pushed at = {0};
+    PointForce point = {0};
     for (int number = 0; number < forces->number; number++) {
         double without[3];
-        elements_at(&s, number, &at);
-        at_places(answers[0], at.element, at.N, without);
-        at_places(answers[1], at.element, at.N, moved[number]);
+        elements_at(&s, number, &point);
+        at_places(answers[0], point.element, point.N, without);
+        at_places(answers[1], point.element, point.N, moved[number]);
         for (int i = 0; i < 3; i++) moved[number][i] -= without[i];
     }
 }
 
-/* computed with its group when first asked for after a change of state */
+/* Return a signal; the first call after a change of state computes its group. */
 static double value_of(Simulator *rope, int signal) {
     if (!rope->initialized || signal < 0 || signal >= SIGNALS) return NAN;
     const SignalGroup group = group_of(signal);

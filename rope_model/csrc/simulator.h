@@ -1,15 +1,19 @@
-/* The simulator's inside, shared by the files that make it up. */
+/* The simulator and the functions of the files that make it up. */
 #ifndef SIMULATOR_H
 #define SIMULATOR_H
 
 #include "rope_system.h"
 #include "signal_numbers.h" /* generated */
 
-/* A step that nobody has accepted yet; its arrays are the simulator's.  error: local, in rope_system_norm; relative:
-   that and the strains' over what is allowed; near: whether it may touch a body */
+/* A trial step; its arrays are Simulator.trial. */
 typedef struct {
-    double t, h, error, strains[2], relative, balance[BALANCE];
-    int reached, near;
+    double t, h;       /* end and length of the step, s */
+    double error;      /* local error, by rope_system_norm */
+    double strains[2]; /* local error of the strains at the ends */
+    double relative;   /* largest local error divided by its tolerance */
+    double balance[BALANCE];
+    int reached; /* true if Newton's method converged */
+    int near;    /* true if the rope may touch a body */
     Progress newton;
 } StepResult;
 
@@ -17,29 +21,29 @@ struct Simulator {
     Scene scene;
     Memory memory;
     Mesh mesh;           /* never AUTO_MESH */
-    const Chain *chains; /* of the fidelities TORSIONAL to PLANAR */
+    const Chain *chains; /* one for each fidelity from TORSIONAL to PLANAR */
     int elements, initialized;
     size_t state_bytes;
-    State *state, *next;        /* next is what an advance works on; they change places when it succeeds */
-    State *spare;               /* what would be if a swivel stuck, and what is looked at but not kept */
-    Arrays trial;               /* of the latest trial; scratch at other times */
-    double *x;                  /* nodes x DOF of scratch */
+    State *state, *next;        /* an advance works on next; both swap when it succeeds */
+    State *spare;               /* scratch, as for the trial whether a swivel sticks */
+    Arrays trial;               /* arrays of the latest trial step; scratch otherwise */
+    double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
-    double *frames;             /* counted from the state, but from what is worked on while it is */
-    double *wires;              /* physics.wire_element.HISTORY of the elements, counted as the frames are; or NULL */
-    double *curved;             /* physics.curved_element.CURVED of the elements, counted alike; or NULL */
-    double *latest;             /* of the system, where there are such */
-    void *work;                 /* of the chain */
+    double *frames;             /* referred to the state, and during an advance to the state in progress */
+    double *wires;              /* WIRE_HISTORY numbers an element, referred as frames; or NULL */
+    double *curved;             /* CURVED numbers an element, referred as frames; or NULL */
+    double *latest;             /* System.latest; or NULL */
+    void *work;                 /* scratch of the chain */
     Surroundings *around;
-    SelfContactState *own;
+    SelfContactState *self_contact;
     PointForces forces;
     double values[SIGNALS];
-    unsigned known; /* bit g: the values of group g are those of the state */
+    unsigned known; /* bit g: the values of group g belong to the state */
     LoopBottom bottom;
-    int bottom_known, nearest_blocks[2]; /* of leg_clearance */
-    int64_t work_end;    /* number of Newton iterations beyond which the present advance gives up accuracy */
-    int64_t corrections; /* of all searches of an equilibrium since the start began */
-    int turned;          /* whether the latest search turned too far */
+    int bottom_known, nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
+    int64_t work_end;                    /* Newton iterations after which the present advance gives up accuracy */
+    int64_t corrections;                 /* Newton corrections of all equilibria of the present start */
+    int turned;                          /* true if the latest equilibrium turned more than allowed */
     char message[MESSAGE];
 };
 
@@ -47,111 +51,114 @@ static inline const Chain *chain_of(const Simulator *rope, const State *state) {
     return rope->chains + (state->fidelity == RIGID ? PLANAR : state->fidelity) - TORSIONAL;
 }
 
-/* memory.c: a simulator of the scene, all its other memory zero; NULL and a message when there is none */
-Simulator *with_memory(const Scene *scene, int elements, const Memory *memory, char *message);
+/* Below, functions with a message return 0 on failure. */
 
-/* state.c */
-/* whether what was read from elsewhere can be a state of this rope; trial is scratch */
-int state_plausible(const Simulator *rope, State *state);
-void state_copy(const Simulator *rope, State *to, const State *from);
-void record_event(State *state, int what, int which, double kinetic, double potential);
+/* contact/shaft.c */
+/* Record clearances and passages of the rope at the state's time. */
+void with_passages(const Simulator *rope, State *state);
 
-/* rope_system.c */
-System rope_system(const Simulator *rope, State *state);
-/* frames, and what else is counted from q, are counted from there from now on */
-void rope_system_refer(Simulator *rope, State *state, const double *q);
-/* the same, and the angles become those counted along q; returns what theta gains at the right end */
-double rope_system_transport(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
-/* q, v and a in x, or the first `orders` of them, where they are prescribed at t */
-void rope_system_prescribed_motion(const Simulator *rope, const State *state, const System *s, double t, int orders,
-                                   double *const x[]);
-/* of the present state, into rope->strains */
-void rope_system_strains(Simulator *rope);
+/* curvature.c */
+int is_curved(const Simulator *rope, const State *state);
+Rope partly_curved(const Rope *whole, double part); /* Return the rope with a part of its permanent curvature. */
+void curved_reference(Simulator *rope, State *state, const double *q); /* Refer the permanent curvature to q. */
 
-/* generalized_alpha.c: the trial's arrays are what the step leads to */
-StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h);
-void generalized_alpha_restart(Simulator *rope, State *state, const System *s);
-/* by how much b is moved when a step h follows one of length before, 0 after a restart */
-double recentring(const Coefficients *method, double h, double before);
+/* ends/switching.c */
+void release_swivels(Simulator *rope, State *state);
+double next_release(const Simulator *rope, const State *state);
+/* Shorten the trial to end where a swivel must switch.  Return 1 if it was shortened, 0 if not, -1 on failure. */
+int switching_step(Simulator *rope, State *state, StepResult *trial);
+void switch_swivels(Simulator *rope, State *state);
+int chatters(const State *state);
+
+/* memory.c */
+/* Allocate a simulator of the scene, zero except for its pointers. */
+Simulator *allocate_simulator(const Scene *scene, int elements, const Memory *memory, char *message);
+
+/* mesh/adaptation.c */
+/* Transform the mesh as often as due; return the status of Newton's method.  The state is void unless CONVERGED. */
+int transform_if_due(Simulator *rope, State *state);
+void with_loop_yaw(State *state);
+int raise_fidelity(Simulator *rope, State *state, const char *why, char *message);
 
 /* model.c */
 StepResult model_trial(Simulator *rope, State *state, double h);
 void model_restart(Simulator *rope, State *state);
 void model_commit(Simulator *rope, State *state, const StepResult *trial);
 void model_powers(const Simulator *rope, State *state);
-/* energies of the state as it is; returns by how much their total changes */
-double model_energies(Simulator *rope, State *state);
+double model_energies(Simulator *rope, State *state); /* Update energies; return the change of their total. */
+/* Return the arc length of the loop's lowest point from the heights of the ends at t. */
 double model_bottom(const Simulator *rope, const State *state, double t);
-/* faced_by now */
+/* Call faced_by with the heights of the ends at t. */
 void model_faced(const Simulator *rope, const State *state, double t, double *faced);
-/* angles of q, v, a, b count from the frames; from now on they count along q */
+/* Refer frames and angles of q, v, a, b to q. */
 void with_angles_along(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *rope, State *state);
-/* h: of the communication step, at the start of which the balance of energy had this residual */
+/* Audit a communication step of length h; residual_before is the residual of the energy balance at its start. */
 void audit_interval(const Simulator *rope, State *state, double h, double residual_before);
 
-/* curvature.c */
-int is_curved(const Simulator *rope, const State *state);
-Rope partly_curved(const Rope *whole, double part);
-/* permanent curvature is counted from q, as the frames are; of no effect on a straight rope */
-void curved_reference(Simulator *rope, State *state, const double *q);
+/* numerics/generalized_alpha.c */
+StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h); /* Step into rope->trial. */
+void generalized_alpha_restart(Simulator *rope, State *state, const System *s);
+/* Return the time by which b is moved when a step h follows one of length `before` (0 after a restart). */
+double recentring(const Coefficients *method, double h, double before);
 
-/* wires.c: from now on wires rub, if the rope has friction and is not rigid, with z = 0: whether they begin to */
-int start_hysteresis(const Simulator *rope, State *state);
-/* they begin to move from q and the state's z */
-void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]);
-/* z becomes that of q; returns what was dissipated, J; of no effect where no wires rub */
-double wires_slip(Simulator *rope, State *state, const double *q);
-/* z goes from the mesh with nodes at old_s to the state's; of no effect where no wires rub */
-void wires_carry(Simulator *rope, State *state, const double *old_s);
+/* outputs/sensitivity.c */
+void added_mass_signals(Simulator *rope, double *values); /* compute of a SignalGroup */
 
-/* shaft.c: what the rope came near to, and passed through, at the state's instant */
-void with_passages(const Simulator *rope, State *state);
-
-/* events.c: the right end of an interval in which f goes from negative to not negative, not wider than `width` */
-double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
-              double width);
-
-/* statics.c: q of the state becomes an equilibrium, reaction its residual; v and a are not looked at.
-   0 and a message when there is none, or when theta gains more than most_turn (rad) at the right end on the way */
-int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message);
-
-/* rigid.c: q, v, a and the reaction as the equilibria between the moving ends have them, all counted from the rigid
-   rope; 0 and a message when there is none */
-int flexible_start(Simulator *rope, State *state, char *message);
-
-/* hang.c: the state at rest, hung up untwisted, turned in and relaxed, then between these ends; 0 and a message when it
-   cannot be */
-int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part); /* on the way to there */
-
-/* switching.c */
-void release_swivels(Simulator *rope, State *state);
-double next_release(const Simulator *rope, const State *state);
-/* the trial shortened to end where a swivel must switch: 1; as it was: 0; -1 when that step fails */
-int switching_step(Simulator *rope, State *state, StepResult *trial);
-void switch_swivels(Simulator *rope, State *state);
-int chatters(const State *state);
-
-/* adaptation.c */
-/* how Newton's method ended in the last transformation: CONVERGED, or the state is that of no rope */
-int transform_if_due(Simulator *rope, State *state);
-void with_loop_yaw(State *state);
-int raise_fidelity(Simulator *rope, State *state, const char *why, char *message);
-
-/* stepping.c: the state as the rigid model has it at t, or after one accepted step; 0 and a message when there is none
- */
-int as_rigid(Simulator *rope, State *state, double t, char *message);
-int step_towards(Simulator *rope, State *state, double t_end, char *message);
-
-/* signals.c: the group of a signal, and the function that puts the group's values at their numbers in (SIGNALS) */
+/* outputs/signals.c */
 typedef struct {
     int number;
-    void (*compute)(Simulator *, double *);
+    void (*compute)(Simulator *, double *); /* writes the values of the group into (SIGNALS) */
 } SignalGroup;
 SignalGroup group_of(int signal);
 
-/* sensitivity.c: one of these groups */
-void added_mass_signals(Simulator *rope, double *values);
+/* rigid.c */
+/* Set q, v, a and reaction from equilibria between the moving ends, referred to the rigid rope. */
+int flexible_start(Simulator *rope, State *state, char *message);
+
+/* rope_system.c */
+System rope_system(const Simulator *rope, State *state);
+void rope_system_refer(Simulator *rope, State *state, const double *q); /* Refer frames, curvature, wires to q. */
+/* Refer frames and angles to q; return the change of theta at the right end. */
+double rope_system_transport(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
+/* Set prescribed entries at t of q, v and a in x, or of the first `orders` of them. */
+void rope_system_prescribed_motion(const Simulator *rope, const State *state, const System *s, double t, int orders,
+                                   double *const x[]);
+void rope_system_strains(Simulator *rope); /* Strains of the present state, into rope->strains. */
+
+/* state.c */
+/* True if restored bytes can be a state of this rope.  Overwrites rope->trial. */
+int state_plausible(const Simulator *rope, State *state);
+void state_copy(const Simulator *rope, State *to, const State *from);
+void record_event(State *state, int what, int which, double kinetic, double potential);
+
+/* stepping/events.c */
+/* Return the right end of an interval, at most `width` wide, in which f changes from negative to nonnegative. */
+double locate(double (*f)(void *, double), void *data, double low, double high, double f_low, double f_high,
+              double width);
+
+/* stepping/hang.c */
+/* Hang the rope at rest, untwisted; then twist it, relax it, and move the ends to `ends`. */
+int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
+/* Set paths at rest, a `part` of the way to `ends`. */
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part);
+
+/* stepping/statics.c */
+/* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over most_turn (rad) at the right end. */
+int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message);
+
+/* stepping/stepping.c */
+int as_rigid(Simulator *rope, State *state, double t, char *message);         /* Move the rigid model to t. */
+int step_towards(Simulator *rope, State *state, double t_end, char *message); /* Take one accepted step. */
+
+/* wires.c; nothing changes unless wires rub */
+/* Start friction between wires, with z = 0, if the rope has it and is not rigid; return true if it started. */
+int start_hysteresis(const Simulator *rope, State *state);
+/* Set the history from q and the state's z. */
+void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]);
+/* Update z to q; return the dissipated energy, J. */
+double wires_slip(Simulator *rope, State *state, const double *q);
+/* Transfer z from the mesh with nodes at old_s to the state's mesh. */
+void wires_carry(Simulator *rope, State *state, const double *old_s);
 
 #endif

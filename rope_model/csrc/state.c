@@ -1,4 +1,4 @@
-/* The state as one block of bytes. */
+/* The state as a block of bytes.  C version of rope_model/simulation/state.py. */
 
 #include <stddef.h>
 
@@ -24,7 +24,7 @@ static int within(int64_t x, int64_t least, int64_t most) {
     return least <= x && x <= most;
 }
 
-/* the pattern is the mesh's, wherever its fine middle is, and the elements have its lengths */
+/* True if the pattern belongs to the mesh, at any place of the loop, and the elements have its lengths. */
 static int partition_plausible(const Simulator *rope, const State *state, const Arrays *m) {
     const double length = rope->scene.rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
@@ -37,7 +37,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         const int first = pattern->counts[0], least = (int)fewest_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return 0;
-        for (int i = 0; i < PLACES_FACED; i++) /* where a divider is that asks for this window */
+        for (int i = 0; i < PLACES_FACED; i++) /* place of a divider in this window */
             if (isfinite(faced[i])) faced[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);
         partition_transform(&expected, first - expected.counts[0], faced, m->elements, lengths);
     }
@@ -48,7 +48,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     return fabs(m->s[m->elements] - s[m->elements]) <= rounding;
 }
 
-/* it ends now, in a motion that an end may have */
+/* True if the path ends at t, with a motion that an end may have. */
 static int path_plausible(const Path *path, double t) {
     const double distant = 1e5;
     if (!(path->start <= path->stop && fabs(path->stop - t) <= 1e-9 * fmax(1, fabs(t)))) return 0;
@@ -81,7 +81,7 @@ int state_plausible(const Simulator *rope, State *state) {
         return 0;
     if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
     const Arrays m = state_arrays(state);
-    /* the real numbers before the swivels lie in a row, and so do all arrays */
+    /* The doubles before the swivels are contiguous, and so are all arrays. */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
         !all_finite(m.q, (size_t)(m.z - m.q) + (rope->wires != NULL ? WIRE_Z * (size_t)m.elements : 0)) ||
         !all_finite(&state->energy_balance.kinetic,

@@ -1,17 +1,16 @@
-/* The memory of a rope whose wires rub on each other: rope_model.simulation.wires, which see. */
+/* Hysteresis by friction between wires.  C version of rope_model/simulation/wires.py, which explains the method. */
 
 #include "simulator.h"
 
-/* where in the element the length of rope begins and ends that a point stands for, in parts of 1 */
-static const double CELLS[] = WIRE_CELLS;
+static const double CELLS[] = WIRE_CELLS; /* bounds of the points' cells, element coordinates */
 
 static double *hysteresis_of(const Simulator *rope, int element) {
     return rope->wires + (ptrdiff_t)element * WIRE_HISTORY;
 }
 
-/* of an element of q; without torsion no section turns, however the ends hold theta */
-static void look_at_section(const State *state, const Arrays *m, const double *q, int element, int point,
-                            double section[WIRE_POINT_STATE]) {
+/* Section of an element at a point.  Sections do not turn without torsion, even if the ends have theta. */
+static void read_section(const State *state, const Arrays *m, const double *q, int element, int point,
+                         double section[WIRE_POINT_STATE]) {
     static const double places[] = WIRE_PLACES;
     section_at(places[point], m->lengths[element], q + (ptrdiff_t)element * DOF, section);
     if (state->fidelity != TORSIONAL) section[ANGLE] = 0;
@@ -21,13 +20,13 @@ void wires_history(Simulator *rope, State *state, const double *q, double (*stra
     const Arrays m = state_arrays(state);
     const double stiffness = wire_stiffness(&rope->scene.rope);
     for (int e = 0; e < m.elements; e++) {
-        double *at = hysteresis_of(rope, e);
-        for (int k = 0; k < WIRE_POINTS; k++, at += WIRE_POINT_STATE) {
-            look_at_section(state, &m, q, e, k, at);
-            memcpy(at + WIRE_POINT_STATE - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *at);
+        double *history = hysteresis_of(rope, e);
+        for (int k = 0; k < WIRE_POINTS; k++, history += WIRE_POINT_STATE) {
+            read_section(state, &m, q, e, k, history);
+            memcpy(history + WIRE_POINT_STATE - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *history);
         }
-        at[0] = slip_curvature(&rope->scene.rope, stiffness, strains[e][0], strains[e][1]);
-        at[1] = stiffness;
+        history[0] = slip_curvature(&rope->scene.rope, stiffness, strains[e][0], strains[e][1]);
+        history[1] = stiffness;
     }
 }
 
@@ -39,7 +38,7 @@ double wires_slip(Simulator *rope, State *state, const double *q) {
         const double *before = hysteresis_of(rope, e), *law = before + WIRE_POINTS * WIRE_POINT_STATE;
         double now[WIRE_POINT_STATE];
         for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE) {
-            look_at_section(state, &m, q, e, k, now);
+            read_section(state, &m, q, e, k, now);
             const Slid slid = wire_slide(before, now, law[0]);
             memcpy(m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, slid.z, sizeof slid.z);
             dissipated += law[1] * m.lengths[e] * weights[k] * slid.dissipated;
@@ -48,26 +47,26 @@ double wires_slip(Simulator *rope, State *state, const double *q) {
     return dissipated;
 }
 
-/* the mean of z over arc lengths from `from` to `to` of elements between nodes at s; z is constant in a point's cell */
+/* Mean of z over arc lengths between `from` and `to`; z is constant in the cell of a point. */
 static void mean_between(const double *z, const double *s, int elements, double from, double to, double mean[3]) {
     const double close = 1e-9 * s[elements];
     memset(mean, 0, 3 * sizeof *mean);
     for (int e = 0; e < elements && s[e] < to; e++)
         for (int k = 0; s[e + 1] > from && k < WIRE_POINTS; k++) {
             const double l = s[e + 1] - s[e], begin = s[e] + l * CELLS[k], end = s[e] + l * CELLS[k + 1];
-            const double *own = z + (ptrdiff_t)e * WIRE_Z + 3 * k;
+            const double *point_z = z + (ptrdiff_t)e * WIRE_Z + 3 * k;
             const double part = (fmin(end, to) - fmax(begin, from)) / (to - from);
             if (fabs(begin - from) <= close && fabs(end - to) <= close) {
-                memcpy(mean, own, 3 * sizeof *mean);
+                memcpy(mean, point_z, 3 * sizeof *mean);
                 return;
             }
-            for (int i = 0; part > 0 && i < 3; i++) mean[i] += part * own[i];
+            for (int i = 0; part > 0 && i < 3; i++) mean[i] += part * point_z[i];
         }
 }
 
 void wires_carry(Simulator *rope, State *state, const double *old_s) {
     const Arrays m = state_arrays(state);
-    double *before = rope->wires; /* what it held is of the old mesh */
+    double *before = rope->wires; /* scratch: its history belongs to the old mesh */
     if (!state->rubs) return;
     memcpy(before, m.z, sizeof(double) * WIRE_Z * (size_t)m.elements);
     for (int e = 0; e < m.elements; e++)

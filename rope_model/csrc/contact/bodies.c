@@ -1,9 +1,8 @@
-/* The bodies of a scene where they are now: rope_model.simulation.contact.bodies. */
+/* The bodies of a scene at their present places.  C version of rope_model/simulation/contact/bodies.py. */
 
 #include "rope_system.h"
 
-/* elements that are looked at together first */
-enum { GROUP = 12 };
+enum { GROUP = 12 }; /* elements that share a box in the broad phase of contact detection */
 
 static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
     bodies[number] = (Placed){kind, moves_with, body};

@@ -1,22 +1,23 @@
-/* The bodies of a scene, and the rope among them: the port of rope_model.simulation.contact.shaft. */
+/* The rope among the bodies of its scene.  C version of rope_model/simulation/contact/shaft.py. */
 
 #include "simulator.h"
 
-/* the part of the rope between two nodes, and its place that is nearest to a body */
+/* Search for the place nearest to a body, in the part of the rope between two nodes. */
 typedef struct {
     Placed placed;
     int first, last;
     double radius, t;
     Nearest nearest;
-} Search;
+} NearestSearch;
 
-/* whether what is in the box may be nearer than what is known */
-static int beats(const Search *search, const double box[6]) {
+/* True if contents of the box may be nearer than the nearest place so far. */
+static int may_be_nearer(const NearestSearch *search, const double box[6]) {
     const double least = body_least_distance(box, box + 3, &search->placed.body);
     return least - search->radius < search->nearest.clearance - RESOLUTION;
 }
 
-static void look(Search *search, double s, const double *place) {
+/* Update the search with a place at arc length s. */
+static void probe(NearestSearch *search, double s, const double *place) {
     const double clearance = body_distance(place, &search->placed.body) - search->radius;
     const double known = search->nearest.clearance;
     if (!(clearance < known)) return;
@@ -24,20 +25,21 @@ static void look(Search *search, double s, const double *place) {
     search->nearest = (Nearest){clearance, search->t, s, place[1], touched};
 }
 
-/* the piece of this length from s on, between the places and slopes a and b */
-static void refine(Search *search, double s, double length, const double *a, const double *b) {
+/* Search a piece of this length from s on, between the places and slopes a and b, by bisection. */
+static void refine(NearestSearch *search, double s, double length, const double *a, const double *b) {
     double box[6], between[6];
     enclosing_box(length, a, b, box);
-    if (!beats(search, box)) return;
+    if (!may_be_nearer(search, box)) return;
     const double half = 0.5 * length;
     middle_of(length, a, b, between);
-    look(search, s + half, between);
+    probe(search, s + half, between);
     refine(search, s, half, a, between);
     refine(search, s + half, half, between, b);
 }
 
-/* one for each body, all from what is known: their number */
-static int searches_of(const Scene *scene, const Arrays *m, double t, const Nearest nearest[KINDS], Search *searches) {
+/* Begin a search for each body from the known nearest places; return their number. */
+static int searches_of(const Scene *scene, const Arrays *m, double t, const Nearest nearest[KINDS],
+                       NearestSearch *searches) {
     const double *const ends[2] = {m->q, m->q + (size_t)m->elements * DOF};
     Placed bodies[MOST_BODIES];
     const int number = placed_bodies(&scene->shaft, ends, bodies);
@@ -45,61 +47,61 @@ static int searches_of(const Scene *scene, const Arrays *m, double t, const Near
     for (int n = 0; n < number; n++) {
         const int first = bodies[n].moves_with == LEFT ? lowest : 0;
         const int last = bodies[n].moves_with == RIGHT ? lowest : m->elements;
-        searches[n] = (Search){bodies[n], first, last, 0.5 * scene->rope.diameter, t, nearest[bodies[n].kind]};
+        searches[n] = (NearestSearch){bodies[n], first, last, 0.5 * scene->rope.diameter, t, nearest[bodies[n].kind]};
     }
     return number;
 }
 
-static void nearest_of(int number, const Search *searches, Nearest nearest[KINDS]) {
+static void nearest_of(int number, const NearestSearch *searches, Nearest nearest[KINDS]) {
     for (int n = 0; n < number; n++) {
         Nearest *known = &nearest[searches[n].placed.kind];
         if (searches[n].nearest.clearance < known->clearance) *known = searches[n].nearest;
     }
 }
 
-/* of the elements from first to last */
-static void look_along(Search *search, const Arrays *m, int first, int last) {
+static void search_elements(NearestSearch *search, const Arrays *m, int first, int last) {
     for (int k = first; k < last; k++) {
         const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
         double box[6];
         if (k < search->first || k >= search->last) continue;
         enclosing_box(m->lengths[k], a, b, box);
-        if (!beats(search, box)) continue;
-        look(search, m->s[k], a);
-        look(search, m->s[k + 1], b);
+        if (!may_be_nearer(search, box)) continue;
+        probe(search, m->s[k], a);
+        probe(search, m->s[k + 1], b);
         refine(search, m->s[k], m->lengths[k], a, b);
     }
 }
 
 void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
-    Search searches[MOST_BODIES];
+    NearestSearch searches[MOST_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int first = 0, last; number > 0 && first < m->elements; first = last) {
         double box[6];
         last = bodies_group(m->elements, m->lengths, m->q, first, box);
         for (int n = 0; n < number; n++)
-            if (first < searches[n].last && searches[n].first < last && beats(&searches[n], box))
-                look_along(&searches[n], m, first, last);
+            if (first < searches[n].last && searches[n].first < last && may_be_nearer(&searches[n], box))
+                search_elements(&searches[n], m, first, last);
     }
     nearest_of(number, searches, nearest);
 }
 
 void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
-    Search searches[MOST_BODIES];
+    NearestSearch searches[MOST_BODIES];
     far_bodies(nearest);
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int n = 0; n < number; n++)
-        for (int k = searches[n].first; k <= searches[n].last; k++) look(&searches[n], m->s[k], m->q + (size_t)k * DOF);
+        for (int k = searches[n].first; k <= searches[n].last; k++)
+            probe(&searches[n], m->s[k], m->q + (size_t)k * DOF);
     nearest_of(number, searches, nearest);
     shaft_nearer(scene, m, t, nearest);
 }
 
-/* how far the rope lies in itself, where that is further than before */
+/* Update the largest penetration of the rope into itself. */
 static void with_overlap(const Simulator *rope, State *state) {
     const Arrays m = state_arrays(state);
-    const double *nearest = rope->own->nearest, diameter = rope->scene.rope.diameter;
+    const double *nearest = rope->self_contact->nearest, diameter = rope->scene.rope.diameter;
     Crossing *crossing = &state->crossing;
-    const System s = {.elements = m.elements, .lengths = m.lengths, .own = rope->own};
+    const System s = {.elements = m.elements, .lengths = m.lengths, .self_contact = rope->self_contact};
     find_self_contacts(&s, m.q, m.v, 0, 0);
     if (!(diameter - nearest[0] > crossing->overlap)) return;
     if (crossing->overlap == 0) crossing->touched_at = state->t;
@@ -112,17 +114,18 @@ void with_passages(const Simulator *rope, State *state) {
     Crossing *crossing = &state->crossing;
     state->looked_at = state->t;
     shaft_nearer(&rope->scene, &m, state->t, state->nearest);
-    const double line = diagnostics_direction(&m), above = rope->scene.layout.spacing,
-                 diameter = rope->scene.rope.diameter;
+    const double line = diagnostics_direction(&m);
     double across[2];
     heading(line, across);
-    const int near = !legs_apart(&m, across, diameter, above);
-    if (near || rope->own->presses) with_overlap(rope, state);
+    const int near = !legs_apart(&m, across, rope->scene.rope.diameter, rope->scene.layout.spacing);
+    if (near || rope->self_contact->presses) with_overlap(rope, state);
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
     const LoopTurns turns = loop_turns(&m, &bottom);
     const double net = rint(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
-    if (net != crossing->net && crossing->number == 0) crossing->since = state->t, crossing->y = turns.sharpest_y;
+    const int first = net != crossing->net && crossing->number == 0;
+    if (first) crossing->since = state->t;
+    if (first) crossing->y = turns.sharpest_y;
     crossing->number += fabs(net - crossing->net);
     crossing->net = net;
 }

@@ -1,11 +1,10 @@
-/* rope_model.simulation.ends.ends: checks of the motions that a host gives, and the swivels' friction. */
+/* Checks of the host's motions, and moments of the swivels.  C version of rope_model/simulation/ends/ends.py. */
 
 #include "rules.h"
 
 enum { YAW = 3, AXES = 4, PEAKS = 6, LEAN = 11 };
 static const char *const AXIS_NAMES[PEAKS] = {"x", "y", "z", "yaw", "lean", "lean_z"};
-/* of the conveyance's yaw in theta */
-static const double YAW_SENSE[2] = {-1.0, 1.0};
+static const double YAW_SENSE[2] = {-1.0, 1.0}; /* sign of the conveyance's yaw in theta */
 
 static int largest(int axes, const double *sizes) {
     int worst = 0;

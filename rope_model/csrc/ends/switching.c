@@ -1,9 +1,9 @@
-/* Stick and slip: rope_model.simulation.ends.switching, which see. */
+/* Stick and slip.  C version of rope_model/simulation/ends/switching.py, which explains the method. */
 
 #include "rules.h"
 #include "simulator.h"
 
-/* event function of one swivel */
+/* Event function of one swivel: negative while it may stay in its phase. */
 static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m) {
     const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
     const double *R = end_row(m->reaction, m->nodes, side);
@@ -35,19 +35,20 @@ void release_swivels(Simulator *rope, State *state) {
 }
 
 double next_release(const Simulator *rope, const State *state) {
-    const Swivel *of = rope->scene.swivels;
-    return fmin(released_at(&of[LEFT], &state->swivels[LEFT]), released_at(&of[RIGHT], &state->swivels[RIGHT]));
+    const Swivel *swivels = rope->scene.swivels;
+    return fmin(released_at(&swivels[LEFT], &state->swivels[LEFT]),
+                released_at(&swivels[RIGHT], &state->swivels[RIGHT]));
 }
 
 typedef struct {
     Simulator *rope;
     State *state;
-    int64_t iterations, work;
-} Search;
+    int64_t iterations, work; /* Newton iterations so far, and allowed */
+} EventSearch;
 
-static double excess_after(void *with, double h) {
-    Search *search = with;
-    if (search->iterations >= search->work) return -1; /* the earliest instant known to be past it will do */
+static double excess_after(void *data, double h) {
+    EventSearch *search = data;
+    if (search->iterations >= search->work) return -1; /* ends at the earliest time known to be past the event */
     const StepResult trial = model_trial(search->rope, search->state, h);
     search->iterations += trial.newton.iterations;
     return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
@@ -57,15 +58,14 @@ int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
     if (at_end < 0) return 0;
     const Arrays m = state_arrays(state);
-    /* the step to the event, and one from there on, come after the trials */
-    Search search = {rope, state, 0, rope->work_end - state->counts.newton - 2 * STEP_WORK};
-    if (search.work <= 0) { /* the step's end will do */
+    /* Keep work for the step to the event and the next one. */
+    EventSearch search = {rope, state, 0, rope->work_end - state->counts.newton - 2 * STEP_WORK};
+    if (search.work <= 0) { /* switch at the end of the step */
         state->counts.given_up += 1;
         return 1;
     }
     double at_start = excess(rope, state, state->t, &m);
-    if (at_start >= 0) /* a slip that has just begun has no rate yet */
-        at_start = -1e-12;
+    if (at_start >= 0) at_start = -1e-12; /* the rate of a slip that has just begun is zero */
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = model_trial(rope, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
@@ -73,7 +73,7 @@ int switching_step(Simulator *rope, State *state, StepResult *trial) {
     return trial->reached ? 1 : -1;
 }
 
-/* what a swivel that cannot stay in its phase does next: stick if its friction can hold, else slip */
+/* Return the next phase of a swivel that cannot stay in its own: stick if friction can hold it, else slip. */
 static SwivelState next_phase(Simulator *rope, const State *state, const SwivelState swivels[2], int side) {
     State *trial = rope->spare;
     state_copy(rope, trial, state);
@@ -101,7 +101,7 @@ void switch_swivels(Simulator *rope, State *state) {
         switches[side] = excess_of(rope, state, side, state->t, &m) >= 0;
         if (!switches[side]) continue;
         swivels[side] = next_phase(rope, state, swivels, side);
-        restarted = swivels[side].phase == STICK; /* as the spare was, to see whether it holds */
+        restarted = swivels[side].phase == STICK; /* next_phase restarted the spare */
     }
     if (restarted) state_copy(rope, state, rope->spare);
     for (int side = LEFT; side <= RIGHT; side++) {

@@ -1,19 +1,18 @@
-/* Changes of the rope's description that leave the rope as it is: rope_model.simulation.mesh.adaptation, which see. */
+/* Changes of mesh and fidelity.  C version of rope_model/simulation/mesh/adaptation.py, which explains the method. */
 
 #include "rules.h"
 #include "simulator.h"
 
-/* a transformed rope with its energy change in the energy_balance */
+/* Enter the energy change of a transformation into the energy balance. */
 static void with_energy_change(Simulator *rope, State *state) {
-    const double kinetic = state->energy_balance.kinetic, change = model_energies(rope, state);
+    const double before = state->energy_balance.kinetic, change = model_energies(rope, state);
+    const double kinetic = state->energy_balance.kinetic - before;
     state->energy_balance.transformations += change;
-    record_event(state, TRANSFORMED, 0, state->energy_balance.kinetic - kinetic,
-                 change - (state->energy_balance.kinetic - kinetic));
+    record_event(state, TRANSFORMED, 0, kinetic, change - kinetic);
     state->counts.transformations += 1;
 }
 
-/* the equilibrium of the state with its accelerations, an inertia that stands for `time` holding what is slow, into
-   trial; the state is as it was where Newton's method does not converge */
+/* Equilibrium with the present accelerations, damped by an inertia of time constant `time`; no change on failure. */
 static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
     const Arrays m = state_arrays(state), *now = &rope->trial;
     const System s = rope_system(rope, state);
@@ -31,24 +30,23 @@ static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, 
     return newton;
 }
 
-/* how Newton's method ended */
+/* Transform the mesh once; return the status of Newton's method. */
 static int on_partition(Simulator *rope, State *state, int direction, const double *faced) {
     const Arrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
     partition_transform(&state->pattern, direction, faced, m.elements, m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
-    if (state->fidelity == RIGID) /* its shape and energies do not come from the mesh */
-        return CONVERGED;
-    transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work); /* the chain's, free between solutions */
+    if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
+    transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work);
     wires_carry(rope, state, old_s);
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     rope_system_refer(rope, state, m.q);
     const Solver *solver = &rope->scene.solver;
     const double tolerance = newton_may_leave(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
     double time = RELAXATION_TIME;
-    Progress newton;
-    while ((newton = dynamic_equilibrium(rope, state, time, tolerance)).status != CONVERGED) {
+    Progress newton = dynamic_equilibrium(rope, state, time, tolerance);
+    for (; newton.status != CONVERGED; newton = dynamic_equilibrium(rope, state, time, tolerance)) {
         if (time <= solver->step_min) return newton.status;
         time = fmax(0.5 * time, solver->step_min);
         state->counts.rejections += 1;
@@ -61,11 +59,13 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
 int transform_if_due(Simulator *rope, State *state) {
     const double bottom = model_bottom(rope, state, state->t);
     double faced[PLACES_FACED];
-    int direction, status = CONVERGED;
+    int status = CONVERGED;
     model_faced(rope, state, state->t, faced);
-    while (status == CONVERGED && ((direction = (int)transformation_due(&state->pattern, bottom, DUE_EARLY)) != 0 ||
-                                   window_due(&state->pattern, faced)))
+    while (status == CONVERGED) {
+        const int direction = (int)transformation_due(&state->pattern, bottom, DUE_EARLY);
+        if (direction == 0 && !window_due(&state->pattern, faced)) break;
         status = on_partition(rope, state, direction, faced);
+    }
     return status;
 }
 

@@ -1,4 +1,4 @@
-/* Partitions of the rope into elements: rope_model.simulation.mesh.partition, which says what is done and why. */
+/* Partitions into elements.  C version of rope_model/simulation/mesh/partition.py, which explains the method. */
 
 #include <limits.h>
 
@@ -16,41 +16,41 @@ double partition_fine(const Pattern *pattern, const double *lengths) {
 }
 
 Mesh fit_mesh(const Scene *scene) {
-    Mesh fitted = scene->mesh;
-    if (fitted.kind != AUTO_MESH) return fitted;
-    const double asked = fitted.loop_error > 0 ? fitted.loop_error : MESH_SHARE * scene->accuracy.loop;
-    const FittedMesh of = fit_elements(scene, asked, log10(FADE_ERROR / asked));
-    fitted.kind = of.equal > 0 ? EEM : TMN;
-    fitted.loop_error = 0; /* these kinds do not read it */
-    if (fitted.kind == EEM)
-        fitted.elements = as_int(of.equal);
+    Mesh mesh = scene->mesh;
+    if (mesh.kind != AUTO_MESH) return mesh;
+    const double asked = mesh.loop_error > 0 ? mesh.loop_error : MESH_SHARE * scene->accuracy.loop;
+    const FittedMesh fitted = fit_elements(scene, asked, log10(FADE_ERROR / asked));
+    mesh.kind = fitted.equal > 0 ? EEM : TMN;
+    mesh.loop_error = 0; /* not used by these kinds */
+    if (mesh.kind == EEM)
+        mesh.elements = as_int(fitted.equal);
     else {
-        const int counts[] = {2, 0, as_int(of.fine), 0, 2};
-        memcpy(fitted.counts, counts, sizeof counts);
-        fitted.coarse_length = of.coarse;
-        fitted.end_levels = (int)of.end_levels;
-        fitted.grading_length = of.grading;
+        const int counts[] = {2, 0, as_int(fitted.fine), 0, 2};
+        memcpy(mesh.counts, counts, sizeof counts);
+        mesh.coarse_length = fitted.coarse;
+        mesh.end_levels = (int)fitted.end_levels;
+        mesh.grading_length = fitted.grading;
     }
-    return fitted;
+    return mesh;
 }
 
-/* elements of a leg of `units` l from the clamped end on, each as long as its distances from end and loop allow, in
-   units of l as `growth`; where the lengths go to every `stride`, NULL: nowhere */
+/* Write the element lengths of a leg from the end of the rope on, as long as `growth` allows at their distances from
+   end and loop; return their number.  Leg, growth and lengths are in units of l; lengths may be NULL. */
 static int leg(int units, double growth, double *lengths, int stride) {
     int count = 0;
-    for (int at = 0, size; at < units; at += size, count++) {
+    for (int begin = 0, size; begin < units; begin += size, count++) {
         size = 1;
         for (int k = 0; growth > 0 && k < LENGTHS; k++) {
-            int longer = LONGER[k], gap = units - (at + longer);
-            if (longer > at || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer)) break;
-            if (at % longer == 0) size = longer;
+            int longer = LONGER[k], gap = units - (begin + longer);
+            if (longer > begin || gap < GRADING * (longer - 1) || gap * growth < (double)(longer * longer)) break;
+            if (begin % longer == 0) size = longer;
         }
         if (lengths != NULL) lengths[(ptrdiff_t)stride * count] = size;
     }
     return count;
 }
 
-/* elements of both legs together, which have `units` l: as many as the worst place of the loop asks for */
+/* Return the number of elements of both legs, which have `units` l together, for the worst place of the loop. */
 static int leg_elements(int units, double growth) {
     int most = growth > 0 ? 0 : units;
     for (int first = 1; growth > 0 && first <= units / 2; first++) {
@@ -60,7 +60,7 @@ static int leg_elements(int units, double growth) {
     return most;
 }
 
-/* the index of the longest element but the outermost, of several the one nearest the loop; 0: there is no other */
+/* Return the index of the longest element except the outermost, nearest to the loop among equals; 0 for none. */
 static int longest_of(const double *lengths, int stride, int count) {
     int found = count > 1;
     for (int k = 2; k < count; k++)
@@ -68,22 +68,22 @@ static int longest_of(const double *lengths, int stride, int count) {
     return found;
 }
 
-/* whether element k of this leg, from its end on, is in a window */
+/* True if element k of this leg, from its end on, is in a window. */
 static int in_window(const int *windows, int side, int k) {
     for (int i = side; i < PLACES_FACED; i += 2)
         if (0 <= k - windows[i] && k - windows[i] < WINDOW) return 1;
     return 0;
 }
 
-/* element k of so many is divided evenly */
+/* Divide element k of `count` into equal parts. */
 static void divide(double *lengths, int stride, int count, int k, int parts) {
     const double each = lengths[(ptrdiff_t)stride * k] / parts;
     for (int i = count - 1; i > k; i--) lengths[(ptrdiff_t)stride * (i + parts - 1)] = lengths[(ptrdiff_t)stride * i];
     for (int i = k; i < k + parts; i++) lengths[(ptrdiff_t)stride * i] = each;
 }
 
-/* both legs from their ends on; those to spare refine all but the outermost, first those of the windows, then the
-   longest; gives the number of the left leg's */
+/* Write both legs from their ends on; return the number of elements on the left.  Spare elements refine first the
+   windows, then the longest elements, never the outermost. */
 static int legs(int first, int last, double growth, int elements, const int *windows, double *left, double *right) {
     int counts[2] = {leg(first, growth, left, 1), leg(last, growth, right, -1)};
     int spare = elements - counts[0] - counts[1];
@@ -103,7 +103,7 @@ static int legs(int first, int last, double growth, int elements, const int *win
     return counts[0];
 }
 
-/* elements of the segments I and VII together, for l near coarse_length */
+/* Return the number of elements in segments I and VII together, for l near coarse_length. */
 static double outer_of(const Mesh *mesh, double length) {
     return rint(length / mesh->coarse_length - inner_length(mesh->counts));
 }
@@ -111,7 +111,7 @@ static double outer_of(const Mesh *mesh, double length) {
 int partition_elements(const Mesh *mesh, double length, const double *faced, char *message) {
     message[0] = '\0';
     if (mesh->kind == EEM) {
-        require_in_bounds(mesh, message); /* what 'auto' asks for may be too much */
+        require_in_bounds(mesh, message); /* an automatic mesh may be out of bounds */
         return message[0] ? 0 : mesh->elements;
     }
     double outer = outer_of(mesh, length);
@@ -126,16 +126,17 @@ int partition_elements(const Mesh *mesh, double length, const double *faced, cha
     return (int)elements;
 }
 
-/* elements of the segments II to VI, in units of l, but what the ends cut off; gives their number; NULL: only that */
+/* Write the lengths (or NULL) of segments II to VI as far as the rope reaches, in units of l; return their number. */
 static int fill_inner(const int *counts, double *lengths) {
     const double relative[SEGMENTS] = {1, 0.5, 0.25, fine_share(counts + 1), 0.25, 0.5, 1};
     const double inner = inner_length(counts + 1);
     const double begin = fmax(1 - counts[0], 0), end = inner - fmax(1 - counts[SEGMENTS - 1], 0);
-    double at = 0;
+    double reached = 0;
     int n = 0;
     for (int segment = 1; segment < SEGMENTS - 1; segment++)
         for (int k = 0; k < counts[segment]; k++) {
-            const double from = fmax(at, begin), to = fmin(at += relative[segment], end);
+            const double from = fmax(reached, begin), to = fmin(reached + relative[segment], end);
+            reached += relative[segment];
             if (!(to > from)) continue;
             if (lengths != NULL) lengths[n] = to - from;
             n++;
@@ -143,12 +144,12 @@ static int fill_inner(const int *counts, double *lengths) {
     return n;
 }
 
-/* the outermost l from the end on: the last length twice, ..., l/4, l/2, none above `longest`; gives their number */
+/* Write the outermost l: the last length twice, ..., l/4, l/2, none above `longest`; return the number of elements. */
 static int end(int levels, double longest, double *lengths, int stride) {
     int n = 0;
     for (int k = 0; k <= levels; k++) {
         const double size = ldexp(1.0, k == 0 ? -levels : k - 1 - levels), each = fmin(size, longest);
-        for (double at = 0; at < size; at += each, n++)
+        for (double begin = 0; begin < size; begin += each, n++)
             if (lengths != NULL) lengths[(ptrdiff_t)stride * n] = each;
     }
     return n;
@@ -160,7 +161,7 @@ static void tmn(const Pattern *pattern, int elements, double *lengths) {
     int first = counts[0] > 1 ? counts[0] : 1, last = counts[SEGMENTS - 1] > 1 ? counts[SEGMENTS - 1] : 1;
     const double growth = pattern->grading_length / coarse, fine = fine_share(counts + 1);
     const int levels = pattern->end_levels, least = leg(first, growth, NULL, 0) + leg(last, growth, NULL, 0);
-    /* where the pattern is cut off the loop bends the rope up to its end */
+    /* Where the pattern is cut off, the loop bends the rope up to its end. */
     double longest[2] = {counts[0] < 1 ? fine : 1, counts[SEGMENTS - 1] < 1 ? fine : 1};
     int ends[2], both;
     for (;;) {

@@ -1,36 +1,34 @@
-/* Nodal values between the nodes, and carried from mesh to mesh: rope_model.simulation.mesh.transfer says why. */
+/* Transfer between meshes.  C version of rope_model/simulation/mesh/transfer.py, which explains the method. */
 
 #include "formulas.h"
 
 enum { CUBIC = 4, LINEAR = 2, MOST_FIELDS = 8 };
 
-/* within which two arc lengths are the same */
+/* Return the difference below which two arc lengths are equal, m. */
 static double tolerance_of(int nodes, const double *s) {
     return 1e-9 * s[nodes - 1];
 }
 
-void transfer_interpolate(int nodes, const double *x, const double *s, int places, const double *at, double *y) {
+void transfer_interpolate(int nodes, const double *x, const double *s, int number, const double *places, double *y) {
     const double tolerance = tolerance_of(nodes, s);
     int i = 0;
-    for (int k = 0; k < places; k++, y += DOF) {
-        /* the last element whose left node is left of the place, or the outermost; places mostly ascend */
-        while (i < nodes - 2 && s[i + 1] < at[k] + tolerance) i++;
-        while (i > 0 && s[i] >= at[k] + tolerance) i--;
+    for (int k = 0; k < number; k++, y += DOF) {
+        /* Find the last element whose left node is left of the place.  Places mostly ascend. */
+        while (i < nodes - 2 && s[i + 1] < places[k] + tolerance) i++;
+        while (i > 0 && s[i] >= places[k] + tolerance) i--;
         const double left_s = s[i], right_s = s[i + 1], *left = x + (ptrdiff_t)DOF * i, *right = left + DOF;
 
-        /* a node's own place has its values exactly */
-        const int nearer_left = at[k] - left_s < right_s - at[k];
+        /* A place at a node has the node's values exactly. */
+        const int nearer_left = places[k] - left_s < right_s - places[k];
         const double l = right_s - left_s;
-        if (fabs((nearer_left ? left_s : right_s) - at[k]) <= tolerance)
+        if (fabs((nearer_left ? left_s : right_s) - places[k]) <= tolerance)
             memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
         else
-            node_values(smaller(larger((at[k] - left_s) / l, 0.0), 1.0), l, left, y);
+            node_values(smaller(larger((places[k] - left_s) / l, 0.0), 1.0), l, left, y);
     }
 }
 
-/* integrals of products of two shape functions over the elements, as solve_banded takes them, zero before: (2 nodes x
- * CUBIC)
- */
+/* Add integrals of products of two shape functions to band (2 nodes x CUBIC), as solve_banded takes them. */
 static void cubic_products(int nodes, const double *s, double *band) {
     for (int e = 0; e < nodes - 1; e++, band += 2 * CUBIC) {
         double products[CUBIC * (CUBIC + 1) / 2], *product = products;
@@ -40,7 +38,7 @@ static void cubic_products(int nodes, const double *s, double *band) {
     }
 }
 
-/* the same for theta: (nodes x LINEAR) */
+/* Add integrals of products of two linear functions, for theta, to band (nodes x LINEAR). */
 static void linear_products(int nodes, const double *s, double *band) {
     for (int e = 0; e < nodes - 1; e++, band += LINEAR) {
         const double l = s[e + 1] - s[e];
@@ -50,8 +48,7 @@ static void linear_products(int nodes, const double *s, double *band) {
     }
 }
 
-/* what the fields y at the nodes new_s have less than x at old_s, times the N, along the rope: r (2 nodes x 3 of
-   each field), theta (nodes x fields), both zero before; without elements that become one there is nothing */
+/* Add integrals of N times (x at old_s - y at new_s) to r (2 nodes x 3 per field) and theta (nodes x fields). */
 static void add_missing(int nodes, int fields, const double *const *x, const double *old_s, const double *const *y,
                         const double *new_s, double *r, double *theta) {
     const double tolerance = tolerance_of(nodes, old_s);
@@ -59,9 +56,8 @@ static void add_missing(int nodes, int fields, const double *const *x, const dou
     for (int e = 0; e < nodes - 1; e++) {
         double from = new_s[e], end = new_s[e + 1], l = end - from;
         while (old < nodes - 2 && old_s[old + 1] <= from + tolerance) old++;
-        if (old_s[old + 1] >= end - tolerance) /* within an old one, and so the same */
-            continue;
-        /* between neighbours among all nodes, old and new, both are polynomials */
+        if (old_s[old + 1] >= end - tolerance) continue; /* within an old element */
+        /* Between neighbours among old and new nodes, both fields are polynomials. */
         for (int k = old; from < end - tolerance; k++) {
             double to = k < nodes - 2 ? fmin(old_s[k + 1], end) : end, old_l = old_s[k + 1] - old_s[k];
             for (int f = 0; f < fields; f++) {

@@ -1,14 +1,14 @@
-/* Warnings about results that are valid: the port of rope_model.simulation.messages.result_warnings, which see. */
+/* Warnings about valid results.  C version of rope_model/simulation/messages/result_warnings.py. */
 
 #include <stdio.h>
 
 #include "rules.h"
 #include "simulator.h"
 
-/* does not compile unless rope.h has room for the warnings of Python */
+/* Compiles only if ROPE_WARNINGS of rope.h fits the warnings of Python. */
 enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOLATION) };
 
-/* of the loop against its ends */
+/* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
     return state->loop_yaw - diagnostics_direction(&m);
@@ -21,33 +21,33 @@ static void neglected_effects(Simulator *rope, char *message) {
 
 static void passed_bodies(Simulator *rope, char *message) {
     static const char *const words[KINDS] = BODY_WORDS;
-    char told[MESSAGE] = "", before[MESSAGE], passed[MESSAGE];
+    char passages[MESSAGE] = "", before[MESSAGE], passed[MESSAGE];
     double deepest = FAR;
     for (int kind = 0; kind < KINDS; kind++) {
         const Nearest *x = &rope->state->nearest[kind];
         deepest = smaller(deepest, x->clearance);
         if (!(x->clearance <= 0)) continue;
         say_passed_into(passed, words[kind], x->touched_at, -x->clearance, x->time, x->s, x->y);
-        memcpy(before, told, sizeof before);
+        memcpy(before, passages, sizeof before);
         if (before[0])
-            say_and_another(told, before, passed);
+            say_and_another(passages, before, passed);
         else
-            memcpy(told, passed, sizeof told);
+            memcpy(passages, passed, sizeof passages);
     }
-    if (!told[0]) return;
+    if (!passages[0]) return;
     if (!may_touch(&rope->scene.shaft))
-        say_rope_passed_into(message, told);
+        say_rope_passed_into(message, passages);
     else if (deepest > -rope->scene.rope.diameter)
-        say_rope_struck(message, told);
+        say_rope_struck(message, passages);
     else
-        say_rope_pressed_into(message, told, rope->scene.shaft.contact.stiffness);
+        say_rope_pressed_into(message, passages, rope->scene.shaft.contact.stiffness);
 }
 
 static void leg_contact(Simulator *rope, char *message) {
     tell_touching_legs(&rope->scene, rope->state, yaw_of(rope->state), message);
 }
 
-/* twist of the rope from end to end by conveyances and swivels that have turned against the ends' line */
+/* Return the twist from end to end, rad, by conveyances and swivels turned against the line between the ends. */
 static double end_twist(State *state) {
     const Arrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
@@ -63,10 +63,10 @@ static void yaw_at_rest(Simulator *rope, char *message) {
 }
 
 static void unfit_inputs(Simulator *rope, char *message) {
-    char told[MESSAGE] = "";
+    char reason[MESSAGE] = "";
     for (int side = LEFT; side <= RIGHT; side++)
-        if (tell_inputs_of_end(&rope->scene, &rope->state->filters[side], rope->state->last_interval, told)) {
-            say_of_end(message, SIDE_NAMES[side], told);
+        if (tell_inputs_of_end(&rope->scene, &rope->state->filters[side], rope->state->last_interval, reason)) {
+            say_of_end(message, SIDE_NAMES[side], reason);
             return;
         }
 }

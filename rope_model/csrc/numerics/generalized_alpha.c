@@ -1,8 +1,8 @@
-/* One step of generalized-alpha: rope_model.numerics.generalized_alpha, which see. */
+/* Generalized-alpha method.  C version of rope_model/numerics/generalized_alpha.py, which explains the method. */
 
 #include "simulator.h"
 
-/* by how much the accelerations of the trial differ from those before it: Solution.resolve */
+/* Return the change of the accelerations over the trial, as Solution.resolve of Python does. */
 static const double *resolved_change(Simulator *rope, const Chain *chain, const System *s, double c_a,
                                      const double *before) {
     const Arrays *now = &rope->trial;
@@ -14,7 +14,7 @@ static const double *resolved_change(Simulator *rope, const Chain *chain, const 
     return rope->x;
 }
 
-/* whether the rate of change of the acceleration over a step of length before serves one of length h */
+/* True if the rate of the acceleration over the step `before` may predict a step h. */
 static int rate_known(double h, double before) {
     return 0 < h && h <= LARGEST_GROWTH * before;
 }
@@ -23,12 +23,12 @@ double recentring(const Coefficients *method, double h, double before) {
     return rate_known(h, before) ? recentring_time(method, h, before) : 0;
 }
 
-static void predict(const Arrays *old, double h, double ahead, const double of[6], double *RESTRICT q,
+static void predict(const Arrays *old, double h, double ahead, const double w[6], double *RESTRICT q,
                     double *RESTRICT v, double *RESTRICT a) {
     const Arrays m = *old;
     for (int i = 0; i < m.nodes * DOF; i++) {
-        q[i] = m.q[i] + h * m.v[i] + of[0] * m.a[i] + of[2] * m.b[i] + of[4] * m.a_rate[i];
-        v[i] = m.v[i] + of[1] * m.a[i] + of[3] * m.b[i] + of[5] * m.a_rate[i];
+        q[i] = m.q[i] + h * m.v[i] + w[0] * m.a[i] + w[2] * m.b[i] + w[4] * m.a_rate[i];
+        v[i] = m.v[i] + w[1] * m.a[i] + w[3] * m.b[i] + w[5] * m.a_rate[i];
         a[i] = m.a[i] + ahead * m.a_rate[i];
     }
 }
@@ -37,15 +37,15 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
     const Arrays old = state_arrays(state), *now = &rope->trial;
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
-    const double correction_motion = recentring(&method, h, state->h);
+    const double time_shift = recentring(&method, h, state->h);
     const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
-    double c[3], of[6], aux[4];
+    double c[3], w[6], aux[4];
     int finite = 1;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
-    prediction_weights(&method, h, correction_motion, ahead, of);
-    auxiliary_weights(&method, correction_motion, aux);
+    prediction_weights(&method, h, time_shift, ahead, w);
+    auxiliary_weights(&method, time_shift, aux);
     newton_coefficients(&method, h, c);
-    predict(&old, h, ahead, of, now->q, now->v, now->a);
+    predict(&old, h, ahead, w, now->q, now->v, now->a);
     rope_system_prescribed_motion(rope, state, s, result.t, 3, (double *[]){now->q, now->v, now->a});
     s->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
@@ -76,7 +76,7 @@ void generalized_alpha_restart(Simulator *rope, State *state, const System *s) {
     double unused[BALANCE], *known = rope->trial.reaction;
     memset(m.a, 0, sizeof(double) * size);
     rope_system_prescribed_motion(rope, state, s, state->t, 3, (double *[]){m.q, m.v, m.a});
-    for (int again = 0; again < 2; again++) { /* the second time with friction from the right reactions */
+    for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
         memcpy(known, m.reaction, sizeof(double) * size);
         chain_of(rope, state)->newton_step(s, rope->work, m.q, m.v, m.a, known, c, again, rope->x, m.reaction);
         for (size_t i = 0; i < size; i++) m.a[i] += rope->x[i];

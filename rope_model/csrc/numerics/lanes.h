@@ -1,12 +1,12 @@
-/* V: one number each of LANES elements, so that one evaluation of the element's code serves LANES of them.  P2: one
-   number each of the two ends of the rope, from which the elimination goes inwards.  Compilers without vectors take
-   one at a time; results agree to rounding. */
+/* Vectors.  V has one number of each of LANES elements, so that the element's code runs for all of them at once.  P2
+   has one number for each end of the rope; the elimination runs inwards from both.  Compilers without vectors use
+   scalars; results agree to rounding. */
 #ifndef LANES_H
 #define LANES_H
 
 #include <math.h>
 
-/* before a short loop: what it works on stays in registers */
+/* Unroll the short loop that follows, so that its arrays stay in registers. */
 #if defined(__clang__)
 #define UNROLL _Pragma("clang loop unroll(full)")
 #elif defined(__GNUC__) && __GNUC__ >= 8
@@ -23,7 +23,6 @@
 typedef double V __attribute__((vector_size(8 * LANES)));
 typedef double P2 __attribute__((vector_size(16)));
 #define SPLAT(x) ((V){0} + (x))
-#define LANE(x, i) ((x)[i])
 #define TWO(p, s, i) (p)[(i) * (s)], (p)[((i) + 1) * (s)]
 #if LANES == 8
 #define EACH(p, s) ((V){TWO(p, s, 0), TWO(p, s, 2), TWO(p, s, 4), TWO(p, s, 6)})
@@ -35,7 +34,7 @@ typedef double P2 __attribute__((vector_size(16)));
 #define EACH(p, s) ((V){TWO(p, s, 0)})
 #define MOVED 1, 2
 #endif
-/* all lanes of x but the first, and y */
+/* NEXT: all lanes of x except the first, followed by y */
 #if defined(__clang__)
 #define NEXT(x, y) __builtin_shufflevector(x, (V){y}, MOVED)
 #else
@@ -43,15 +42,14 @@ typedef long long Place __attribute__((vector_size(8 * LANES)));
 #define NEXT(x, y) __builtin_shuffle(x, (V){y}, (Place){MOVED})
 #endif
 #define SPLAT2(x) ((P2){(x), (x)})
+#define PAIR_OF(x, y) ((P2){(x), (y)})
 #define SIDE(x, i) ((x)[i])
 static inline V SQRT_V(V x) {
-    int i;
-    for (i = 0; i < LANES; ++i) x[i] = sqrt(x[i]);
+    for (int i = 0; i < LANES; ++i) x[i] = sqrt(x[i]);
     return x;
 }
 static inline V FABS_V(V x) {
-    int i;
-    for (i = 0; i < LANES; ++i) x[i] = fabs(x[i]);
+    for (int i = 0; i < LANES; ++i) x[i] = fabs(x[i]);
     return x;
 }
 #else
@@ -61,10 +59,10 @@ static inline V FABS_V(V x) {
 typedef double V;
 typedef double P2;
 #define SPLAT(x) (x)
-#define LANE(x, i) (x)
 #define EACH(p, s) (*(p))
 #define NEXT(x, y) (y)
 #define SPLAT2(x) (x)
+#define PAIR_OF(x, y) (x)
 #define SIDE(x, i) (x)
 #define SQRT_V(x) sqrt(x)
 #define FABS_V(x) fabs(x)

@@ -1,4 +1,4 @@
-/* What Newton's method makes of its corrections: rope_model.numerics.newton. */
+/* Convergence of Newton's method.  C version of rope_model/numerics/newton.py. */
 
 #include "rope_system.h"
 
@@ -12,7 +12,7 @@ Progress newton_judge(Progress before, double norm, double tolerance, int fresh,
     if (!(norm < NEWTON_HUGE)) {
         after.status = NOT_FINITE;
         after.error = INFINITY;
-    } else if (!sure && !fresh) { /* it only says that a new factorization is due */
+    } else if (!sure && !fresh) { /* a new factorization is due */
         after.applies = 0;
         after.norm = before.norm;
         after.sum = before.sum;

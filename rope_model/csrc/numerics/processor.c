@@ -1,12 +1,12 @@
-/* What this processor can do, asked of itself: of some compilers __builtin_cpu_supports always says no (zig 0.17), and
-   __get_cpuid_count is not in those before GCC 7. */
+/* Vectors of this processor, by the instruction cpuid: __builtin_cpu_supports always returns 0 in zig 0.17, and
+   __get_cpuid_count is missing before GCC 7. */
 
 #include "processor.h"
 
 #if HAS_WIDE_FORMS
 #include <cpuid.h>
 
-/* registers that the system must keep for each thread: those of SSE and AVX, and with the masks of AVX-512 */
+/* Registers that the operating system must save: those of SSE and AVX, and with the masks of AVX-512. */
 enum { WIDE_REGISTERS = 0x6, WIDEST_REGISTERS = 0xe6 };
 enum { AVX2 = 1 << 5, AVX512F = 1 << 16, VL_BIT = 31, AVX512VBMI = 1 << 1 };
 
@@ -18,7 +18,7 @@ int processor_lanes(void) {
     __asm__("xgetbv" : "=a"(kept), "=d"(unused) : "c"(0));
     __cpuid_count(7, 0, a, b, c, d);
     if ((kept & WIDE_REGISTERS) != WIDE_REGISTERS || !(b & AVX2)) return 2;
-    /* those without VBMI lower their clock for eight */
+    /* Processors without VBMI lower their clock for eight lanes. */
     return (kept & WIDEST_REGISTERS) == WIDEST_REGISTERS && (b & AVX512F) && b >> VL_BIT && (c & AVX512VBMI) ? 8 : 4;
 }
 #else

@@ -1,6 +1,5 @@
-/* Where a processor may have wider vectors than every one of its family; -DHAS_WIDE_FORMS=0 does without (valgrind
-   does not know all instructions of the wide forms).  GCC knows AVX-512 from version 5 on, and does not align wide
-   vectors on the stack of Windows (its fault 54412). */
+/* HAS_WIDE_FORMS: compile forms for wider vectors than all processors have.  Set it to 0 for valgrind, which lacks some
+   of their instructions.  GCC has AVX-512 from version 5 on, and misaligns wide vectors on Windows (GCC bug 54412). */
 #ifndef PROCESSOR_H
 #define PROCESSOR_H
 
@@ -12,7 +11,7 @@
 #endif
 #endif
 
-/* processor.c: numbers in the widest vector that is worth its while, 2, 4 or 8 */
+/* Return the number of lanes of the fastest vectors: 2, 4 or 8. */
 int processor_lanes(void);
 
 #endif

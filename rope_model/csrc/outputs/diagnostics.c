@@ -1,18 +1,13 @@
-/* What is read off the rope's shape: rope_model.simulation.outputs.diagnostics. */
+/* Results from the rope's shape.  C version of rope_model/simulation/outputs/diagnostics.py. */
 
 #include "formulas.h"
 #include "messages.h"
 
-/* points of one leg of the shape for the clearance, and how many of them are passed over together */
+/* LEG: points of one leg for its clearance; BLOCK: points that share a bounding box. */
 enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
 
 static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
-}
-
-/* the centre line at arc length `at`: r, r', theta */
-static void point_at(int nodes, const double *q, const double *s, double at, double row[DOF]) {
-    transfer_interpolate(nodes, q, s, 1, &at, row);
 }
 
 double diagnostics_direction(const Arrays *m) {
@@ -28,74 +23,73 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     int j = 0;
     for (int k = 1; k < FINE; k++)
         if (rows[k][1] < rows[j][1]) j = k;
-    /* the lowest point of the parabola through three points */
+    /* lowest point of the parabola through three points */
     j = j < 1 ? 1 : j > FINE - 2 ? FINE - 2 : j;
     double before = rows[j - 1][1], after = rows[j + 1][1], bend = before - 2 * rows[j][1] + after;
     double shift = bend > 0 ? 0.5 * (before - after) / bend : 0.0;
     LoopBottom bottom;
     bottom.s = fine[j] + clip(shift, -1.0, 1.0) * (fine[1] - fine[0]);
-    point_at(nodes, q, s, bottom.s, row);
+    transfer_interpolate(nodes, q, s, 1, &bottom.s, row);
     memcpy(bottom.position, row, sizeof bottom.position);
     bottom.yaw = atan2(-row[SLOPE + 2], row[SLOPE]);
     return bottom;
 }
 
-void shape_places(double total, double bottom_s, double loop, int points, double *at) {
+void shape_places(double total, double bottom_s, double loop, int points, double *places) {
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        at[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
+        places[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
     }
 }
 
-void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *at, double *xyz) {
-    /* the places ascend */
+void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double *xyz) {
     for (int k = 0, i = 0; k < points; k++, xyz += 3) {
-        while (i < nodes - 2 && s[i + 1] < at[k]) i++;
+        while (i < nodes - 2 && s[i + 1] < places[k]) i++;
         const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
-        place_between((at[k] - s[i]) / l, l, a, a + DOF, xyz);
+        place_between((places[k] - s[i]) / l, l, a, a + DOF, xyz);
     }
 }
 
-void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *at,
+void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension) {
     const double *s = arrays->s;
     double before[3] = {0, 0, 0}, row[DOF];
     int i = 0;
     for (int k = 0; k < points; k++) {
-        /* int a dx over the elements to the left, of the cubic through the nodes */
-        for (; i < arrays->elements - 1 && s[i + 1] <= at[k]; i++) {
+        /* Integrate the acceleration, cubic between the nodes, over the elements to the left ... */
+        for (; i < arrays->elements - 1 && s[i + 1] <= places[k]; i++) {
             const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
             double l = arrays->lengths[i];
             for (int axis = 0; axis < 3; axis++)
                 before[axis] += hermite_integral(l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
         }
-        /* and over a part of the element in which the point lies */
+        /* ... and over the part of the present element. */
         const double *a = arrays->a + (ptrdiff_t)DOF * i, *b = a + DOF;
-        double l = arrays->lengths[i], xi = (at[k] - s[i]) / l, force[3];
-        point_at(arrays->nodes, arrays->q, s, at[k], row);
+        double l = arrays->lengths[i], xi = (places[k] - s[i]) / l, force[3];
+        transfer_interpolate(arrays->nodes, arrays->q, s, 1, &places[k], row);
         for (int axis = 0; axis < 3; axis++) {
             double within = hermite_integral_to(xi, l, a[axis], a[SLOPE + axis], b[axis], b[SLOPE + axis]);
             force[axis] = rho * (before[axis] + within) - arrays->reaction[axis];
         }
-        force[1] += rho * gravity * at[k];
+        force[1] += rho * gravity * places[k];
         tension[k] = dot(force, row + SLOPE) / sqrt(dot(row + SLOPE, row + SLOPE));
     }
 }
 
-int middle_before(int nodes, const double *s, int k, double at) {
-    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= at) k++;
+int middle_before(int nodes, const double *s, int k, double place) {
+    while (k < nodes - 2 && 0.5 * (s[k + 1] + s[k + 2]) <= place) k++;
     return k;
 }
 
-double interpolate_midpoints(int nodes, const double *s, int k, double at, double value, double next) {
+double interpolate_midpoints(int nodes, const double *s, int k, double place, double value, double next) {
     double middle = 0.5 * (s[k] + s[k + 1]);
-    if (k == nodes - 2 || at <= middle) return value;
-    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (at - middle) + value;
+    if (k == nodes - 2 || place <= middle) return value;
+    return (next - value) / (0.5 * (s[k + 1] + s[k + 2]) - middle) * (place - middle) + value;
 }
 
-/* The points of a leg, from the bottom upwards, from where it first reaches `height`: their number.  `first` is the
-   leg's lowest point, `stride` (in points) leads to the next. */
+/* Copy the points of a leg upwards from where it first reaches `height`; return their number.  `first` is the leg's
+   lowest point, `stride` the step to the next, in points. */
 static int part_above(const double *first, int stride, double height, double part[LEG][3]) {
     int i = 0, n = 0;
     while (i < LEG && first[3 * stride * i + 1] < height) i++;
@@ -103,11 +97,11 @@ static int part_above(const double *first, int stride, double height, double par
     const double *below = first + 3 * stride * (i > 0 ? i - 1 : 0), *above = first + 3 * stride * i;
     double rise = above[1] - below[1], share = rise > 0 ? (height - below[1]) / rise : 1.0;
     for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + share * (above[axis] - below[axis]);
-    for (n = 1, i += share >= 1.0; i < LEG; i++, n++) memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
+    i += share >= 1.0;
+    for (n = 1; i < LEG; i++, n++) memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
     return n;
 }
 
-/* the lowest and the highest coordinates of some points */
 static void bounds_of(int points, double point[][3], double bounds[6]) {
     for (int axis = 0; axis < 3; axis++) {
         bounds[axis] = bounds[3 + axis] = point[0][axis];
@@ -122,12 +116,12 @@ static int at_most(int number, int most) {
     return number < most ? number : most;
 }
 
-/* The points of a leg in blocks, each with the first point of the next: their bounds. */
+/* Bounds of each block of a leg, with the first point of the next block. */
 static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]) {
     for (int n = 0; n < points; n += BLOCK) bounds_of(at_most(points - n, BLOCK + 1), point + n, bounds[n / BLOCK]);
 }
 
-/* square of the smallest distance of the points from the pieces of a polygon that is below `least`, else `least` */
+/* Return the smallest square of a distance between points and pieces of a polygon, or `least` if that is smaller. */
 static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
     for (int m = 0; m < pieces; m++) {
         const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -136,7 +130,7 @@ static double nearest_squared(int points, double point[][3], int pieces, double 
     return least;
 }
 
-/* the same for the points of two blocks and the pieces of the other */
+/* Return the same for the points of two blocks, each with the pieces of the other. */
 static double between_squared(int m, int lefts, double left[LEG][3], int n, int rights, double right[LEG][3],
                               double least) {
     const int i = m * BLOCK, k = n * BLOCK, some = at_most(lefts - i, BLOCK), others = at_most(rights - k, BLOCK);
@@ -144,41 +138,44 @@ static double between_squared(int m, int lefts, double left[LEG][3], int n, int 
     return nearest_squared(others, right + k, at_most(lefts - 1 - i, BLOCK), left + i, least);
 }
 
-/* square of the smallest distance of either leg's points from the straight pieces between those of the other; `pair`:
-   the blocks found nearest, which are looked at first the next time and spare most others */
+/* Return the smallest square of a distance between the points of a leg and the pieces of the other.  `pair`: nearest
+   blocks; the next call starts with them and then skips most others. */
 static double smallest_squared(int lefts, double left[LEG][3], int rights, double right[LEG][3], int pair[2]) {
     double of_left[BLOCKS][6], of_right[BLOCKS][6];
     const int top = (lefts - 1) / BLOCK, other_top = (rights - 1) / BLOCK;
     double least =
         between_squared(at_most(pair[0], top), lefts, left, at_most(pair[1], other_top), rights, right, HUGE_VAL);
-    blocks_of(lefts, left, of_left), blocks_of(rights, right, of_right);
+    blocks_of(lefts, left, of_left);
+    blocks_of(rights, right, of_right);
     for (int m = top; m >= 0; m--)
         for (int n = other_top; n >= 0; n--) {
             if (!(least_squared_distance(of_left[m], of_right[n]) < least)) continue;
             const double found = between_squared(m, lefts, left, n, rights, right, least);
-            if (found < least) pair[0] = m, pair[1] = n;
+            if (!(found < least)) continue;
             least = found;
+            pair[0] = m;
+            pair[1] = n;
         }
     return least;
 }
 
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]) {
-    double at[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
-    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, at);
-    diagnostics_shape(nodes, q, s, OUTLINE, at, outline[0]);
+    double places[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
+    shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, places);
+    diagnostics_shape(nodes, q, s, OUTLINE, places, outline[0]);
     double height = bottom->position[1] + above;
     int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
     return sqrt(smallest_squared(lefts, left, rights, right, pair)) - diameter;
 }
 
-/* A leg on the way up, in PIECES of each element: the last of its points that is higher than all before it, and the
-   next such point; where there is none, the leg's end with what hangs above it. */
+/* A way up a leg, in PIECES per element. */
 typedef struct {
     const Arrays *m;
-    int point, last;
-    double low[3], high[3];
+    int point, last; /* next point, and the leg's end */
+    double low[3];   /* latest point higher than all before it */
+    double high[3];  /* next such point; its height is HUGE_VAL for none */
 } Climb;
 
 static void point_of(const Arrays *m, int point, double place[3]) {
@@ -201,7 +198,7 @@ static void climb_on(Climb *leg) {
     }
 }
 
-/* its place along an axis at a height between low and high */
+/* Interpolate a coordinate at a height between low and high. */
 static double climb_at(const Climb *leg, double height, int axis) {
     const double part = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
     return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
@@ -238,14 +235,16 @@ LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom) {
     double across[2], angle = 0, sharpest = -1, below = bottom->position[1];
     LoopTurns turns = {0, below};
     heading(bottom->yaw, across);
-    for (double height; (height = fmin(left.high[1], right.high[1])) < HUGE_VAL;) {
-        const double then[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
-                                climb_at(&right, height, 2) - climb_at(&left, height, 2)};
-        const double turned = turn_about_y(across, then);
-        if (fabs(turned) > sharpest) sharpest = fabs(turned), turns.sharpest_y = 0.5 * (below + height);
+    for (double height = fmin(left.high[1], right.high[1]); height < HUGE_VAL;
+         height = fmin(left.high[1], right.high[1])) {
+        const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
+                                       climb_at(&right, height, 2) - climb_at(&left, height, 2)};
+        const double turned = turn_about_y(across, next_across);
+        if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
+        sharpest = fmax(sharpest, fabs(turned));
         angle -= turned;
         below = height;
-        memcpy(across, then, sizeof across);
+        memcpy(across, next_across, sizeof across);
         if (left.high[1] <= height) climb_on(&left);
         if (right.high[1] <= height) climb_on(&right);
     }

@@ -1,4 +1,4 @@
-/* What the guards of the loop see of the present rope: the port of rope_model.simulation.outputs.guards. */
+/* Guards of the loop.  C version of rope_model/simulation/outputs/guards.py. */
 
 #include "rope_system.h"
 
@@ -7,7 +7,7 @@ double guards_rise(const Scene *scene, const State *state, const Arrays *m, cons
     return loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
 }
 
-/* how far the lowest point is from midway between the ends or, at the switch's height, a leg from below its end */
+/* Return the distance of the lowest point from the middle between the ends; with a window, that of a leg from plumb. */
 static double guards_sideways(const Arrays *m, double height, const LoopBottom *bottom) {
     const double *last = m->q + (size_t)m->elements * DOF;
     const double *lowest = m->q + (size_t)lowest_node(m->nodes, m->q) * DOF;
@@ -40,12 +40,12 @@ void with_guards(const Scene *scene, State *state) {
         const double *reaction = m.reaction + (size_t)(side * m.elements) * DOF;
         torque = larger(torque, fabs(ends_moment(scene, state, side, reaction)));
     }
-    const double seen[GUARDS] = {
+    const double quantities[GUARDS] = {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &m, &bottom) : bottom.position[1] - guard->rise_y,
         guards_sideways(&m, guard->window_y, &bottom),
         clearance,
         fabs(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), diagnostics_direction(&m), state->crossing.net)),
         torque,
     };
-    state->guard = watch(guard, &state->guard, state->t, seen);
+    state->guard = watch(guard, &state->guard, state->t, quantities);
 }

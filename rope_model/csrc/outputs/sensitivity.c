@@ -1,9 +1,9 @@
-/* How the end loads answer to the ends: rope_model.simulation.outputs.sensitivity, and RopeSimulator.answer. */
+/* Derivatives of the end loads.  C version of rope_model/simulation/outputs/sensitivity.py and RopeSimulator.answer. */
 
 #include "messages.h"
 #include "simulator.h"
 
-/* The unperturbed step as long as the last: its correction to trial.q; c are its coefficients. */
+/* Unperturbed step as long as the last: correction to trial.q, residual to trial.v, coefficients to c. */
 static void unperturbed_step(Simulator *rope, double c[3]) {
     State *state = rope->state;
     if (state->fidelity == RIGID) return;
@@ -14,24 +14,24 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
     chain_of(rope, state)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, 0, rope->trial.q, rope->trial.v);
 }
 
-/* The state `spare` with one degree of freedom of an end moved by d[0], d[1], d[2] in q, v, a at the end of that step,
-   to which the rope answers: how its equations are linear.  Its residual goes to trial.a. */
+/* Linear response of the rope to a move of one degree of freedom of an end by d[0], d[1], d[2] in q, v, a at the end of
+   that step: state to `spare`, residual to trial.a. */
 static void answer(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
     State *moved = rope->spare;
     state_copy(rope, moved, rope->state);
     const Arrays m = state_arrays(moved);
     const System s = rope_system(rope, moved);
-    const size_t size = (size_t)m.nodes * DOF, at = (side ? size - DOF : 0) + (size_t)dof;
+    const size_t size = (size_t)m.nodes * DOF, row = side ? size - DOF : 0, moving = row + (size_t)dof;
     if (dof < DOF) {
-        m.q[at] += d[0];
-        m.v[at] += d[1];
-        m.a[at] += d[2];
-    } else { /* beyond q come the leans of a clamp */
-        double leans[2][3], n[3][3], *const of_end[3] = {m.q + at - dof, m.v + at - dof, m.a + at - dof};
+        m.q[moving] += d[0];
+        m.v[moving] += d[1];
+        m.a[moving] += d[2];
+    } else { /* the leans of a clamp follow the DOF */
+        double leans[2][3], n[3][3], *const end[3] = {m.q + row, m.v + row, m.a + row};
         path_leaning(&moved->paths[side], moved->t, leans);
         for (int k = 0; k < 3; k++) leans[dof - DOF][k] += d[k];
         leaning(leans[0], leans[1], n);
-        for (int k = 0; k < 9; k++) of_end[k / 3][SLOPE + k % 3] = (side ? -1 : 1) * n[k / 3][k % 3];
+        for (int k = 0; k < 9; k++) end[k / 3][SLOPE + k % 3] = (side ? -1 : 1) * n[k / 3][k % 3];
     }
     double *R = rope->trial.a, balance[BALANCE];
     chain_of(rope, moved)->newton_step(&s, rope->work, m.q, m.v, m.a, m.reaction, c, 0, rope->x, R);
@@ -44,7 +44,7 @@ static void answer(Simulator *rope, int side, int dof, const double d[3], const 
     chain_of(rope, moved)->evaluate(&s, m.q, m.v, m.a, m.reaction, R, balance);
 }
 
-/* forces and moments of the rope on both conveyances */
+/* Forces and moments of the rope on both conveyances. */
 static void end_loads(const Simulator *rope, const State *state, const double *q, const double *R, double loads[12]) {
     const int nodes = rope->trial.nodes;
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -53,12 +53,12 @@ static void end_loads(const Simulator *rope, const State *state, const double *q
     }
 }
 
-/* what they gain when an end is moved by d as in `answer`, c being of unperturbed_step */
+/* Change of the end loads when an end moves by d as in `answer`; c is from unperturbed_step. */
 static void change_of_loads(Simulator *rope, int side, int dof, const double d[3], const double c[3],
                             double change[12]) {
     const State *state = rope->state;
     memset(change, 0, sizeof(double) * 12);
-    if (state->fidelity == RIGID) { /* no side forces, no moments */
+    if (state->fidelity == RIGID) { /* has no side forces and no moments */
         const EndMotion ends[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
         double gained[2];
         tension_change(&rope->scene, ends, side, dof, d, gained);
@@ -72,7 +72,7 @@ static void change_of_loads(Simulator *rope, int side, int dof, const double d[3
     for (int k = 0; k < 12; k++) change[k] -= before[k];
 }
 
-/* kg: how much each end's downward force grows with an upward acceleration held over the last interval */
+/* Growth of each end's downward force per upward acceleration held over the last interval, kg. */
 void added_mass_signals(Simulator *rope, double *values) {
     const double h = rope->state->last_interval, size = 1e-3;
     const double d[3] = {0.5 * h * h * size, h * size, size};
@@ -85,7 +85,7 @@ void added_mass_signals(Simulator *rope, double *values) {
 }
 
 int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]) {
-    /* m, m/s, m/s^2, and the same in rad: small against what bends the rope, large against rounding */
+    /* perturbations in m, m/s, m/s^2 or rad, rad/s, rad/s^2: far above rounding, too small to bend the rope */
     static const double sizes[3] = {1e-7, 1e-5, 1e-3};
     enum { OF_END = sizeof(EndMotion) / sizeof(double) };
     if (input < 0 || input >= 2 * OF_END) return say_no_such_input(rope->message, 2 * OF_END - 1);
@@ -97,20 +97,21 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     const double h = state->last_interval;
     double sample[3] = {0}, d[3], c[3];
     sample[order] = sizes[order] * (dof == ANGLE && side == LEFT ? -1 : 1);
-    if (dof == ANGLE && order == 1) /* a path takes its yaw acceleration from the rates */
-        sample[2] = sample[1] / h;
+    if (dof == ANGLE && order == 1) sample[2] = sample[1] / h; /* a path derives yaw acceleration from rates */
     if (dof > ANGLE)
         lean_moves(h, at_step_end ? 0 : h, sample[0], d);
     else
         sample_moves(&settings, h, at_step_end ? 0 : h, sample, d);
     memset(derivative, 0, sizeof(double) * 12);
-    /* friction does not know the yaw, nor does the rigid rope */
+    /* Friction and the rigid rope do not depend on the yaw. */
     if (dof == ANGLE && (state->swivels[side].phase == SLIP || state->fidelity == RIGID)) return 1;
     if (dof > ANGLE && rope->scene.swivels[side].attachment != CLAMPED) return 1;
-    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return 1; /* not trusted */
+    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return 1; /* the input is not used */
     unperturbed_step(rope, c);
     change_of_loads(rope, side, dof, d, c, derivative);
-    for (int k = 0; k < 12; k++)
-        if (!isfinite(derivative[k] /= sizes[order])) return say_no_finite_derivative(rope->message);
+    for (int k = 0; k < 12; k++) {
+        derivative[k] /= sizes[order];
+        if (!isfinite(derivative[k])) return say_no_finite_derivative(rope->message);
+    }
     return 1;
 }

@@ -1,9 +1,9 @@
-/* Values of the output signals: the port of rope_model.simulation.outputs.signals. */
+/* Values of the output signals.  C version of rope_model/simulation/outputs/signals.py. */
 
 #include "simulator.h"
 #include "state_signals.h" /* state_signals: generated */
 
-/* the loop's lowest point, kept while the state stays */
+/* Return the loop's lowest point, which is kept until the state changes. */
 static const LoopBottom *loop(Simulator *rope) {
     if (!rope->bottom_known) {
         const Arrays m = state_arrays(rope->state);
@@ -49,10 +49,9 @@ static void clearance_signals(Simulator *rope, double *values) {
     for (int kind = 0; kind < KINDS; kind++) values[SIGNAL_CLEARANCE_LINING + kind] = nearest[kind].clearance;
 }
 
-/* the order of physics.stress.material_values */
+/* values of physics.stress.material_values */
 enum { BENDING_STRESS, TORSIONAL_STRESS, CURVATURE, TORQUE, MATERIAL_VALUES };
 
-/* of an element */
 static double material_value(const Simulator *rope, int element, int which) {
     double found[MATERIAL_VALUES];
     material_values(&rope->scene.rope, rope->state->fidelity == TORSIONAL, rope->strains[element], found);
@@ -85,7 +84,7 @@ static void contact_signals(Simulator *rope, double *values) {
 }
 
 static void audit_signals(Simulator *rope, double *values) {
-    audit_values(&rope->state->audit, values + SIGNAL_AUDIT_MOMENTUM); /* in their order */
+    audit_values(&rope->state->audit, values + SIGNAL_AUDIT_MOMENTUM);
 }
 
 static void error_signals(Simulator *rope, double *values) {
@@ -101,67 +100,67 @@ static void error_signals(Simulator *rope, double *values) {
     values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
-/* of the points at arc lengths `at`: all x, then all y, then all z */
-static void points_at(const Simulator *rope, const double *at, double *values) {
+/* Coordinates of the points at arc lengths `places`: all x, then all y, then all z. */
+static void points_at(const Simulator *rope, const double *places, double *values) {
     const Arrays m = state_arrays(rope->state);
     double xyz[SHAPE_POINTS][3];
-    diagnostics_shape(m.nodes, m.q, m.s, SHAPE_POINTS, at, xyz[0]);
+    diagnostics_shape(m.nodes, m.q, m.s, SHAPE_POINTS, places, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++)
         for (int axis = 0; axis < 3; axis++) values[SHAPE_POINTS * axis + i] = xyz[i][axis];
 }
 
 static void shape_signals(Simulator *rope, double *values) {
     const Arrays m = state_arrays(rope->state);
-    double at[SHAPE_POINTS];
-    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, at);
-    points_at(rope, at, values + SIGNAL_SHAPE_X_1);
+    double places[SHAPE_POINTS];
+    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
+    points_at(rope, places, values + SIGNAL_SHAPE_X_1);
 }
 
-/* a value of the material at arc lengths `at`, which ascend, linear between the middles of the elements */
-static void along(const Simulator *rope, const double *at, int which, double *values) {
+/* Interpolate a material value at arc lengths `places`, which ascend, between the middles of the elements. */
+static void along(const Simulator *rope, const double *places, int which, double *values) {
     const Arrays m = state_arrays(rope->state);
     for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
-        k = middle_before(m.nodes, m.s, k, at[i]);
+        k = middle_before(m.nodes, m.s, k, places[i]);
         const int next = k < m.nodes - 2 ? k + 1 : k;
-        values[i] = interpolate_midpoints(m.nodes, m.s, k, at[i], material_value(rope, k, which),
+        values[i] = interpolate_midpoints(m.nodes, m.s, k, places[i], material_value(rope, k, which),
                                           material_value(rope, next, which));
     }
 }
 
-static void pull_at(const Simulator *rope, const double *at, double *tension) {
+static void pull_at(const Simulator *rope, const double *places, double *tension) {
     const double rho = rope->scene.rope.mass_per_length, gravity = rope->scene.layout.gravity;
     const Arrays m = state_arrays(rope->state);
     double xyz[3 * SHAPE_POINTS];
     if (rope->state->fidelity != RIGID) {
-        diagnostics_tension(&m, rho, gravity, SHAPE_POINTS, at, tension);
+        diagnostics_tension(&m, rho, gravity, SHAPE_POINTS, places, tension);
         return;
     }
-    points_at(rope, at, xyz);
-    rigid_tension(&m, rho, gravity, SHAPE_POINTS, at, xyz + SHAPE_POINTS, tension);
+    points_at(rope, places, xyz);
+    rigid_tension(&m, rho, gravity, SHAPE_POINTS, places, xyz + SHAPE_POINTS, tension);
 }
 
 static void along_signals(Simulator *rope, double *values) {
     const Arrays m = state_arrays(rope->state);
-    double *at = values + SIGNAL_SHAPE_S_1;
+    double *places = values + SIGNAL_SHAPE_S_1;
     rope_system_strains(rope);
-    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, at);
-    pull_at(rope, at, values + SIGNAL_SHAPE_TENSION_1);
-    along(rope, at, BENDING_STRESS, values + SIGNAL_SHAPE_BENDING_1);
-    along(rope, at, TORSIONAL_STRESS, values + SIGNAL_SHAPE_TORSION_1);
+    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
+    pull_at(rope, places, values + SIGNAL_SHAPE_TENSION_1);
+    along(rope, places, BENDING_STRESS, values + SIGNAL_SHAPE_BENDING_1);
+    along(rope, places, TORSIONAL_STRESS, values + SIGNAL_SHAPE_TORSION_1);
 }
 
 static void station_signals(Simulator *rope, double *values) {
     const Stations *station = &rope->scene.station;
     const Arrays m = state_arrays(rope->state);
     const double step = (station->last - station->first) / (SHAPE_POINTS - 1);
-    double at[SHAPE_POINTS];
+    double places[SHAPE_POINTS];
     rope_system_strains(rope);
     for (int i = 0; i < SHAPE_POINTS; i++)
-        at[i] = m.s[m.elements] * (i < SHAPE_POINTS - 1 ? i * step + station->first : station->last);
-    pull_at(rope, at, values + SIGNAL_STATION_TENSION_1);
-    along(rope, at, CURVATURE, values + SIGNAL_STATION_CURVATURE_1);
-    along(rope, at, TORQUE, values + SIGNAL_STATION_TORQUE_1);
-    points_at(rope, at, values + SIGNAL_STATION_X_1);
+        places[i] = m.s[m.elements] * (i < SHAPE_POINTS - 1 ? i * step + station->first : station->last);
+    pull_at(rope, places, values + SIGNAL_STATION_TENSION_1);
+    along(rope, places, CURVATURE, values + SIGNAL_STATION_CURVATURE_1);
+    along(rope, places, TORQUE, values + SIGNAL_STATION_TORQUE_1);
+    points_at(rope, places, values + SIGNAL_STATION_X_1);
 }
 
 SignalGroup group_of(int signal) {

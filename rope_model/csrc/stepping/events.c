@@ -1,14 +1,14 @@
-/* Where a function of time first leaves the negative side: rope_model.simulation.stepping.events. */
+/* Location of events in time.  C version of rope_model/simulation/stepping/events.py. */
 
 #include "simulator.h"
 
-double locate(double (*f)(void *, double), void *with, double low, double high, double f_low, double f_high,
+double locate(double (*f)(void *, double), void *data, double low, double high, double f_low, double f_high,
               double width) {
-    Bracket at = {low, high, f_low, f_high, 0, 0};
-    while (at.high - at.low > width) {
-        const double x = trial_place(&at, width);
-        if (!(at.low < x && x < at.high)) break;
-        at = narrowed(&at, x, f(with, x));
+    Bracket bracket = {low, high, f_low, f_high, 0, 0};
+    while (bracket.high - bracket.low > width) {
+        const double x = trial_place(&bracket, width);
+        if (!(bracket.low < x && x < bracket.high)) break;
+        bracket = narrowed(&bracket, x, f(data, x));
     }
-    return at.high;
+    return bracket.high;
 }

@@ -1,26 +1,25 @@
-/* The rope at rest: rope_model.simulation.stepping.hang, which see. */
+/* The rope at rest.  C version of rope_model/simulation/stepping/hang.py, which explains the method. */
 
 #include "messages.h"
 #include "rules.h"
 #include "simulator.h"
 
-/* the state at rest in equilibrium */
+/* Bring the state to an equilibrium at rest, with the yaw of its loop. */
 static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn, char *message) {
     const Arrays m = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double offset = state->offsets[RIGHT];
     if (!find_equilibrium(rope, state, most_turn, message)) return 0;
-    memset(m.v, 0, (FIELDS - 2) * bytes); /* all but q and the reaction */
+    memset(m.v, 0, (FIELDS - 2) * bytes); /* all arrays except q and the reaction */
     state->h = 0;
     model_energies(rope, state);
-    /* a loop that yaws by psi turns the frame of the right end by -2 psi: which tells full turns on a long way */
+    /* A yaw psi of the loop turns the frame of the right end by -2 psi.  This counts full turns. */
     state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
     with_loop_yaw(state);
     return 1;
 }
 
-/* the state at rest with so much more twist, put in so slowly that the speed does not matter; spare is where it was
-   last */
+/* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
 static int turn_in(Simulator *rope, State *state, double twist, char *message) {
     const Arrays m = state_arrays(state);
     double left = twist, beyond = INFINITY, size = TWIST_STEP;
@@ -55,7 +54,7 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
     return 1;
 }
 
-/* the state at rest, its rope straight first and then curved by and by */
+/* Find the equilibrium of the straight rope first, then add its permanent curvature in steps. */
 static int let_curve(Simulator *rope, State *state, char *message) {
     const Rope whole = rope->scene.rope;
     const int parts = is_curved(rope, state) ? CURVATURE_STEPS : 0;
@@ -74,7 +73,7 @@ static int let_curve(Simulator *rope, State *state, char *message) {
     return found;
 }
 
-/* the rope before it was hung: the rows of its held ends, its offset and yaw */
+/* The rope before it was hung: prescribed motion of the ends, offset and yaw. */
 typedef struct {
     double held[2][3][DOF], offset, yaw;
 } Before;
@@ -83,7 +82,7 @@ static void untwist(const Arrays *m, double angle) {
     for (int node = 0; node < m->nodes; node++) m->q[(size_t)node * DOF + ANGLE] = angle;
 }
 
-/* the rope anew, straight and untwisted as seen from the end that does not turn */
+/* Hang the rope again while `side` may turn, untwisted from the other end on. */
 static int hang_while_it_turns(Simulator *rope, State *state, const Before *before, int side, char *message) {
     const Arrays m = state_arrays(state);
     hanging_guess(m.nodes, m.s, before->held[LEFT][0], before->held[RIGHT][0], m.q, message);
@@ -94,7 +93,7 @@ static int hang_while_it_turns(Simulator *rope, State *state, const Before *befo
     return let_curve(rope, state, message);
 }
 
-/* the state if its swivels hold, else with those that start relaxed where they have slid to */
+/* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first. */
 static int relax(Simulator *rope, State *state, const Before *before, char *message) {
     const Arrays m = state_arrays(state);
     double sign[2] = {0, 0}, relative[2];
@@ -106,7 +105,9 @@ static int relax(Simulator *rope, State *state, const Before *before, char *mess
             const double *R = end_row(m.reaction, m.nodes, side);
             if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
             const double friction = swivel_friction(swivel, swivel->mu_kinetic, R[1]);
-            if (beyond_rest(swivel, R[1], R[ANGLE]) >= 0 && friction < least) loosest = side, least = friction;
+            if (!(beyond_rest(swivel, R[1], R[ANGLE]) >= 0 && friction < least)) continue;
+            loosest = side;
+            least = friction;
         }
         if (loosest < 0) return 1;
         const int first = sign[LEFT] == 0 && sign[RIGHT] == 0;

@@ -1,4 +1,4 @@
-/* Equilibrium by pseudo-transient continuation: rope_model.simulation.stepping.statics, which see. */
+/* Equilibrium by pseudo-transient continuation.  C version of rope_model/simulation/stepping/statics.py. */
 
 #include <float.h>
 
@@ -6,17 +6,16 @@
 #include "messages.h"
 
 enum { MAX_ITERATIONS = 10000 };
-/* m, or rad */
-#define LARGEST_MOVE 0.3
+#define LARGEST_MOVE 0.3 /* m or rad, of one step */
 
-/* what the residual R does along x, which is zero where the rope is held */
+/* Return the work of the residual R along x, which is zero where the rope is held. */
 static double work_along(const System *s, const double *R, const double *x) {
     double work = 0;
     for (size_t i = 0; i < (size_t)(s->elements + 1) * DOF; i++) work += R[i] * x[i];
     return work;
 }
 
-/* largest unbalanced force, N */
+/* Return the largest unbalanced force, N. */
 static double imbalance(const System *s, const double *R) {
     return rope_system_norm(s, R, 1. / s->shortest);
 }
@@ -40,23 +39,21 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         const double c[3] = {1, 0, pow(tau, -2)};
         chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, 0, x, now);
         previous = imbalance(&s, now);
-        const double move = rope_system_norm(&s, x, 1),
-                     norm = rope_system_norm(&s, x, s.shortest); /* x is 0 where it is held */
+        const double move = rope_system_norm(&s, x, 1), norm = rope_system_norm(&s, x, s.shortest);
         if (!isfinite(move)) {
             tau *= 0.1;
             continue;
         }
         const double error = -work_along(&s, now, x);
-        /* what has no energy is not in the tangent, and the correction misses it */
+        /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
         if (s.P[P_QK] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
         last = error;
         const double step = fmin(relaxed, LARGEST_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
         chain->evaluate(&s, trial, rest, rest, now, R, balance);
         const double force = imbalance(&s, R);
-        /* on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
-           that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given. Where
-           the tangent is not positive for want of inertia, the correction itself goes up */
+        /* A step may raise the forces but not the energy: stretch by moving sideways grows with the cube of the step.
+           If the tangent is indefinite for lack of inertia, the correction itself climbs. */
         const int climbs = error < 0 && previous > rounding;
         const int ends_low = work_along(&s, R, x) <= 3 * error || force <= previous + rounding;
         if (climbs || !isfinite(force) || !ends_low) {
@@ -91,7 +88,7 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
     }
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
-    /* length of the elements there, interpolated between their middles */
+    /* length of the elements there */
     const int e = middle_before(nodes, s, 0, middle);
     const double cell =
         interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);

@@ -1,46 +1,44 @@
-/* One step of the rope, as long as errors and events allow: rope_model.simulation.stepping.stepping. */
+/* Steps, with step-size control and events.  C version of rope_model/simulation/stepping/stepping.py. */
 
 #include "rules.h"
 #include "simulator.h"
 
-/* a Newton iteration, by its status */
-static const char *const ENDED[] = NEWTON_TEXTS;
+static const char *const NEWTON_MESSAGES[] = NEWTON_TEXTS; /* messages of a Newton status */
 
 typedef struct {
     const Simulator *rope;
     const State *state;
-} NearBodies;
+} DueContext;
 
-static double due_at(void *with, double time) {
-    const NearBodies *at = with;
-    return distance_to_due(&at->state->pattern, model_bottom(at->rope, at->state, time));
+static double due_at(void *data, double time) {
+    const DueContext *context = data;
+    return distance_to_due(&context->state->pattern, model_bottom(context->rope, context->state, time));
 }
 
-/* the instant at which the coming steps must end: the host's, a release, or a transformation that a step would carry
-   the loop too far past */
+/* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
 static double next_stop(const Simulator *rope, const State *state, double t_end) {
     const double t = state->t, stop = fmin(t_end, next_release(rope, state));
     const double ahead = fmin(stop, t + fmin(state->step_next, rope->scene.solver.step_max));
     const double times[2] = {0.5 * (t + ahead), ahead};
-    NearBodies at = {rope, state};
-    const double at_start = due_at(&at, t);
-    /* a crossing that falls between these instants is found by the next step, at most one step late */
+    DueContext context = {rope, state};
+    const double at_start = due_at(&context, t);
+    /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
-        const double then = due_at(&at, times[k]);
-        if (0 > at_start && then >= MESH_LATEST * state->pattern.coarse)
-            return fmin(locate(due_at, &at, t, times[k], at_start, then, EVENT_WIDTH), stop);
+        const double value = due_at(&context, times[k]);
+        if (0 > at_start && value >= MESH_LATEST * state->pattern.coarse)
+            return fmin(locate(due_at, &context, t, times[k], at_start, value, EVENT_WIDTH), stop);
     }
     return stop;
 }
 
-/* steps that the Newton iterations left to this advance allow for, one at least */
+/* Return the number of steps, at least one, that the remaining work of this advance allows. */
 static int64_t steps_left(const Simulator *rope, const State *state) {
     const int64_t left = (rope->work_end - state->counts.newton) / STEP_WORK;
     return left > 1 ? left : 1;
 }
 
-/* a step towards `stop` that converges and errs little enough, halved as often as it takes, or that errs too much where
-   the work that is left does not allow for more steps; 0 and a message if none */
+/* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the remaining work allows
+   no more steps.  Return 0 with a message if none does. */
 static int accepted_step(Simulator *rope, State *state, double stop, StepResult *trial, double *step_next, int *reaches,
                          char *message) {
     const Solver *solver = &rope->scene.solver;
@@ -61,16 +59,17 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
         if (h <= solver->step_min) {
             char why[MESSAGE];
             if (trial->reached) say_error_too_large(why, trial->relative / solver->tolerance);
-            return say_step_fails(message, h, solver->step_min, trial->reached ? why : ENDED[trial->newton.status]);
+            return say_step_fails(message, h, solver->step_min,
+                                  trial->reached ? why : NEWTON_MESSAGES[trial->newton.status]);
         }
         h = fmax(0.5 * h, solver->step_min);
         parts = 2;
         next = h;
     }
-    const NextStep then = next_step(solver, h, next, trial->relative, rejected, trial->t, state->calm_since);
-    state->calm_since = then.calm_since;
-    state->counts.given_up += then.given_up > 0 || trial->newton.error > solver->newton_tolerance;
-    *step_next = then.length;
+    const NextStep following = next_step(solver, h, next, trial->relative, rejected, trial->t, state->calm_since);
+    state->calm_since = following.calm_since;
+    state->counts.given_up += following.given_up > 0 || trial->newton.error > solver->newton_tolerance;
+    *step_next = following.length;
     *reaches = parts == 1;
     return 1;
 }
@@ -97,12 +96,11 @@ static int rigid_step(Simulator *rope, State *state, double t_end, char *message
     return 1;
 }
 
-/* the state after one accepted step; 0 and a message when there is none */
 int step_towards(Simulator *rope, State *state, double t_end, char *message) {
     if (state->fidelity == RIGID) return rigid_step(rope, state, t_end, message);
     const int transformed = transform_if_due(rope, state);
     if (transformed != CONVERGED)
-        return say_transformation_fails(message, rope->scene.solver.step_min, ENDED[transformed]);
+        return say_transformation_fails(message, rope->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     release_swivels(rope, state);
     const double stop = next_stop(rope, state, t_end);
     double step_next, end;
@@ -113,16 +111,16 @@ int step_towards(Simulator *rope, State *state, double t_end, char *message) {
         end = trial.t;
         switching = switching_step(rope, state, &trial);
         if (switching >= 0) break;
-        /* a shorter one may not reach the event, or find it more easily */
+        /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), rope->scene.solver.step_min);
         if (state->step_next > 0.75 * (end - state->t))
-            return say_step_to_event_fails(message, ENDED[trial.newton.status]);
+            return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
         state->counts.rejections += 1;
     }
     model_commit(rope, state, &trial);
     state->step_next = step_next;
     state->counts.steps += 1;
-    if (reaches && trial.t == end) state->t = stop; /* to the bit, not to rounding */
+    if (reaches && trial.t == end) state->t = stop; /* without rounding error */
     if (switching) {
         switch_swivels(rope, state);
         if (chatters(state)) return say_swivel_chatters(message);
