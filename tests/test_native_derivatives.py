@@ -8,8 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import Ends, wound
 
-from rope_model import EndMotion, Rope, RopeSimulator, Scene
+from rope_model import EndMotion, Rope, RopeSimulator, Scene, Swivel
 from rope_model.engine import NativeRope
+from rope_model.parameters import Attachment
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.solver_parameters import FidelityChoice, Inputs, Model, Solver, Trusted
 
@@ -52,13 +53,14 @@ def test_derivatives_are_those_of_the_inputs_that_are_trusted(trusted: Trusted, 
         assert found.any() == (kind in {"all": "xva", "position_speed": "xv", "position": "x", "speed": "v"}[trusted])
 
 
-@pytest.mark.parametrize("fidelity", ["torsional", "planar", "rigid"])
+@pytest.mark.parametrize(("fidelity", "held"), [("torsional", "plumb"), ("planar", "plumb"), ("rigid", "clamped")])
 @pytest.mark.parametrize("side", [0, 1])
-def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityChoice) -> None:
+def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityChoice, held: Attachment) -> None:
     twist = 1.0 if fidelity == "torsional" else 0.0
     # derivatives are those of a whole step, and what Newton's method leaves would show in the differences
     exact = Solver(tolerance=1e6, newton_tolerance=1e-9)
     scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(fidelity), solver=exact)
+    scene = scene.with_(left=Swivel(attachment=held), right=Swivel(attachment=held))
 
     def lowered(t: float) -> Ends:
         return EndMotion(), EndMotion(y=10.0 - 0.5 * t**3, vy=-1.5 * t**2, ay=-3.0 * t)

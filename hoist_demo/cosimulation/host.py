@@ -5,8 +5,8 @@
 T is H unless the controller samples less often; where it samples more often, T is H and the drive asks it within its
 step. A rope or drive that cannot go on, or a coupling that cannot be solved, ends the loop; what was recorded stays,
 and the result names the cause. A guard of the rope that trips, and head ropes that go slack, stop the hoist
-(`Course`) at the first sample that sees it. The state is kept every SAVE_INTERVAL, and where the user stops the run, as a
-checkpoint, from which `run` goes on.
+(`Course`) at the first sample that sees it. The state is kept every SAVE_INTERVAL, and where the user stops the run,
+as a checkpoint, from which `run` goes on.
 """
 
 import logging

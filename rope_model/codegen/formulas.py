@@ -134,7 +134,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "GuardState watch(guard, GuardState state, t, quantities[5])": guard.watch,
     "void material_values(rope, torsional, strains[3], values[4])": stress.material_values,
     f"void element_parameters(rope, gravity, P[{len(element.PARAMETERS)}])": element.parameters,
-    "EnergyBalance with_energies(energy_balance, balance[9], double contact)": energy_balance.with_energies,
+    "EnergyBalance with_energies(energy_balance, balance[7], double contact)": energy_balance.with_energies,
     "EnergyBalance account_of_step(energy_balance, h, before[2], now[2], losses[4], wires, double air)": (
         energy_balance.after_step
     ),

@@ -258,7 +258,7 @@ int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double g
 }
 
 int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
-    int same = *event;
+    int same = *event != 0;
     for (int side = LEFT; side <= RIGHT; side++)
         same &= !memcmp(&ends[side], rope->state->filters[side].given, sizeof ends[side]);
     *event = 0;

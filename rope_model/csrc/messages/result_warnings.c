@@ -78,7 +78,7 @@ void rope_warning(Simulator *rope, int number, char *message) {
                                                                              [YAW_AT_REST] = yaw_at_rest,
                                                                              [UNFIT_INPUTS] = unfit_inputs};
     message[0] = '\0';
-    if (!rope->initialized) return;
+    if (!rope->initialized || number < 0 || number > EXTRAPOLATION) return;
     if (by_shape[number])
         by_shape[number](rope, message);
     else

@@ -103,8 +103,9 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     else
         sample_moves(&settings, h, at_step_end ? 0 : h, sample, d);
     memset(derivative, 0, sizeof(double) * 12);
-    /* Friction and the rigid rope do not depend on the yaw. */
-    if (dof == ANGLE && (state->swivels[side].phase == SLIP || state->fidelity == RIGID)) return 1;
+    /* The rigid rope does not depend on yaw and leans, friction not on the yaw. */
+    if (dof >= ANGLE && state->fidelity == RIGID) return 1;
+    if (dof == ANGLE && state->swivels[side].phase == SLIP) return 1;
     if (dof > ANGLE && rope->scene.swivels[side].attachment != CLAMPED) return 1;
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) return 1; /* the input is not used */
     unperturbed_step(rope, c);

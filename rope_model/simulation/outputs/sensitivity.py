@@ -48,8 +48,9 @@ def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = 
         sample[2] = sample[1] / h
     settings, ahead = settings_of(rope.scene), 0.0 if at_step_end else h
     change = np.array(lean_moves(h, ahead, size) if dof > ANGLE else sample_moves(settings, h, ahead, sample))
-    # friction does not know the yaw, nor does the rigid rope
-    unfelt = dof == ANGLE and (state.swivels[side].phase is Phase.SLIP or state.fidelity == "rigid")
+    # the rigid rope does not depend on yaw and leans, friction not on the yaw
+    unfelt = dof >= ANGLE and state.fidelity == "rigid"
+    unfelt |= dof == ANGLE and state.swivels[side].phase is Phase.SLIP
     unfelt |= dof > ANGLE and rope.ends.swivels[side].attachment != "clamped"
     if unfelt or not change.any():
         return np.zeros(12)
