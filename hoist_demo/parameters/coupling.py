@@ -12,10 +12,11 @@ class Coupling(Stated):
     """Exchange of data between drive and rope."""
 
     step: float = quantity(0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s"))
-    start: float = quantity(0.0, "s", "", ANY)
-    scheme: str = "gauss-seidel-1"  # one of hoist_demo.cosimulation.schemes.catalogue
+    start: float = quantity(0.0, "s", "time at the start", ANY)
+    #: one of hoist_demo.cosimulation.schemes.catalogue
+    scheme: str = quantity("gauss-seidel-1", "-", "coupling scheme, listed by wind --help", ANY)
     sample: float | None = quantity(
-        None, "s", "sample time of the controller, a multiple of step or a whole part of it; None: the step"
+        None, "s", "sample time of the controller, a multiple of step or a whole part of it; left out: the step"
     )
 
     def __post_init__(self) -> None:

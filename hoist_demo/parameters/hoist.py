@@ -66,7 +66,7 @@ class Hoist(Stated):
         1, "-", "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum", _COUNT
     )
     conveyance_mass_right: float | None = quantity(
-        None, "kg", "of a counterweight or another conveyance; None: as the left one"
+        None, "kg", "of a counterweight or another conveyance; left out: as the left one"
     )
     power_limit: float | None = quantity(None, "W", "of the motor and its converter, in both directions")
     head_rope_modes: int = quantity(0, "-", "longitudinal, of a side's head ropes, beyond their mean strain", _MODES)
@@ -78,7 +78,7 @@ class Hoist(Stated):
     jam_left: Jam | None = quantity(None, "", "none: the left conveyance passes everywhere")
     jam_right: Jam | None = quantity(None, "", "none: the right conveyance passes everywhere")
     slack_tension: float | None = quantity(
-        None, "N", "of the head ropes at either conveyance, below which the safety circuit opens; None: not watched"
+        None, "N", "of the head ropes at either conveyance, below which the safety circuit opens; left out: not watched"
     )
 
     def __post_init__(self) -> None:

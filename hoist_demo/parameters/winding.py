@@ -28,7 +28,7 @@ class Winding(Stated):
     departure_creep_distance: float = quantity(0.0, "m", "to where creep speed is left; 0: no creep", VANISHING)
     start_delay: float = quantity(1.0, "s", "", VANISHING)
     settle: float = quantity(10.0, "s", "recorded after the reference has arrived", VANISHING)
-    emergency_at: float | None = quantity(None, "s", "emergency stop begins; None: no emergency stop", VANISHING)
+    emergency_at: float | None = quantity(None, "s", "emergency stop begins; left out: no emergency stop", VANISHING)
     emergency_deceleration: float = quantity(5.0, "m/s^2")
     emergency_jerk: float = quantity(50.0, "m/s^3", "the short ramp of the emergency deceleration")
     emergency_law: EmergencyLaw = "drive"
