@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -10,13 +11,20 @@ from conftest import Array
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from scenes import ends_at, fixed_steps, recorded
 
+from hoist_demo.cases.table import find_case
+from hoist_demo.control.trajectory import s_curve
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.parameters import Winding
+from rope_model import Model, RopeSimulator, Scene, Swivel, balance_rope
+from rope_model.numerics.kernels import find_compiler
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh import partition as cells
 from rope_model.simulation.mesh.mesh_fit import DUE
 from rope_model.simulation.mesh.mesh_pattern import fewest_outer, inner_length, transformation_due
-from rope_model.simulation.mesh.partition import NOWHERE, Partition, partition, transform, window_due
+from rope_model.simulation.mesh.partition import NOWHERE, Partition, fit_mesh, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.solver_parameters import Mesh
@@ -259,3 +267,37 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
     assert_allclose(np.log2(np.array(lost[:-1]) / lost[1:]), 4.0, atol=0.3)
     # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384; waves of 4.5 to 9 m
     assert lost[-1] < 2 * 6.0**0.5 * (2 * np.pi / 4.5 * 6.0 / 32) ** 4 / 384
+
+
+def uncoupled(name: str) -> Scene:
+    scene = rope_data(find_case(name).rope)
+    locked, rope = Swivel(mode="locked"), replace(scene.rope, Qb=0.0, Qc=0.0)
+    return scene.with_(rope=rope, left=locked, right=locked, solver=fixed_steps(0.01), model=Model("planar"))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
+@pytest.mark.parametrize("travel", [100.0, 400.0])
+def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err(travel: float) -> None:
+    scene, asked, reference = uncoupled("monopol-1000"), 5e-3, s_curve(Winding(travel=travel, speed=8.0))
+    auto = fit_mesh(scene.with_(mesh=Mesh("auto", loop_error=asked)))
+    assert auto.grading_length > 0
+    ropes = [balance_rope(scene.with_(mesh=mesh)) for mesh in (auto, replace(auto, grading_length=0.0))]
+    motion, steps = partial(ends_at, reference, travel), round(reference.duration / 0.01)
+    one, other = (recorded(rope, motion, steps, ("loop.x", "loop.y", "loop.z")) for rope in ropes)
+    assert np.linalg.norm(one - other, axis=1)[24::25].max() < 0.5 * asked
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
+def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, trip = uncoupled("rope-120"), Winding(travel=26.0, speed=6.0, start_delay=0.0)
+
+    def forces(mesh: Mesh) -> np.ndarray:
+        motion = partial(ends_at, s_curve(trip), trip.travel)
+        return recorded(RopeSimulator(scene.with_(mesh=mesh)), motion, 700, ("left.fy", "right.fy"))
+
+    exact = forces(Mesh("eem", elements=240))
+    waiting = np.linalg.norm(forces(Mesh("auto")) - exact)
+    monkeypatch.setattr("rope_model.simulation.stepping.stepping.LATEST", 0.0)
+    assert np.linalg.norm(forces(Mesh("auto")) - exact) > 3 * waiting

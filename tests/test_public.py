@@ -125,7 +125,6 @@ def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> No
     for rope in ropes:
         with pytest.raises(ValueError, match=r"rope\.EI = 9 must stay .* during a run: make a new rope"):
             rope.retune(replace(SMALL, rope=replace(SMALL.rope, EI=9.0)))
-        assert rope.scene.rope == SMALL.rope
 
 
 @needs_compiler

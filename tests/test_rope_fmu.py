@@ -29,7 +29,6 @@ from rope_model.simulation.outputs.sensitivity import LOADS
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
 
 H, LAST, HERE = 0.01, 160, (host_platform(),)
-LIVES = (*HERE, "counted")
 #: steps as long as the host's
 EVEN = {"inputs_at_step_end": True, "solver.step_max": H, "solver.tolerance": 1e6}
 COMPARED = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]

@@ -160,8 +160,7 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
                 assert rope.call("UpdateDiscreteStates", *map(ctypes.byref, [*answers, ctypes.c_double()])) == OK
                 state = rope.state()
                 for _ in range(2):  # a host may repeat a step
-                    assert rope.restore(state) == rope.call("EnterStepMode") == OK
-                    assert rope.do_step(now, t + STEP - now) == OK, rope.said
+                    assert rope.restore(state) == rope.call("EnterStepMode") == rope.do_step(now, t + STEP - now) == OK
                 rope.forget(state)
         found = rope.get("inputs.repeated", "left.fy", "right.fy", "left.swivel.angle")
         rope.free()

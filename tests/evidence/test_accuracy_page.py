@@ -1,4 +1,4 @@
-"""Accuracy and speed: the fronts, and what the recorded data say of levels, depth and Exudyn."""
+"""Accuracy and speed: the fronts, and what the recorded data say of levels, depth, Exudyn and single steps."""
 
 import itertools
 
@@ -10,6 +10,7 @@ from evidence.accuracy import depth
 from evidence.accuracy.front import cheapest, pareto
 from evidence.accuracy.page import equal_errors
 from evidence.accuracy.reading import FORCE, finest_error, limit
+from evidence.latency.measure import STEPS, Case, percentiles
 from evidence.pages import PAGES, tables
 from evidence.reproduction.costs import SOURCE_SAVED
 from evidence.tables import rows
@@ -64,3 +65,15 @@ def test_ours_is_faster_than_the_other_code_at_every_error_compared() -> None:
     found = equal_errors(TABLES["exudyn/winding"])
     assert found["loop"][0] > 30
     assert found["force"][0] > 15
+
+
+@pytest.mark.parametrize(("rounds", "time", "largest", "late"), [(1, 3e-2, 5e-5, 0.0), (slice(3), 11e-3, 11e-3, 0.01)])
+def test_a_step_is_late_that_is_long_in_every_round(
+    rounds: int | slice, time: float, largest: float, late: float
+) -> None:
+    case = Case("rope-120", "winding", "draft", "in process", 0.01)
+    times = np.full((3, 100), 5e-5)
+    times[rounds, 40] = time
+    found = dict(zip(STEPS, percentiles(case, times, 52), strict=True))  # type: ignore[arg-type]
+    assert_allclose([found["largest [s]"], found["own largest [s]"]], largest)
+    assert found["late"] == late
