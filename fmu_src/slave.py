@@ -24,8 +24,8 @@ from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
 from rope_model.parameters import Scene
 from rope_model.scene_names import Value, with_values
-from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.interface import Status
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION

@@ -10,12 +10,12 @@ from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import last_words
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
 from rope_model.shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
-from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status
 from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.contact.shaft import BODIES
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.fidelity import FIDELITIES
+from rope_model.simulation.interface import BalanceRope, Snapshot, Status
 from rope_model.simulation.outputs.neglected_effects import Effect, neglected_effects, neglected_text
 from rope_model.simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
 from rope_model.simulation.outputs.signal_table import SIGNALS, Signal

@@ -158,15 +158,15 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "trial_place(bracket, width)": events.trial_place,
     "Bracket narrowed(bracket, x, value)": events.narrowed,
     "relaxation(change, last)": statics.relaxation,
-    "StepLimits step_limits(scene, ErrorSums sums, bottom, apart, error_constant)": accuracy.step_limits,
-    "ErrorSums add_errors(scene, ErrorSums sums, bottom, apart, h, constant, paces[2], place, force)": (
+    "StepLimits step_limits(scene, ErrorSums sums, bottom, end_speed, error_constant)": accuracy.step_limits,
+    "ErrorSums add_errors(scene, ErrorSums sums, bottom, end_speed, h, constant, strain_tt[2], position, force)": (
         accuracy.add_errors
     ),
-    "step_error(StepLimits limits, h, place, strain)": accuracy.step_error,
+    "step_error(StepLimits limits, h, position_error, strain_error)": accuracy.step_error,
     "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
     "most_work(interval, step_max)": stepping.most_work,
-    "substeps(way, step_next, left)": accuracy.substeps,
-    "newton_may_leave(newton_tolerance, work_max, hasty)": accuracy.newton_may_leave,
+    "substeps(interval, step_next, steps_left)": accuracy.substeps,
+    "newton_may_leave(newton_tolerance, work_max, bounded_tolerance)": accuracy.newton_may_leave,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
     "with_contact_at_ends(error, ContactSums sums, time, force)": contact_error.with_contact_at_ends,

@@ -100,7 +100,7 @@ class RopeModel:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
         constant = alpha.local_error(self.method, 1.0, 1.0)
-        limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
+        limits = step_limits(self.scene, old.errors, bottom, end_speed(old.motion), constant)
         assert result.a_rate is not None
         strain = alpha.local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
         return float(step_error(limits, h, result.error, strain))
@@ -137,25 +137,24 @@ class RopeModel:
         motion, evaluation = result.motion, result.evaluation
         assert motion is not None
         assert evaluation is not None
-        now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
+        after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        paces, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
-        errors = add_errors(
-            self.scene, old.errors, bottom, apart(old.motion), h, constant, paces.tolist(), result.error, force
-        )
-        # the material's dissipation follows from the strains' differences over the step: the rates at its ends carry
+        strain_tt, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
+        speed = end_speed(old.motion)
+        errors = add_errors(self.scene, old.errors, bottom, speed, h, constant, strain_tt.tolist(), result.error, force)
+        # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
         losses, slip = halfway.losses(middle, rate), system.slip(motion.q)
         energy, outside = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)
-        energy = account_of_step(energy, h, before, now, losses, slip.dissipated, outside["given_to_air"])
+        energy = account_of_step(energy, h, before, after, losses, slip.dissipated, outside["given_to_air"])
         pressures = [outside[kind] for kind in (*KINDS, "rope")]
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
-        after = old._replace(
-            motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=now, contact=contact
+        state = old._replace(
+            motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=after, contact=contact
         )
-        return self._audit_step(old.motion, with_angles_along(system, after), system)
+        return self._audit_step(old.motion, with_angles_along(system, state), system)
 
     def _audit_step(self, old: alpha.Motion, state: RopeState, system: RopeSystem) -> RopeState:
         """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
@@ -270,6 +269,6 @@ def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     return Powers(at_ends, at_swivels)
 
 
-def apart(motion: alpha.Motion) -> float:
-    """Vertical speed (m/s) of the left end seen from the right one."""
+def end_speed(motion: alpha.Motion) -> float:
+    """Return the vertical speed (m/s) of the left end against the right one."""
     return float(motion.v[0, 1] - motion.v[-1, 1])

@@ -272,11 +272,12 @@ class RopeSystem:
 
     def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
         """Return a solver of J x = -R with the chain's tangent J; the kernels take R as a load."""
-        lengths, frames, load, grip, mass = constants
+        lengths, frames, load, friction_load, mass = constants
         known = kernels.evaluate(*at, *constants, P)[0]
 
         def solve(R: Array) -> Array:
-            x: Array = kernels.newton_step(*at, lengths, frames, load + known - R, grip, mass, self._free, P, c)[0]
+            shifted = load + known - R
+            x: Array = kernels.newton_step(*at, lengths, frames, shifted, friction_load, mass, self._free, P, c)[0]
             return x
 
         return solve

@@ -19,7 +19,6 @@ import numpy as np
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.outline import suspension_points
-from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
@@ -28,6 +27,7 @@ from rope_model.simulation.ends.filter_program import filter_program, filter_ste
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
 from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
+from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.adaptation import raise_fidelity
 from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
 from rope_model.simulation.messages import fidelity_messages, messages

@@ -31,9 +31,9 @@ from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameter_table import require
 from rope_model.parameters import Scene
-from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.contact.pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
+from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
 
 #: largest number of Newton's iterations

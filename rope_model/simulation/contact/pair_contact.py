@@ -14,9 +14,9 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_on_rope
 from rope_model.physics.outline import enclosing_box
-from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
+from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
 
 #: places that are looked at by their middle first

@@ -12,7 +12,7 @@ from functools import reduce
 from typing import Any
 
 from rope_model.numerics import quintic
-from rope_model.physics.accuracy import TINY, memory
+from rope_model.physics.accuracy import TINY, wave_duration
 from rope_model.physics.elementary import cos, exp, larger, sin, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.input_filter import LEAST_JERK, InputFilter, beyond_linear, missed
@@ -80,14 +80,14 @@ def _swung(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any
     that less its second rate over omega^2; what is missing of it at the start swings freely.
     """
     omega = axial_frequency(rope, leg)
-    lasts = memory(rope, omega)
-    fades = lasts / (lasts + h)
+    duration = wave_duration(rope, omega)
+    decay = duration / (duration + h)
     c, s = cos(omega * h), sin(omega * h)
     a, b, d, e = added
     x, x_t = a - d / omega**2, (b - e / omega**2) / omega
     y = a + h * (b + 0.5 * h * (d + h * e / 3.0)) - (d + h * e) / omega**2
     y_t = (b + h * (d + 0.5 * h * e) - e / omega**2) / omega
-    free = fades * (c * wave[0] + s * wave[1]), fades * (c * wave[1] - s * wave[0])
+    free = decay * (c * wave[0] + s * wave[1]), decay * (c * wave[1] - s * wave[0])
     swung = free[0] + (y - c * x - s * x_t), free[1] + (y_t - c * x_t + s * x)
     mean = a + 0.5 * h * (b + h * (d / 3.0 + h * e / 12.0))
     return swung, rope.mass_per_length * leg * (SWINGING * swung[0] + (1.0 - SWINGING) * mean)

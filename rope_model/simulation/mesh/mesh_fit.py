@@ -14,7 +14,7 @@ import math
 from typing import Any, NamedTuple
 
 from rope_model.physics import contact_error
-from rope_model.physics.accuracy import BRAKED, length_for, memory
+from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
 from rope_model.physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
@@ -88,7 +88,7 @@ def pumped_grading(scene: Any) -> Any:
     """
     rope, g = scene.rope, scene.layout.gravity
     omega = axial_frequency(rope, PUMPED_LEG * rope.length)
-    growth = 0.125 * BRAKED * omega * memory(rope, omega)
+    growth = 0.125 * BRAKED * omega * wave_duration(rope, omega)
     share = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
     return g * (share * share) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
