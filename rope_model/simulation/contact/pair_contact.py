@@ -172,7 +172,7 @@ def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Arr
     xi = np.array(rope_on_rope.PROBES)[_probed(ends, l, points).argmin(axis=0)]
     rows = np.ascontiguousarray(ends.reshape(-1, 12).T)
     for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_place(xi, l, points.T, rows[:6], rows[6:])
+        xi = rope_on_rope.nearer_xi(xi, l, points.T, rows[:6], rows[6:])
     return rope.s[elements] + xi * l, _distances(ends, l, points, xi)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rope_model.physics import hermite
-from rope_model.physics.point_forces import part_of_time
+from rope_model.physics.point_forces import time_fraction
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array
 
 #: share of the rope's length by which places may be off its ends
@@ -47,7 +47,7 @@ class PointForces:
 
     def at(self, t: float) -> Array:
         """Return (n, 3): the forces at ``t``, N."""
-        return np.asarray(self.at_start + part_of_time(self.start, self.stop, t) * (self.at_stop - self.at_start))
+        return np.asarray(self.at_start + time_fraction(self.start, self.stop, t) * (self.at_stop - self.at_start))
 
 
 NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.0)

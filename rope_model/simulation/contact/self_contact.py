@@ -99,14 +99,14 @@ def _touching(
     """Places of elements whose boxes touch (element, N, length, place) and near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
-        number, k = int(rope_on_rope.places(l[e], diameter)), 0
+        number, k = int(rope_on_rope.number_of_points(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             N = hermite.shape_functions((k + 0.5) / number, l[e])
             point = _at(rows, e, N)
             near = sorted(_nearest_place(rows, l[o], o, point) for o in others)
             yield e, N, weight, point, [x for x in near if x[0] < diameter]
-            k += 1 + int(rope_on_rope.places_skipped(near[0][0], diameter, weight, number))
+            k += 1 + int(rope_on_rope.points_skipped(near[0][0], diameter, weight, number))
 
 
 class SelfContactSystem(RopeSystem):
@@ -202,5 +202,5 @@ def _nearest_place(
 
     xi = min(rope_on_rope.PROBES, key=distance)
     for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_place(xi, l, point, rows[element], rows[element + 1])
+        xi = rope_on_rope.nearer_xi(xi, l, point, rows[element], rows[element + 1])
     return distance(xi), element, xi

@@ -142,7 +142,7 @@ def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> A
     """(points,): arc lengths, m, from end to end, denser around the loop, of this width (m), above ``bottom_s``."""
     total = float(np.sum(lengths))
     u = np.linspace(-1.0, 1.0, points)
-    s = outline.place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop)
+    s = outline.sample_s(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop)
     return np.asarray(np.clip(s, 0.0, total))
 
 
