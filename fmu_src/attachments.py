@@ -54,8 +54,8 @@ def licenses() -> dict[str, bytes]:
 
 def license_text(package: str = "balance-rope") -> str:
     """A package's licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
-    found = importlib.metadata.distributions(name=package)
-    text = next((text for one in found if (text := one.read_text("licenses/LICENSE"))), None)
+    distributions = importlib.metadata.distributions(name=package)
+    text = next((text for one in distributions if (text := one.read_text("licenses/LICENSE"))), None)
     if text is None:
         raise RuntimeError(f"the licence is missing from the installed package {package}; install it anew")
     return text

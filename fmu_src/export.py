@@ -72,8 +72,8 @@ def export_fmu(
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
         facts = _build_facts(case, level, key)
-        given = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
-        (stage / "build.json").write_text(json.dumps(facts | given, indent=1), encoding="utf-8")
+        settings = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
+        (stage / "build.json").write_text(json.dumps(facts | settings, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)

@@ -99,16 +99,16 @@ def arrays(described: Mapping[int, Variable]) -> list[Array]:
 
     Parameters stay scalars: importers without arrays read them all, and of the outputs those that are asked for.
     """
-    found: list[Array] = []
+    gathered: list[Array] = []
     for reference, variable in described.items():
         match = variable.causality == "output" and re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
         if match and match[2] != "1":
-            found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
+            gathered[-1] = gathered[-1]._replace(starts=(*gathered[-1].starts, variable.start))
         else:
             name = match[1] if match else variable.name
             whole = variable._replace(description=DESCRIPTIONS.get(name, variable.description))
-            found.append(Array(reference, name, whole, (variable.start,)))
-    return found
+            gathered.append(Array(reference, name, whole, (variable.start,)))
+    return gathered
 
 
 def scalars(described: Mapping[int, Variable]) -> list[Array]:

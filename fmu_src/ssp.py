@@ -145,8 +145,8 @@ def _statuses(name: str, data: Sequence[Datum]) -> Element:
     """Simulation resource meta data: an entry for each datum, of which the text is the status."""
     entries = []
     for datum in data:
-        told = f"{datum.value} {datum.unit}".strip()
-        entries.append(node("stc:ClassificationEntry", keyword=datum.name, description=told))
+        value_text = f"{datum.value} {datum.unit}".strip()
+        entries.append(node("stc:ClassificationEntry", keyword=datum.name, description=value_text))
         entries[-1].text = datum.status
     return node(
         "srmd:SimulationResourceMetaData",

@@ -65,8 +65,8 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
         If ``native`` finds a C compiler that fails.
     """
     if not isinstance(scene, Scene):
-        given = type(scene).__name__
-        raise TypeError(f"scene is a {given} and must be a Scene; that of a case is rope_120().scene")
+        kind = type(scene).__name__
+        raise TypeError(f"scene is a {kind} and must be a Scene; that of a case is rope_120().scene")
     if form not in ("auto", "native", "python"):
         raise ValueError(f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had")
     rope = _rope(scene, form)

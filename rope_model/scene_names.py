@@ -76,9 +76,9 @@ def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
             field, value = "counts", tuple(counts)
         chosen.setdefault(group, {})[field] = _decode(name, value)
     parts = {}
-    for group, given in chosen.items():
+    for group, fields in chosen.items():
         try:
-            parts[group] = replace(_part(scene, group), **given)
+            parts[group] = replace(_part(scene, group), **fields)
         except ValueError as error:
             raise ValueError(f"{group}: {error}") from error
     shaft = replace(scene.shaft, **{name: parts.pop(name) for name in PARTS if name in parts})

@@ -40,9 +40,9 @@ def _compilable() -> set[str]:
     return {host_platform()} if kernels.find_compiler() else set()
 
 
-def choose_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
+def choose_platforms(names: Sequence[str] | None) -> tuple[str, ...]:
     """Choose the platforms asked for, or all with None; ValueError when there is none."""
-    chosen = available_platforms() if asked is None else tuple(asked)
+    chosen = available_platforms() if names is None else tuple(names)
     if not chosen:
         raise ValueError(f"no platform to build for: install a C compiler; {CURE}")
     return chosen
@@ -92,7 +92,7 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
     objects = kernels.object_files(sources, compiler, flags, kernels.cache_folder())
     parts = "\0".join([identifier, *(file.name for file in objects.values())])
     key = hashlib.sha256(parts.encode()).hexdigest()[:20]
-    made = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
+    library_file = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
 
     def make() -> None:
         progress.warning("compiling %s for %s%s, up to a minute", identifier, name, version)
@@ -101,12 +101,14 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
             # without zig's own library, of which nothing is needed, and which it would compile first for 14 s
             more += ["-nostdlib", "-lc", "-Wl,-z,defs"]
         kernels.compile_objects(sources, [*compiler, *flags], objects)
-        own_name = [f"-Wl,-install_name,@rpath/{identifier}{made.suffix}"] if made.suffix == ".dylib" else []
+        own_name = (
+            [f"-Wl,-install_name,@rpath/{identifier}{library_file.suffix}"] if library_file.suffix == ".dylib" else []
+        )
         command = [*compiler, *flags, *own_name]
-        kernels.link_library(command, objects.values(), made, f"{identifier}{made.suffix}", more)
+        kernels.link_library(command, objects.values(), library_file, f"{identifier}{library_file.suffix}", more)
 
     try:
-        return kernels.make_once(made, make)
+        return kernels.make_once(library_file, make)
     except subprocess.CalledProcessError as error:
         raise RuntimeError(f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}") from error
 

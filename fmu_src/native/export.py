@@ -173,7 +173,7 @@ def shell(fmi: int, *more: str) -> dict[str, str]:
 def header_folder() -> Path:
     """Folder of the FMI headers of the Modelica Association, which FMPy has."""
     # found, not imported: the import takes as long as the export
-    found = importlib.util.find_spec("fmpy")
-    if found is None or found.origin is None:
+    spec = importlib.util.find_spec("fmpy")
+    if spec is None or spec.origin is None:
         raise RuntimeError("the FMI headers come with FMPy, which is not installed: pip install fmpy")
-    return Path(found.origin).with_name("c-code")
+    return Path(spec.origin).with_name("c-code")

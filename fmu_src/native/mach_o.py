@@ -71,7 +71,7 @@ def _directory_in(library: bytes, signature: int) -> int:
     magic, _, number = struct.unpack_from(">3I", library, signature)
     offsets: list[int] = [struct.unpack_from(">2I", library, signature + 12 + 8 * i)[1] for i in range(number)]
     blobs = [signature + offset for offset in offsets]
-    found = [at for at in blobs if struct.unpack_from(">I", library, at)[0] == _CODE_DIRECTORY]
-    if magic != _SIGNATURE or len(found) != 1:
-        raise RuntimeError(f"the library's signature has {len(found)} code directories, not one")
-    return found[0]
+    directories = [at for at in blobs if struct.unpack_from(">I", library, at)[0] == _CODE_DIRECTORY]
+    if magic != _SIGNATURE or len(directories) != 1:
+        raise RuntimeError(f"the library's signature has {len(directories)} code directories, not one")
+    return directories[0]

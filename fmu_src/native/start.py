@@ -88,8 +88,8 @@ def binaries_with(
     start: Start, sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]
 ) -> dict[str, bytes]:
     """Path in the FMU -> library with ``start``, of the C files and headers in ``sources`` and start.c."""
-    made = binaries(without_start(sources, len(start.values)), identifier, fmi, platforms)
-    return {path: with_start(library, start) for path, library in made.items()}
+    libraries = binaries(without_start(sources, len(start.values)), identifier, fmi, platforms)
+    return {path: with_start(library, start) for path, library in libraries.items()}
 
 
 def with_start(library: bytes, start: Start) -> bytes:

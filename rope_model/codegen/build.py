@@ -38,15 +38,15 @@ def written() -> list[Path]:
 
 def _generated() -> dict[str, str]:
     """The generated files: the package's, the cache's, or made and put there."""
-    brought = generated_file(_FOLDER.parent)
-    kept = cache_folder() / f"{brought.stem}-casadi-{importlib.metadata.version('casadi')}.json"
+    packaged = generated_file(_FOLDER.parent)
+    cached = cache_folder() / f"{packaged.stem}-casadi-{importlib.metadata.version('casadi')}.json"
 
     def make() -> None:
-        new = kept.with_suffix(".new")
+        new = cached.with_suffix(".new")
         new.write_text(json.dumps(generate()), encoding="utf-8")
-        new.replace(kept)
+        new.replace(cached)
 
-    file = brought if brought.exists() else make_once(kept, make)
+    file = packaged if packaged.exists() else make_once(cached, make)
     texts: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
     return texts
 
@@ -77,14 +77,14 @@ def library() -> Path:
 
     Raises RuntimeError without a C compiler, CalledProcessError when that fails.
     """
-    if (brought := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
-        return brought
+    if (packaged := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
+        return packaged
     if (compiler := find_compiler()) is None:
         raise RuntimeError(
             "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
         )
-    asked = {name: sources()[name] for name in ("processor.c", "processor.h")}
-    answer = ctypes.CDLL(str(compile_library(asked, compiler, cache_folder(), "processor"))).processor_lanes()
+    detection = {name: sources()[name] for name in ("processor.c", "processor.h")}
+    answer = ctypes.CDLL(str(compile_library(detection, compiler, cache_folder(), "processor"))).processor_lanes()
     return library_of(answer, compiler)
 
 

@@ -87,19 +87,19 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
         if operation == ca.OP_CONST:
             value = f.instruction_constant(k)
             text = "PI" if value == math.pi else _INFINITE.get(value, repr(value))
-            made = _Text(text, _SIGN if value < 0 else _ATOM)
+            expression = _Text(text, _SIGN if value < 0 else _ATOM)
         elif operation == ca.OP_INPUT:
-            made = _Text(inputs[sources[0]][sources[1]], _ATOM)
+            expression = _Text(inputs[sources[0]][sources[1]], _ATOM)
         else:
             operands = [values[s] for s in sources]
             if kind == "V" and operation in (ca.OP_DIV, ca.OP_INV):
                 *above, below = operands
-                made = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
+                expression = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
             else:
-                made = _expression(operation, operands, kind)
-            if (uses[k] > 1 or len(made.text) > _LONG) and not made.value and operation != ca.OP_NOT:
-                made = named(made.text)
-        values[target[0]] = made
+                expression = _expression(operation, operands, kind)
+            if (uses[k] > 1 or len(expression.text) > _LONG) and not expression.value and operation != ca.OP_NOT:
+                expression = named(expression.text)
+        values[target[0]] = expression
     return lines, [results[place] for place in sorted(results)]
 
 

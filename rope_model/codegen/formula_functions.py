@@ -87,9 +87,9 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
     match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
     assert match, prototype
     result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
-    given = arguments[:-1] if result == "void" else arguments
+    inputs_of = arguments[:-1] if result == "void" else arguments
     with no_simplification():
-        symbols = [symbols_of(argument) for argument in given]
+        symbols = [symbols_of(argument) for argument in inputs_of]
         inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep results of the formula
         lines, texts = statements(ca.Function("formula", inputs, _numbers(formula(*symbols))))
     if result == "void":

@@ -42,8 +42,8 @@ def _function(name: str, text: Text) -> str:
     declared = "".join(f", {_TYPES[kind]}{value}" for value, kind in text.kinds.items())
     form, values = "", ""
     for before, value, spec in text.parts:
-        conversion, given = _conversion(value, spec, text.kinds[value]) if value else ("", "")
-        form, values = f"{form}{before.replace('%', '%%')}{conversion}", f"{values}{given}"
+        conversion, argument = _conversion(value, spec, text.kinds[value]) if value else ("", "")
+        form, values = f"{form}{before.replace('%', '%%')}{conversion}", f"{values}{argument}"
     return (
         f"static inline int say_{name}(char *message{declared}) {{\n"
         f"    snprintf(message, MESSAGE, {c_string(form)}{values});\n    return 0;\n}}\n"

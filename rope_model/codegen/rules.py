@@ -90,7 +90,7 @@ _STRUCTURES: dict[str, type[Any]] = {
     "left": EndMotion,
     "right": EndMotion,
     "swivel": Swivel,
-    "now": SwivelState,
+    "swivel_state": SwivelState,
     "end_filter": InputFilter,
 }
 _NAMES = {text: name for name, text in texts().items()}
@@ -174,7 +174,7 @@ def _members_at(kind: Any, place: str) -> Any:
     """Symbols for the numbers of a structure, or of an array, at this place in C."""
     if issubclass(kind, ctypes.Structure):
         place += "" if place.endswith("->") else "."
-        return SimpleNamespace(**{name: _members_at(of, f"{place}{name}") for name, of in kind._fields_})
+        return SimpleNamespace(**{name: _members_at(kind_of, f"{place}{name}") for name, kind_of in kind._fields_})
     if issubclass(kind, ctypes.Array):
         return tuple(_members_at(kind._type_, f"{place}[{k}]") for k in range(kind._length_))
     return ca.SX.sym(place if kind is ctypes.c_double else f"(double){place}")
@@ -204,11 +204,11 @@ def _table(name: str, rules: Rules) -> str:
 
 def _rule(message: Text, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
     """A block that gives the message where it applies."""
-    found = formula(*(fact.symbols for fact in facts.values()))
-    lines, texts = _texts([x for x in found if not isinstance(x, Word)])
-    applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in found)
-    given = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, message.kinds.values(), strict=True)]
-    call = f"return !say_{_NAMES[message]}({', '.join(('message', *given))});"
+    results = formula(*(fact.symbols for fact in facts.values()))
+    lines, texts = _texts([x for x in results if not isinstance(x, Word)])
+    applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in results)
+    arguments = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, message.kinds.values(), strict=True)]
+    call = f"return !say_{_NAMES[message]}({', '.join(('message', *arguments))});"
     body = "".join(f"        {line}\n" for line in (*lines, f"if ({applies}) {call}"))
     return f"    {{\n{body}    }}\n"
 

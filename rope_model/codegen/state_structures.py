@@ -45,7 +45,7 @@ def _type_of(hint: Any) -> Any:
         return c_int64 if hint is int else c_double
     if hint not in PARTS:
         name, where = hint.__name__.removeprefix("End"), f"{hint.__module__}.{hint.__name__}."
-        members = [(member, _type_of(of)) for member, of in get_type_hints(hint).items()]
+        members = [(member, _type_of(hint_of)) for member, hint_of in get_type_hints(hint).items()]
         PARTS[hint] = type(f"{name}Structure", (Structure,), {"__doc__": where, "_fields_": members})
     return PARTS[hint]
 
@@ -116,7 +116,7 @@ def state_structures() -> str:
 
 def structure_code(kind: type[Structure]) -> str:
     """The definition in C of a structure."""
-    members = "".join(f"    {_member(field, of)};\n" for field, of in kind._fields_)  # type: ignore[misc]
+    members = "".join(f"    {_member(field, kind_of)};\n" for field, kind_of in kind._fields_)  # type: ignore[misc]
     comment = f"/* {cleandoc(kind.__doc__)} */\n" if kind.__doc__ else ""
     return f"{comment}typedef struct {{\n{members}}} {_name_of(kind)};\n"
 

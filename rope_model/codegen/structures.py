@@ -30,8 +30,8 @@ def members(kind: type[Any]) -> tuple[Member, ...]:
     """The members of a group's structure."""
     hints = _hints(kind).items()
     lengths = {name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints}
-    found = [Member(name, hint is float, lengths[name]) for name, hint in hints]
-    return tuple(sorted(found, key=lambda member: not member.real))
+    unsorted = [Member(name, hint is float, lengths[name]) for name, hint in hints]
+    return tuple(sorted(unsorted, key=lambda member: not member.real))
 
 
 def _hints(kind: type[Any]) -> dict[str, Any]:

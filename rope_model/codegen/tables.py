@@ -73,7 +73,7 @@ def parameter_structures() -> str:
     curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
     parts.append(f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n")
     parts.append(f"/* s, of rope_advance_to */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
-    parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
+    parts += [*(_codes(*choice) for kind in GROUPS for choice in _choices(kind)), *map(_structure, GROUPS)]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
@@ -166,16 +166,16 @@ def _joint(kind: type[Any], joint: Joint) -> str:
     used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
     whole = not any(m.real for m in members(kind) if m.name in used)
     written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]
-    given, bound = written[0], c_string(joint.bound)
+    value_text, bound = written[0], c_string(joint.bound)
     if isinstance(value, tuple):
         form = ", ".join("%s" for _ in value)
         lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
-        given = "given"
+        value_text = "given"
     if place := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
         text = f"ROUNDED({numbers[-1]}, {place[1]})" if place[1] else written[-1]
         before, behind = c_string(joint.bound[: place.start()]), c_string(joint.bound[place.end() :])
         bound = f"JOINED({before}, {text}, {behind})"
-    refused = f"refuse(check, {c_string(joint.what)}, {given}, {bound}, {c_string(joint.cure)})"
+    refused = f"refuse(check, {c_string(joint.what)}, {value_text}, {bound}, {c_string(joint.cure)})"
     body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
     return f"    {{\n{body}    }}\n"
 

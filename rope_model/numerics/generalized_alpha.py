@@ -176,8 +176,8 @@ def prediction_weights(method: Coefficients, h: Any, recentring: Any, ahead: Any
     m, gamma, beta = method.alpha_m, method.gamma, method.beta
     q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
     q_b, v_b = h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
-    share = (1 - method.alpha_f) * ahead
-    return q_a, v_a, q_b, v_b, q_b * recentring + q_a * share, v_b * recentring + v_a * share
+    weight = (1 - method.alpha_f) * ahead
+    return q_a, v_a, q_b, v_b, q_b * recentring + q_a * weight, v_b * recentring + v_a * weight
 
 
 def auxiliary_weights(method: Coefficients, recentring: Any) -> tuple[Any, Any, Any, Any]:
@@ -221,8 +221,8 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     if not newton.converged:
         return StepResult(None, None, newton, np.inf, None)
     a = solution.a
-    *before, now = auxiliary_weights(method, correction_motion)
-    b = (np.array(before) @ flat[2:]).reshape(a.shape) + now * a
+    *before, weight = auxiliary_weights(method, correction_motion)
+    b = (np.array(before) @ flat[2:]).reshape(a.shape) + weight * a
     change = a - old.a
     resolved = solution.resolve(change)
     error = local_error(method, h, system.norm(free * resolved))

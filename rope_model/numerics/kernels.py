@@ -114,8 +114,8 @@ def prepare(
 
 def last_words(error: Exception) -> str:
     """Return the error's text, with the first error that the compiler or the linker names, or their last line."""
-    said = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
-    first = next((line for line in said if _AN_ERROR.search(line)), said[-1] if said else "")
+    output = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
+    first = next((line for line in output if _AN_ERROR.search(line)), output[-1] if output else "")
     return f"{error} {first}".rstrip()
 
 
@@ -164,8 +164,8 @@ def build_library(
 def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
     """The functions, compiled once for all that call them."""
     sources = {f"{name}.c": generate_c(tuple(functions), "parts")}
-    made, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
-    return CompiledParts(made, objects[f"{name}.c"])
+    library, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
+    return CompiledParts(library, objects[f"{name}.c"])
 
 
 def compile_library(
@@ -178,49 +178,49 @@ def compile_library(
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
     files = [*objects.values(), *linked]
-    made = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
+    library = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
 
     def link() -> None:
         # python runs ziglang; what is short takes no time
         if sum(map(len, sources.values())) > 10_000:
             progress.warning(_ANNOUNCED, name, "ziglang" if "ziglang" in command else Path(command[0]).name)
         compile_objects(sources, command, objects)
-        link_library(command, files, made, made.name)
+        link_library(command, files, library, library.name)
 
-    return make_once(made, link)
+    return make_once(library, link)
 
 
 def link_library(
-    command: Sequence[str], objects: Iterable[Path], made: Path, name: str, more: Sequence[str] = ()
+    command: Sequence[str], objects: Iterable[Path], library: Path, name: str, more: Sequence[str] = ()
 ) -> None:
-    """Link the library ``made`` of object files and ``more``, in which its ``name`` may be another."""
-    with tempfile.TemporaryDirectory(dir=made.parent) as folder:
+    """Link the library ``library`` of object files and ``more``, in which its ``name`` may be another."""
+    with tempfile.TemporaryDirectory(dir=library.parent) as folder:
         # in a folder, by a relative name: no path of this machine gets into the library
         files = [os.path.relpath(file, folder) for file in objects]
         _run([*command, *files, "-o", name, "-lm", *more], Path(folder))
-        (Path(folder) / name).replace(made)
+        (Path(folder) / name).replace(library)
 
 
-def make_once(made: Path, make: Callable[[], None]) -> Path:
-    """Call ``make``, unless its file ``made`` is there, and return that file.
+def make_once(file: Path, make: Callable[[], None]) -> Path:
+    """Call ``make`` unless the ``file`` that it writes exists, and return the file.
 
-    Other processes that want the file wait meanwhile. If the process that makes it dies, the next one makes it.
+    Other processes that need the file wait meanwhile.  If the process that makes it dies, the next one makes it.
     """
-    if made.exists():
-        return made
-    made.parent.mkdir(parents=True, exist_ok=True)
-    lock = made.with_name(f"{made.name}.lock")
-    with lock.open("w") as file:
+    if file.exists():
+        return file
+    file.parent.mkdir(parents=True, exist_ok=True)
+    lock = file.with_name(f"{file.name}.lock")
+    with lock.open("w") as handle:
         if sys.platform != "win32":
             import fcntl
 
             with suppress(OSError):  # not every file system of a network can
-                fcntl.flock(file, fcntl.LOCK_EX)
-        if not made.exists():
+                fcntl.flock(handle, fcntl.LOCK_EX)
+        if not file.exists():
             make()
     with suppress(OSError):  # Windows deletes no file that another process has open
         lock.unlink()
-    return made
+    return file
 
 
 def object_files(
@@ -244,7 +244,7 @@ def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects:
     """Make those of the ``object_files`` that are not there, as many at a time as the machine has cores."""
     # the longest first, includes counted
     missing = sorted(
-        (file for file, made in objects.items() if not made.exists()),
+        (file for file, path in objects.items() if not path.exists()),
         key=lambda file: -sum(len(sources[part]) for part in _included(file, sources)),
     )
     if not missing:
@@ -265,10 +265,10 @@ def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects:
 
 def _included(file: str, sources: Mapping[str, str]) -> list[str]:
     """The file and those of the ``sources`` that it includes, each once."""
-    found = [file]
-    for part in found:
-        found += (name for name in _INCLUDE.findall(sources[part]) if name in sources and name not in found)
-    return list(dict.fromkeys(found))
+    included = [file]
+    for part in included:
+        included += (name for name in _INCLUDE.findall(sources[part]) if name in sources and name not in included)
+    return list(dict.fromkeys(included))
 
 
 def _run(command: Sequence[str], folder: Path) -> None:
@@ -288,8 +288,8 @@ def _key(*parts: str) -> str:
 @cache
 def compiler_version(compiler: tuple[str, ...]) -> str:
     """First line of the compiler's answer to ``--version``."""
-    said = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
-    return said.partition("\n")[0]
+    output = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
+    return output.partition("\n")[0]
 
 
 @lru_cache(maxsize=32)  # some 0.5 MB each

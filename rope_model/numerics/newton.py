@@ -138,8 +138,8 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
         after = again(goes_on, *after, *factors, *fixed, tolerance)
     corrections = ca.Function("newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after])
     inputs = [x, progress, *fixed, tolerance]
-    made = factorize.call([x, *fixed])
-    one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *made, *fixed, tolerance]))
+    factors_x = factorize.call([x, *fixed])
+    one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *factors_x, *fixed, tolerance]))
     another = _where(one_round, 2)
     share_left = ca.MX.sym("share_left")
     result = one_round(x, initial_progress(share_left), *fixed, tolerance)

@@ -42,8 +42,8 @@ class Program:
 
     def __init__(self, formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> None:
         traced = trace(formula, numbers)
-        self._given, self._found = (struct.Struct(f"{n}d") for n in (traced.numel_in(0), traced.numel_out(0)))
-        self._input, self._output = bytearray(self._given.size), bytearray(self._found.size)
+        self._inputs, self._outputs = (struct.Struct(f"{n}d") for n in (traced.numel_in(0), traced.numel_out(0)))
+        self._input, self._output = bytearray(self._inputs.size), bytearray(self._outputs.size)
         buffer: Any
         buffer, self._evaluate = traced.buffer()  # the stubs of casadi do not know the buffer's methods
         buffer.set_arg(0, memoryview(self._input))
@@ -51,6 +51,6 @@ class Program:
         self._buffer = buffer
 
     def __call__(self, *numbers: float) -> tuple[float, ...]:
-        self._given.pack_into(self._input, 0, *numbers)
+        self._inputs.pack_into(self._input, 0, *numbers)
         self._evaluate()
-        return self._found.unpack(self._output)
+        return self._outputs.unpack(self._output)

@@ -60,14 +60,14 @@ class RopeModel:
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-            own, blown = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
+            rope_parameters, air = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
             fidelity, around = flexible(state.fidelity), surroundings(scene)
             along = acting_along(scene, fidelity, rubs)
             touching = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
             system = touching(
                 self.kernels.of(fidelity, along),
                 state.partition.lengths,
-                np.concatenate((own, blown)),
+                np.concatenate((rope_parameters, air)),
                 self.ends(state),
                 state.motion.q,
                 node_mass,
@@ -159,15 +159,15 @@ class RopeModel:
     def _audit_step(self, old: alpha.Motion, state: RopeState, system: RopeSystem) -> RopeState:
         """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
         m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
-        now, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
+        forces, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
         audit = after_step(
             state.audit,
             method,
             h,
             alpha.recentring(method, m.h, old.h),
             load_on(self.ends(state), m, self.pushed(system, m.t)),
-            max(map(abs, now)),
-            max(abs(now[0] - left), abs(now[1] - right)),
+            max(map(abs, forces)),
+            max(abs(forces[0] - left), abs(forces[1] - right)),
             axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
         )
         return state._replace(audit=audit)

@@ -42,17 +42,17 @@ class RigidRope:
 def rigid_rope(scene: Scene, ends: Ends, t: float, nodes_s: Array) -> RigidRope:
     """The rope at ``t``; ValueError where it would have to push."""
     left, right = ends
-    now = pull(scene.rope, scene.layout, left, right)
-    if (least := lowest(now)) < 0:
+    pull_now = pull(scene.rope, scene.layout, left, right)
+    if (least := lowest(pull_now)) < 0:
         raise ValueError(messages.rope_goes_slack(least, t))
-    kinetic, gravity = energies(scene.rope, scene.layout, now, left, right)
+    kinetic, gravity = energies(scene.rope, scene.layout, pull_now, left, right)
 
     q = hanging_guess(nodes_s, *np.array(suspension_points(scene.layout, left, right)))
     v, a, reaction = _flow_velocities(q, flow(left.vy, right.vy)), np.zeros_like(q), np.zeros_like(q)
-    for node, end, tension_there in ((0, left, now.tensions[0]), (-1, right, now.tensions[1])):
+    for node, end, tension_there in ((0, left, pull_now.tensions[0]), (-1, right, pull_now.tensions[1])):
         v[node, POSITION], a[node, POSITION] = end.velocity, end.acceleration
         reaction[node, 1] = tension_there
-    return RigidRope(now.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
+    return RigidRope(pull_now.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
 
 
 def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float) -> Array:
@@ -84,8 +84,8 @@ def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Moti
     rest = find_equilibrium(system.with_boundary(coasting), rigid.q, t)
     coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.turn))
     before, after = (find_equilibrium(system.with_boundary(coasting), rest.q, at) for at in (t - d, t + d))
-    for found in (rest, before, after):  # all counted from the rigid rope
-        found.q[:, ANGLE] -= system.frame_turn(found.q)
+    for shape in (rest, before, after):  # all counted from the rigid rope
+        shape.q[:, ANGLE] -= system.frame_turn(shape.q)
     v, a = (after.q - before.q) / (2 * d), (after.q - 2 * rest.q + before.q) / d**2
     return with_elastic_strain(system, replace(rigid, q=rest.q, v=v, a=a, reaction=rest.reaction))
 

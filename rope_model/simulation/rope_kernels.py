@@ -60,8 +60,10 @@ class RopeKernels:
                 functions = compiling.load_portable(portable)
             else:
                 functions = [*rope_functions(elements, fidelity, effects)]
-            made, self.form = compiling.prepare(functions, partial(_build, elements, fidelity, effects), form, library)
-        solve, newton_step, evaluate, losses, strains, momentum, reference, transport = made
+            kernels, self.form = compiling.prepare(
+                functions, partial(_build, elements, fidelity, effects), form, library
+            )
+        solve, newton_step, evaluate, losses, strains, momentum, reference, transport = kernels
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity, self.effects = elements, fidelity, effects
         # sums of solve and evaluate
@@ -82,13 +84,13 @@ class KernelCache:
 
     def __init__(self, elements: int, form: compiling.KernelForm = "auto", bundle: Path | None = None) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
-        self._made: dict[tuple[ElementFidelity, Effects], RopeKernels] = {}
+        self._kernels: dict[tuple[ElementFidelity, Effects], RopeKernels] = {}
 
     def of(self, fidelity: ElementFidelity, effects: Effects = ()) -> RopeKernels:
         """Return the kernels for this fidelity and these effects, built on first use."""
-        if (fidelity, effects) not in self._made:
-            self._made[fidelity, effects] = RopeKernels(self.elements, self._form, self._bundle, fidelity, effects)
-        return self._made[fidelity, effects]
+        if (fidelity, effects) not in self._kernels:
+            self._kernels[fidelity, effects] = RopeKernels(self.elements, self._form, self._bundle, fidelity, effects)
+        return self._kernels[fidelity, effects]
 
 
 def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Effects]]) -> list[Path]:

@@ -121,7 +121,7 @@ class RopeSystem:
         nodes = lengths.size + 1
         self.around, self._touching = around, touching
         # where the rope was when bodies were last looked for, and how far they were from it, m
-        self._seen: list[tuple[Array, float]] = []
+        self._last_search: list[tuple[Array, float]] = []
         # weights of a node's coordinates in largest_motion
         longest = np.maximum(np.append(lengths, 0.0), np.append(0.0, lengths))
         units = np.eye(NODE_DOF)[:, :, None].repeat(nodes, axis=2)
@@ -214,11 +214,15 @@ class RopeSystem:
     ) -> Solution[Evaluation]:
         near, x = self._near(q, LOOK_AHEAD), Iterate(q, v, a, reaction)
         while True:
-            found = self._newton(near, x, c, tolerance, before)
-            more = self._near(found.q, 0.0) if found.newton.converged else _NOTHING
+            solution = self._newton(near, x, c, tolerance, before)
+            more = self._near(solution.q, 0.0) if solution.newton.converged else _NOTHING
             if not more.any() or (near.any() and not (more & ~near).any()):
-                return found
-            x, near, before = Iterate(found.q, found.v, found.a, found.evaluation.reaction), near | more, None
+                return solution
+            x, near, before = (
+                Iterate(solution.q, solution.v, solution.a, solution.evaluation.reaction),
+                near | more,
+                None,
+            )
 
     def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
         """Solve with contact of no other bodies than those ``near``."""
@@ -259,8 +263,8 @@ class RopeSystem:
             tolerance,
             *((KINKED, HUGE) if self.z.size else (SMOOTH, UNKNOWN)),
         )
-        found = Solution(x.q, x.v, x.a, evaluated(*x), newton_report)
-        return replace(found, resolve=resolve) if self.z.size else found
+        solution = Solution(x.q, x.v, x.a, evaluated(*x), newton_report)
+        return replace(solution, resolve=resolve) if self.z.size else solution
 
     def _following(self, constants: tuple[Array, ...], latest: Array) -> tuple[Array, ...]:
         """Return ``constants`` with the wires' latest tangents in the last columns of the frames."""
@@ -286,9 +290,9 @@ class RopeSystem:
         """Product with the tangent of forces between elements far apart, or None."""
         return None
 
-    def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
-        """Add the forces of the rope on itself to ``found``; a rope that can touch itself overrides it."""
-        return found
+    def _with_touches(self, evaluation: Evaluation, q: Array, v: Array) -> Evaluation:
+        """Add the forces of the rope on itself to ``evaluation``; a rope that can touch itself overrides it."""
+        return evaluation
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
@@ -310,18 +314,18 @@ class RopeSystem:
     def outside(self, q: Array, v: Array) -> dict[str, float]:
         """Sums of bodies and air by name: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope"."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        found = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
+        outside = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
         if len(kernels.balance) == len(BALANCE):
-            return found
+            return outside
         rest = np.zeros_like(q)
         sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1].tolist()
-        return found | {name: found.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
+        return outside | {name: outside.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:
         """Return the powers that the rope and its contacts lose [W]."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        found = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
-        return found if self.pushed is None else found._replace(moved=found.moved + float(np.vdot(self.pushed, v)))
+        losses = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
+        return losses if self.pushed is None else losses._replace(moved=losses.moved + float(np.vdot(self.pushed, v)))
 
     def longest_near(self, q: Array) -> float:
         """Return the length of the longest element that may touch a body [m]; 0 for none."""
@@ -332,25 +336,25 @@ class RopeSystem:
         """Return (elements, bodies): whether an element may touch a body after a move by ``margin`` (m)."""
         if self.around is None:
             return _NOTHING
-        if self._seen:
+        if self._last_search:
             # nothing can have come near that was far and has hardly moved since
-            before, free = self._seen[0]
-            if free > margin and free - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
+            before, gap = self._last_search[0]
+            if gap > margin and gap - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
                 return _NOTHING
-        found = self.around.distances(q, self.lengths)
-        self._seen[:] = [(q, float(found.min()))]
-        return found < margin
+        distances = self.around.distances(q, self.lengths)
+        self._last_search[:] = [(q, float(distances.min()))]
+        return distances < margin
 
     def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
         """Kernels, their constants and parameters, with or without bodies."""
-        P = self._blown(q, v)
+        P = self._air_parameters(q, v)
         if self.around is None or self._touching is None or not near.any():
             return self.kernels, self._constants, P
         lengths, frames, *loads = self._constants
         P = np.concatenate((P, self.around.numbers(q, v)))
         return self._touching(), (lengths, np.hstack((frames, near)), *loads), P
 
-    def _blown(self, q: Array, v: Array) -> Array:
+    def _air_parameters(self, q: Array, v: Array) -> Array:
         """The element's parameters, in air with the conveyances where the rope ends."""
         if self.P.size == len(PARAMETERS):
             return self.P
@@ -360,7 +364,7 @@ class RopeSystem:
 
     def element_data(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Frames (elements, entries) and parameters that the element takes, away from all bodies."""
-        return self.frames, self._blown(q, v)
+        return self.frames, self._air_parameters(q, v)
 
     def strains(self, q: Array) -> Array:
         """(elements, 3), columns as in physics.element.STRAINS."""
@@ -378,7 +382,7 @@ class RopeSystem:
 
 def _push(forces: Array, q: Array, v: Array) -> dict[str, float]:
     """Return the load of ``forces`` on the nodes (nodes, 7), and their power."""
-    of_r, of_slope = (point_load(q[:, of].T, forces[:, of].T) for of in (POSITION, SLOPE))
+    of_r, of_slope = (point_load(q[:, columns].T, forces[:, columns].T) for columns in (POSITION, SLOPE))
     load = [float(x.sum()) for x in (*of_r[:3], *(a + b for a, b in zip(of_r[3:], of_slope[3:], strict=True)))]
     names = ("contact_fx", "contact_fy", "contact_fz", "contact_mx", "contact_my", "contact_mz", "contact_moved")
     return dict(zip(names, (*load, float(np.vdot(forces, v))), strict=True))

@@ -137,8 +137,8 @@ class RopeSimulator(BalanceRope):
         return {name: self._signals[name] for name in wanted}
 
     def warnings(self) -> dict[str, str]:
-        told = {subject: warning(self.scene, self.state) for subject, warning in WARNINGS.items()}
-        return {subject: text for subject, text in told.items() if text}
+        texts = {subject: warning(self.scene, self.state) for subject, warning in WARNINGS.items()}
+        return {subject: text for subject, text in texts.items() if text}
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
         state = state_in(data)
@@ -235,11 +235,11 @@ class RopeSimulator(BalanceRope):
         bottom = self.model.bottom(state.paths, start)
         legs = bottom, scene.rope.length - bottom
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            found = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
-            refused = refusal(scene, end, found.limits, side)
-            if message := refused or frozen(scene.inputs, t, found.filter, side):
+            filtered = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
+            refused = refusal(scene, end, filtered.limits, side)
+            if message := refused or frozen(scene.inputs, t, filtered.filter, side):
                 return Status(False, message)
-            steps.append((found.path, found.filter))
+            steps.append((filtered.path, filtered.filter))
         paths, filters = zip(*steps, strict=True)
         state = state._replace(paths=paths, filters=filters, events=())
         if scene.inputs.given != "all":
@@ -263,12 +263,12 @@ class RopeSimulator(BalanceRope):
             advanced = step_towards(self.model, state, t, work_end)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
-            state, now = advanced, advanced.motion
-            if now.t >= t or now.t - state.looked_at >= LOOK_EVERY:
+            state, after = advanced, advanced.motion
+            if after.t >= t or after.t - state.looked_at >= LOOK_EVERY:
                 state = with_passages(self.scene, state)
                 state = with_guards(self.scene, state, self.model.ends(state))
             for node in (0, -1):
-                impulse[node] -= 0.5 * (now.t - before.t) * float(before.reaction[node, 1] + now.reaction[node, 1])
+                impulse[node] -= 0.5 * (after.t - before.t) * float(before.reaction[node, 1] + after.reaction[node, 1])
         mean = impulse[0] / (t - start), impulse[1] / (t - start)
         if state.counts.given_up and not self.state.counts.given_up:
             state = state._replace(given_up_since=start)

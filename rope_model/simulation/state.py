@@ -152,7 +152,7 @@ class RopeState(NamedTuple):
         try:
             start = 8 + int.from_bytes(data[:8], "little")
             rest = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
-            state: RopeState = _made(RopeState, json.loads(data[8:start]), rest)
+            state: RopeState = _rebuild(RopeState, json.loads(data[8:start]), rest)
             if rest:
                 raise ValueError(f"{8 * len(rest)} of them too many")
             return state
@@ -172,16 +172,23 @@ def _plain(x: Any, arrays: list[Array]) -> Any:
     return x.value if isinstance(x, Enum) else x
 
 
-def _made(kind: Any, plain: Any, rest: list[float]) -> Any:
+def _rebuild(kind: Any, plain: Any, rest: list[float]) -> Any:
     """Value of its type that became ``plain``; arrays are taken from the numbers ``rest``."""
     if get_origin(kind) is np.ndarray:
-        found = np.array(rest[: math.prod(plain)]).reshape(plain)
+        array = np.array(rest[: math.prod(plain)]).reshape(plain)
         del rest[: math.prod(plain)]
-        return found
+        return array
     if get_origin(kind) is tuple:
         parts = get_args(kind)
         kinds = repeat(parts[0]) if Ellipsis in parts else parts
-        return tuple(_made(of, part, rest) for of, part in zip(kinds, plain, strict=Ellipsis not in parts))
+        return tuple(
+            _rebuild(part_kind, part, rest) for part_kind, part in zip(kinds, plain, strict=Ellipsis not in parts)
+        )
     if is_dataclass(kind) or hasattr(kind, "_fields"):
-        return kind(*(_made(of, part, rest) for of, part in zip(get_type_hints(kind).values(), plain, strict=True)))
+        return kind(
+            *(
+                _rebuild(part_kind, part, rest)
+                for part_kind, part in zip(get_type_hints(kind).values(), plain, strict=True)
+            )
+        )
     return kind(plain) if isinstance(kind, type) and issubclass(kind, Enum) else plain

@@ -64,17 +64,17 @@ def carry(z: Array, old_lengths: Array, new_lengths: Array) -> Array:
     """``z`` on elements of other lengths."""
     if not z.size:
         return z
-    of_points = z.reshape(-1, 3)
+    point_z = z.reshape(-1, 3)
     old, new = _cells(old_lengths), _cells(new_lengths)
-    total = np.vstack((np.zeros(3), np.cumsum(np.diff(old)[:, None] * of_points, axis=0)))
+    total = np.vstack((np.zeros(3), np.cumsum(np.diff(old)[:, None] * point_z, axis=0)))
     at_ends = np.stack([np.interp(new, old, column) for column in total.T], axis=1)
     carried = np.diff(at_ends, axis=0) / np.diff(new)[:, None]
     # cells that are the same: their arc lengths differ by less than this, m
     tolerance = 1e-9 * float(old[-1])
     nearest = np.clip(np.searchsorted(old, new - tolerance), 0, old.size - 1)
     same = np.abs(old[nearest] - new) <= tolerance
-    kept = same[:-1] & same[1:] & (np.diff(nearest) == 1)
-    carried[kept] = of_points[nearest[:-1][kept]]
+    unchanged = same[:-1] & same[1:] & (np.diff(nearest) == 1)
+    carried[unchanged] = point_z[nearest[:-1][unchanged]]
     return carried.reshape(new_lengths.size, -1)
 
 

@@ -157,9 +157,9 @@ class Neighbours:
 
     def _too_long(self, before: Contacts) -> bool:
         return any(
-            abs(now.made - before.accounts[two].made) > MADE * max(now.largest, self._least)
-            or now.approach > LEAP * self._pairs[two].diameter
-            for two, now in self.contacts.accounts.items()
+            abs(account.made - before.accounts[two].made) > MADE * max(account.largest, self._least)
+            or account.approach > LEAP * self._pairs[two].diameter
+            for two, account in self.contacts.accounts.items()
         )
 
     def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> float | None:
@@ -172,32 +172,32 @@ class Neighbours:
             if not all(partners[k].go() for k in sorted(going)):
                 return None
             rows = self._rows(partners)
-            found = self._found(t + h, rows, self._method.newton(h))
-            joint = _Joint(end, found)
+            law = self._law(t + h, rows, self._method.newton(h))
+            joint = _Iterate(end, law)
             if joint.missed <= TOLERANCE or iteration == ITERATIONS - 1:
                 break
             end, going = joint.corrected(partners), joint.ropes
-        self._book(t + h, before, rows, joint.forces, found, joint.missed)
+        self._book(t + h, before, rows, joint.forces, law, joint.missed)
         return joint.missed
 
     def _rows(self, partners: Sequence[Partner]) -> list[Rows | None]:
         there = zip(partners, self._origins, strict=True)
         return [None if one.rope is None else rows_of(one.rope, origin) for one, origin in there]
 
-    def _found(self, t: float, rows: Sequence[Rows | None], c: Array) -> dict[Two, Pressing]:
-        found, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
+    def _law(self, t: float, rows: Sequence[Rows | None], c: Array) -> dict[Two, Pressing]:
+        law, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
             one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
-            found[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
-        return found
+            law[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
+        return law
 
     def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Mapping[Two, Pressing]) -> None:
         """Forces from those of now to those of the ``end``."""
-        now = self.contacts.forces
+        present = self.contacts.forces
         for k, partner in enumerate(partners):
             starts, stops = (  # places on rope k, and forces on it
                 [(f.s[0], f.force) if two[0] == k else (f.s[1], -f.force) for two, f in x.items() if k in two]
-                for x in (now, end)
+                for x in (present, end)
             )
             s = np.concatenate([s for s, _ in (*starts, *stops)])
             forces = [np.concatenate([f for _, f in x]) for x in (starts, stops)]
@@ -212,45 +212,45 @@ class Neighbours:
         before: Sequence[Rows | None],
         after: Sequence[Rows | None],
         end: Mapping[Two, Pressing],
-        found: Mapping[Two, Pressing],
+        law: Mapping[Two, Pressing],
         missed: float,
     ) -> None:
-        now, accounts = self.contacts.forces, dict(self.contacts.accounts)
+        present, accounts = self.contacts.forces, dict(self.contacts.accounts)
         for two, account in self.contacts.accounts.items():
-            if not (now[two].number.size or end[two].number.size):
+            if not (present[two].number.size or end[two].number.size):
                 continue
-            work, of_springs, approach = 0.0, 0.0, 0.0
-            for forces in (now[two], end[two]):
-                moved = _moved(two, forces, before, after)
-                work += 0.5 * float(np.vdot(forces.force, moved))
-                of_springs += 0.5 * float(np.vdot(forces.spring, moved))
-                approach = max(approach, -float(np.einsum("mi,mi->m", moved, _along(forces.force)).min(initial=0.0)))
-            one = found[two]
-            pressure = float(one.pressure.sum())
+            work, spring_work, approach = 0.0, 0.0, 0.0
+            for forces in (present[two], end[two]):
+                motion = _relative_motion(two, forces, before, after)
+                work += 0.5 * float(np.vdot(forces.force, motion))
+                spring_work += 0.5 * float(np.vdot(forces.spring, motion))
+                approach = max(approach, -float(np.einsum("mi,mi->m", motion, _along(forces.force)).min(initial=0.0)))
+            contact = law[two]
+            pressure = float(contact.pressure.sum())
             account = account._replace(
                 pressure=pressure,
-                energy=one.energy,
+                energy=contact.energy,
                 work=account.work + work,
-                dissipated=account.dissipated + of_springs - work,
-                made=account.made + of_springs + one.energy - account.energy,
+                dissipated=account.dissipated + spring_work - work,
+                made=account.made + spring_work + contact.energy - account.energy,
                 largest=max(account.largest, abs(work)),
                 approach=approach,
                 missed=max(account.missed, missed if end[two].number.size else 0.0),
             )
             if pressure > account.peak:
-                x, y, z = (one.pressure @ one.place / pressure).tolist()
+                x, y, z = (contact.pressure @ contact.place / pressure).tolist()
                 account = account._replace(peak=pressure, peak_t=t, peak_place=(x, y, z))
             accounts[two] = account
         self.contacts = replace(self.contacts, forces=end, accounts=accounts)
 
 
-class _Joint:
+class _Iterate:
     """Trial ``forces`` of all ropes that press each other, with the part of springs in them, and those of the law."""
 
-    def __init__(self, tried: Mapping[Two, Pressing], found: Mapping[Two, Pressing]) -> None:
-        self._twos = [two for two in tried if tried[two].number.size or found[two].number.size]
+    def __init__(self, tried: Mapping[Two, Pressing], law_forces: Mapping[Two, Pressing]) -> None:
+        self._twos = [two for two in tried if tried[two].number.size or law_forces[two].number.size]
         self.ropes = {k for two in self._twos for k in two}
-        parts = [(_joined(tried[two], found[two]), found[two]) for two in self._twos]
+        parts = [(_union(tried[two], law_forces[two]), law_forces[two]) for two in self._twos]
         self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
         self._tried = _stacked([x.force for x, _ in parts])
         # rows of each two ropes in `_tried`
@@ -279,22 +279,22 @@ class _Joint:
             index = np.concatenate([self._own[two] for two in mine])
             s = np.concatenate([self.forces[two].s[two.index(k)] for two in mine])
             order = np.argsort(s, kind="stable")
-            given = sense[order, None] * force[index[order]]
+            forces = sense[order, None] * force[index[order]]
             rope = partners[k].rope
             if rope is not None:
-                answer = rope.displacement(PointForces(s[order], given, given, 0.0, 1.0))
+                answer = rope.displacement(PointForces(s[order], forces, forces, 0.0, 1.0))
                 np.add.at(moved, index[order], sense[order, None] * answer)
         return moved
 
 
-def _moved(two: Two, forces: Pressing, before: Sequence[Rows | None], after: Sequence[Rows | None]) -> Array:
+def _relative_motion(two: Two, forces: Pressing, before: Sequence[Rows | None], after: Sequence[Rows | None]) -> Array:
     """(m, 3): how far places on the one were moved from those on the other, m."""
-    moved = np.zeros_like(forces.force)
+    motion = np.zeros_like(forces.force)
     for side, k in enumerate(two):
-        was, now = before[k], after[k]
-        if was is not None and now is not None:
-            moved += (1 - 2 * side) * (now.places(forces.s[side]) - was.places(forces.s[side]))
-    return moved
+        before_k, after_k = before[k], after[k]
+        if before_k is not None and after_k is not None:
+            motion += (1 - 2 * side) * (after_k.places(forces.s[side]) - before_k.places(forces.s[side]))
+    return motion
 
 
 def _along(force: Array) -> Array:
@@ -303,26 +303,26 @@ def _along(force: Array) -> Array:
     return force / np.where(size > 0.0, size, 1.0)
 
 
-def _joined(tried: Pressing, found: Pressing) -> Pressing:
+def _union(tried: Pressing, law: Pressing) -> Pressing:
     """The forces ``tried`` at all places of both, each where it was found last, with spring and tangent of the law."""
-    number = np.union1d(tried.number[np.any(tried.force != 0.0, axis=1)], found.number)
+    number = np.union1d(tried.number[np.any(tried.force != 0.0, axis=1)], law.number)
     s = _spread(tried, number, tried.s.T)
-    here = np.isin(number, found.number)
-    s[here] = found.s.T
-    return found._replace(
+    here = np.isin(number, law.number)
+    s[here] = law.s.T
+    return law._replace(
         number=number,
         s=s.T,
         force=_spread(tried, number, tried.force),
-        spring=_spread(found, number, found.spring),
-        tangent=_spread(found, number, found.tangent),
+        spring=_spread(law, number, law.spring),
+        tangent=_spread(law, number, law.tangent),
     )
 
 
-def _spread(of: Pressing, number: Numbers, values: Array) -> Array:
-    """``values`` of the places of ``of`` at those of these numbers, 0 at the rest."""
+def _spread(pressing: Pressing, number: Numbers, values: Array) -> Array:
+    """``values`` of the places of ``pressing`` at those of these numbers, 0 at the rest."""
     out = np.zeros((number.size, *values.shape[1:]))
-    known = np.isin(of.number, number)
-    out[np.searchsorted(number, of.number[known])] = values[known]
+    known = np.isin(pressing.number, number)
+    out[np.searchsorted(number, pressing.number[known])] = values[known]
     return out
 
 

@@ -106,8 +106,8 @@ class Pair:
             return NOTHING.number, NOTHING.number
         mine, theirs = one.boxes[:, :, None], other.boxes[:, None]
         gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
-        found = np.nonzero((gaps < self.diameter).all(axis=0))
-        return found[0], found[1]
+        pairs = np.nonzero((gaps < self.diameter).all(axis=0))
+        return pairs[0], pairs[1]
 
     def _nearest(self, one: Rows, other: Rows, mine: Numbers, theirs: Numbers) -> tuple[Numbers, Array, Array, Array]:
         """Numbers and arc lengths of places on the one, arc lengths of the nearest on the other, their distances."""
@@ -136,23 +136,23 @@ class Pair:
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
         alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.LEAST_ARC * self.diameter
-        kept = [(order[begin], 0 * begin)]
+        parts = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            taken = here[strands(their_s[here].tolist(), rope_on_rope.LEAST_ARC * self.diameter)]
-            ranks = np.argsort(np.argsort(their_s[taken]))
-            kept[0][1][kept[0][0] == taken[0]] = ranks[0]
-            kept.append((taken[1:], ranks[1:]))
-        found, rank = (np.concatenate(x) for x in zip(*kept, strict=True))
-        name = number[found] * rope_on_rope.MOST_STRANDS + rank
-        found = found[np.argsort(name)]
-        return np.sort(name), np.array((s[found], their_s[found]))
+            chosen = here[strands(their_s[here].tolist(), rope_on_rope.LEAST_ARC * self.diameter)]
+            ranks = np.argsort(np.argsort(their_s[chosen]))
+            parts[0][1][parts[0][0] == chosen[0]] = ranks[0]
+            parts.append((chosen[1:], ranks[1:]))
+        touching, rank = (np.concatenate(x) for x in zip(*parts, strict=True))
+        label = number[touching] * rope_on_rope.MOST_STRANDS + rank
+        touching = touching[np.argsort(label)]
+        return np.sort(label), np.array((s[touching], their_s[touching]))
 
     def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> Pressing:
         r, their_r = one.places(s[0]), other.places(s[1])
-        apart, speed = (r - their_r).T, (one.speeds(s[0]) - other.speeds(s[1])).T
-        law = rope_on_rope.self_contact_law(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
-        spring = rope_on_rope.self_contact_law(self._lossless, diameter, apart, speed, 1.0, 0.0)
+        separation, velocity = (r - their_r).T, (one.speeds(s[0]) - other.speeds(s[1])).T
+        law = rope_on_rope.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
+        spring = rope_on_rope.self_contact_law(self._lossless, diameter, separation, velocity, 1.0, 0.0)
         entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
@@ -162,8 +162,8 @@ class Pair:
 
 def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
     """Which of the counts each thing counted belongs to, and its number there."""
-    of = np.arange(counts.size).repeat(counts)
-    return of, np.arange(of.size) - (np.cumsum(counts) - counts).repeat(counts)
+    owner = np.arange(counts.size).repeat(counts)
+    return owner, np.arange(owner.size) - (np.cumsum(counts) - counts).repeat(counts)
 
 
 def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Array]:

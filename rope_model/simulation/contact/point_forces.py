@@ -69,10 +69,10 @@ def at_places(x: Array, elements: Array, N: Array) -> Array:
 
 def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
     """Return (nodes, 7): the forces on the nodes at ``t``."""
-    found, now = np.zeros((lengths.size + 1, 7)), forces.at(t)
+    nodal, force = np.zeros((lengths.size + 1, 7)), forces.at(t)
     elements: Any
     elements, N = elements_at(forces.s, lengths)
     for k, N_k in enumerate(N):
         columns = (POSITION, SLOPE)[k % 2]
-        np.add.at(found[:, columns], elements + k // 2, N_k[:, None] * now)
-    return found
+        np.add.at(nodal[:, columns], elements + k // 2, N_k[:, None] * force)
+    return nodal

@@ -86,11 +86,11 @@ def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> li
 
 
 def _nearest_of(searches: Sequence[_Search], known: Sequence[Nearest]) -> tuple[Nearest, ...]:
-    found = list(known)
+    nearest = list(known)
     for search in searches:
-        if search.nearest.clearance < found[search.kind].clearance:
-            found[search.kind] = search.nearest
-    return tuple(found)
+        if search.nearest.clearance < nearest[search.kind].clearance:
+            nearest[search.kind] = search.nearest
+    return tuple(nearest)
 
 
 def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[Nearest, ...]:

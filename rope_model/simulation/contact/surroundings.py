@@ -38,13 +38,13 @@ class Surroundings:
         """Return (elements, bodies): least distance (m) of an element's surface from a body."""
         box = np.array(enclosing_box(lengths, q[:-1].T, q[1:].T))[:, :, None]
         _, ends, placed = zip(*placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
-        found = least_distance(box[:3], box[3:], _together(placed))
+        distances = least_distance(box[:3], box[3:], _together(placed))
         along = np.cumsum(lengths) - 0.5 * lengths
         own = np.array([along, along[-1] + 0.5 * lengths[-1] - along]) < OWN_LENGTH
         for k, end in enumerate(ends):
             if end != FIXED:
-                found[own[end], k] = np.inf
-        return np.asarray(found - 0.5 * self.scene.rope.diameter)
+                distances[own[end], k] = np.inf
+        return np.asarray(distances - 0.5 * self.scene.rope.diameter)
 
 
 def surroundings(scene: Scene) -> Surroundings | None:

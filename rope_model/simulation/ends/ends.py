@@ -136,8 +136,8 @@ def partly_placed(scene: Any, own: Any, other: Any, sense: Any, part: Any) -> En
     """End ``own`` on its way from where the rope hangs in a loop (part 0) to its place and lean (part 1)."""
     x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
     narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / larger(hypot(x, z), LEAST_LEAN)
-    aside = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
-    x, z = own.x + aside * x, own.z + aside * z
+    shift = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
+    x, z = own.x + shift * x, own.z + shift * z
     return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)
 
 

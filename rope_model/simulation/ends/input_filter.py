@@ -129,42 +129,44 @@ def settings_of(scene: Scene) -> FilterSettings:
     return filter_settings(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
 
 
-def filter_sample(now: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
-    """Add to ``now`` the host's sample of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
+def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
+    """Add to ``state`` the host's sample of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
     values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
-    since = where(given_at > now.given_at, given_at - now.given_at, h)
-    repeated = _repeated(now, settings, since, values, speeds)
+    since = where(given_at > state.given_at, given_at - state.given_at, h)
+    repeated = _repeated(state, settings, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
-    accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / larger(since, SHORTEST_MEAN))
-    for was, x, v, a in zip(now.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
-        new = _completed(was, settings, since, (x, v, a))
-        motion.append(tuple(where(repeated, old, found) for old, found in zip(was, new, strict=True)))
+    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / larger(since, SHORTEST_MEAN))
+    for old_axis, x, v, a in zip(state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
+        new = _completed(old_axis, settings, since, (x, v, a))
+        motion.append(
+            tuple(where(repeated, old, sampled_value) for old, sampled_value in zip(old_axis, new, strict=True))
+        )
     fades = exp(-settings.estimate * h)
     lively = tuple(
-        larger(abs(axis[2] - asked), fades * before)
-        for axis, asked, before in zip(motion, now.asked, now.lively, strict=True)
+        larger(abs(axis[2] - acceleration), fades * before)
+        for axis, acceleration, before in zip(motion, state.asked, state.lively, strict=True)
     )
-    going = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
-    looked = _looked_at(now, given_at, since, end, motion[1][2], going)
-    kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
-    keeps = either(repeated, since < SHORTEST_AIM)
-    means = ((x - was) / since for x, was in zip((end.lean, end.lean_z), now.given[-2:], strict=True))
-    sampled: InputFilter = now._replace(
+    moves = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
+    new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
+    signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
+    keeps_rates = either(repeated, since < SHORTEST_AIM)
+    means = ((x - old_axis) / since for x, old_axis in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
+    result: InputFilter = state._replace(
         given=values,
-        given_at=where(repeated, now.given_at, given_at),
+        given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
         lively=lively,
-        repeats=now.repeats + where(both(repeated, given_at > now.given_at), 1.0, 0.0),
-        held=where(repeated, now.held + 1.0, 0.0),
-        sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
-        leaning=tuple(where(keeps, was, mean) for was, mean in zip(now.leaning, means, strict=True)),
-        **kept,
+        repeats=state.repeats + where(both(repeated, given_at > state.given_at), 1.0, 0.0),
+        held=where(repeated, state.held + 1.0, 0.0),
+        sent_every=where(both(state.held > 0, 1 - repeated), since, state.sent_every),
+        leaning=tuple(where(keeps_rates, old_axis, mean) for old_axis, mean in zip(state.leaning, means, strict=True)),
+        **signs,
     )
-    return sampled
+    return result
 
 
-def _repeated(now: Any, settings: Any, since: Any, values: Any, speeds: Any) -> Any:
+def _repeated(state: Any, settings: Any, since: Any, values: Any, speeds: Any) -> Any:
     """Whether the trusted part of a sample repeats the latest one to the last bit, and cannot be a new one.
 
     A position cannot while the end moves.  Where positions alone are given, it must be too fast to have stopped since:
@@ -172,29 +174,29 @@ def _repeated(now: Any, settings: Any, since: Any, values: Any, speeds: Any) -> 
     """
     moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.hardest * (since + 1.0 / settings.estimate)
-    too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
+    too_fast = either(*(abs(axis[1]) > stops_below for axis in state.motion))
     trusted = [getattr(settings, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
     trusted += settings.position, settings.speed, settings.position, settings.position
-    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, now.given, strict=True))
+    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
     return both(settings.position > 0, where(settings.speed > 0, moves, too_fast), *same)
 
 
-def _completed(was: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by the trusted part of ``sample``."""
-    x, v, a = was
-    kept = exp(-settings.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
-    lost = 1.0 - kept
+def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
+    """Position, speed and acceleration of one coordinate, ``h`` after ``old``, by the trusted part of ``sample``."""
+    x, v, a = old
+    retained = exp(-settings.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
+    gain = 1.0 - retained
     ahead, faster = quintic.extrapolate(x, v, a, h)
-    by_speed, by_place = sample[1] - faster, sample[0] - ahead
-    speed, acceleration = faster + (1.0 - kept * kept) * by_speed, a + lost * lost / h * by_speed
+    speed_gap, position_gap = sample[1] - faster, sample[0] - ahead
+    speed, acceleration = faster + (1.0 - retained * retained) * speed_gap, a + gain * gain / h * speed_gap
     integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
-    place = ahead + (1.0 - kept * kept * kept) * by_place
-    speed_of_place = faster + 1.5 * lost * lost * (1.0 + kept) / h * by_place
-    acceleration_of_place = a + lost * lost * lost / (h * h) * by_place
+    position = ahead + (1.0 - retained * retained * retained) * position_gap
+    position_speed = faster + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
+    position_acceleration = a + gain * gain * gain / (h * h) * position_gap
     return (
-        where(settings.position > 0, where(settings.speed > 0, sample[0], place), integrated),
-        where(settings.acceleration > 0, sample[1], where(settings.speed > 0, speed, speed_of_place)),
-        where(settings.acceleration > 0, sample[2], where(settings.speed > 0, acceleration, acceleration_of_place)),
+        where(settings.position > 0, where(settings.speed > 0, sample[0], position), integrated),
+        where(settings.acceleration > 0, sample[1], where(settings.speed > 0, speed, position_speed)),
+        where(settings.acceleration > 0, sample[2], where(settings.speed > 0, acceleration, position_acceleration)),
     )
 
 
@@ -206,134 +208,134 @@ def sample_moves(settings: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, A
 
 def lean_moves(h: Any, ahead: Any, lean: Any) -> tuple[Any, Any, Any]:
     """As ``sample_moves``, at the end of a step ``h``, of a small change of the ``lean``."""
-    return quintic.rates(_leant(h, ahead, (0.0, 0.0, 0.0), lean, lean / h), h)
+    return quintic.rates(_lean_quintic(h, ahead, (0.0, 0.0, 0.0), lean, lean / h), h)
 
 
-def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
+def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
     """Return the fields that count signs of rounded positions, and of a table that is interpolated linearly."""
-    fits: Any = 0.0
+    finest: Any = 0.0
     for grid in reversed(GRIDS):
-        place = end.y / grid
-        fits = where(abs(place - floor(place + 0.5)) < ON_GRID, grid, fits)
-    slope = (end.y - now.given[1]) / since
-    change, expected = abs(slope - now.slope), abs(ay) * since
-    seen = expected > LEAST_CHANGE
-    breaks = both(seen, change > BROKEN * expected)
-    straight = both(seen, change < STRAIGHT * expected)
-    counts, piece = both(breaks, now.straight > 0), given_at - now.broken_at
-    found = now.breaks >= FEWEST_BREAKS
-    alike = either(found, abs(piece - now.table_every) < ALIKE * piece)
+        multiple = end.y / grid
+        finest = where(abs(multiple - floor(multiple + 0.5)) < ON_GRID, grid, finest)
+    slope = (end.y - state.given[1]) / since
+    change, expected = abs(slope - state.slope), abs(ay) * since
+    visible = expected > LEAST_CHANGE
+    breaks = both(visible, change > BROKEN * expected)
+    straight = both(visible, change < STRAIGHT * expected)
+    counts, piece = both(breaks, state.straight > 0), given_at - state.broken_at
+    is_table = state.breaks >= FEWEST_BREAKS
+    alike = either(is_table, abs(piece - state.table_every) < ALIKE * piece)
     return {
-        "grid": where(moves, smaller(now.grid, fits), now.grid),
-        "samples": now.samples + where(moves, 1.0, 0.0),
+        "grid": where(moves, smaller(state.grid, finest), state.grid),
+        "samples": state.samples + where(moves, 1.0, 0.0),
         "slope": slope,
-        "straight": where(straight, now.straight + 1.0, 0.0),
-        "broken_at": where(breaks, given_at, now.broken_at),
-        "breaks": where(counts, where(alike, now.breaks + 1.0, 1.0), now.breaks),
-        "table_every": where(both(counts, 1 - found), piece, now.table_every),
+        "straight": where(straight, state.straight + 1.0, 0.0),
+        "broken_at": where(breaks, given_at, state.broken_at),
+        "breaks": where(counts, where(alike, state.breaks + 1.0, 1.0), state.breaks),
+        "table_every": where(both(counts, 1 - is_table), piece, state.table_every),
     }
 
 
-def filter_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
+def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     """Return the path from the end of ``path`` that follows the inputs until ``stop``; a short one leads beyond."""
     start = path.stop
     h = larger(stop - start, SHORTEST_AIM)
-    ahead = stop - now.given_at + (h - (stop - start))
+    ahead = stop - state.given_at + (h - (stop - start))
     places, speeds, accelerations = path.motion(start)
     axes = (
-        _followed(bandwidth, ahead, h, *axis)
-        for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
+        _axis_quintic(bandwidth, ahead, h, *axis)
+        for axis in zip(_JERKS, places, speeds, accelerations, state.motion, state.asked, state.lively, strict=True)
     )
     x, y, z, yaw = axes
-    latest = zip(path.leaning(start), now.given[-2:], now.leaning, strict=True)
-    lean, lean_z = (_leant(h, ahead, *axis) for axis in latest)
+    latest = zip(path.leaning(start), state.given[-2:], state.leaning, strict=True)
+    lean, lean_z = (_lean_quintic(h, ahead, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
 
-def _leant(h: Any, ahead: Any, start: Any, given: Any, mean: Any) -> tuple[Any, ...]:
+def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tuple[Any, ...]:
     """Return the quintic of a lean over the step ``h``, ``ahead`` of the sample; a short one leads beyond.
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
     """
     (x, v, a), aim = start, larger(h, SHORTEST_MEAN)
-    to = given + (ahead + (aim - h)) * mean
-    rate = 1.5 * (to - x) / aim - 0.5 * v
-    return quintic.coefficients(aim, x, v, a, to, rate, (rate - v) / aim)
+    target = sample + (ahead + (aim - h)) * mean
+    rate = 1.5 * (target - x) / aim - 0.5 * v
+    return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)
 
 
-def _followed(
-    w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
+def _axis_quintic(
+    w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, last_acceleration: Any, lively: Any
 ) -> tuple[Any, ...]:
     """Return the quintic of one coordinate over the step ``h``, from x, v, a to the observer's state."""
-    given_place, given_speed, acceleration = motion
-    place, speed = quintic.extrapolate(given_place, given_speed, acceleration, ahead)
-    beyond = beyond_linear(h, (x, v), (asked, acceleration), (place, speed), lively, jerk)
+    sample_position, sample_speed, acceleration = motion
+    position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
+    beyond = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), lively, jerk)
     rest_speed = beyond.faster - beyond.faster * beyond.speed_fits
-    rest_place = beyond.farther - beyond.farther * beyond.place_fits
+    rest_position = beyond.farther - beyond.farther * beyond.position_fits
     # the rest fades out as the observer has it, from the step's start on
-    at_start = rest_place - h * rest_speed
+    at_start = rest_position - h * rest_speed
     leaning = rest_speed + w * at_start
     fades = exp(-w * h)
     left, left_speed = (at_start + leaning * h) * fades, (rest_speed - w * leaning * h) * fades
     return quintic.coefficients(
-        h, *(x, v, a), *(place - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left))
+        h, *(x, v, a), *(position - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left))
     )
 
 
-class Sampled(NamedTuple):
+class SampleMisfit(NamedTuple):
     """Misfit of a sample against a motion of linear acceleration, and the shares of it that a consistent motion has."""
 
     farther: Any
     faster: Any
-    place_fits: Any
+    position_fits: Any
     speed_fits: Any
 
 
-def beyond_linear(
+def sample_misfit(
     h: Any, start: tuple[Any, Any], accelerations: tuple[Any, Any], sample: tuple[Any, Any], lively: Any, jerk: float
-) -> Sampled:
+) -> SampleMisfit:
     """Compare place and speed of a ``sample`` with linear acceleration over the step ``h`` from ``start`` on.
 
     A change of the acceleration within the step explains a part of the misfit; ``jerk`` bounds its rate.
     """
-    (x, v), (before, after), (place, speed) = start, accelerations, sample
+    (x, v), (before, after), (position, speed) = start, accelerations, sample
     change = abs(after - before)
     faster = speed - v - 0.5 * h * (before + after)
-    farther = place - x - h * v - h * h / 6.0 * (2.0 * before + after)
-    return Sampled(
+    farther = position - x - h * v - h * h / 6.0 * (2.0 * before + after)
+    return SampleMisfit(
         farther,
         faster,
-        _explained(farther, h * h * (change + 0.125 * lively + jerk * h)),
-        _explained(faster, h * (change + 0.5 * lively + jerk * h)),
+        _explained_fraction(farther, h * h * (change + 0.125 * lively + jerk * h)),
+        _explained_fraction(faster, h * (change + 0.5 * lively + jerk * h)),
     )
 
 
-def _explained(misfit: Any, most: Any) -> Any:
-    """Return the share of a misfit that a consistent motion explains: 1 up to ``most``, 0 from twice that on.
+def _explained_fraction(misfit: Any, limit: Any) -> Any:
+    """Return the share of a misfit that a consistent motion explains: 1 up to ``limit``, 0 from twice that on.
 
     It is continuous, since masters that look for events vary the step.
     """
-    return smaller(larger(2.0 - abs(misfit) / most, 0.0), 1.0)
+    return smaller(larger(2.0 - abs(misfit) / limit, 0.0), 1.0)
 
 
 class Limits(NamedTuple):
     """Limits of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH."""
 
     peaks: tuple[float, ...]
-    place: Four
+    position: Four
     speed: Four
 
 
-def missed(path: Any, now: Any) -> list[Axis]:
+def end_misfits(path: Any, state: Any) -> list[Axis]:
     """Misfit of place, speed and acceleration at the path's end, by PATH."""
-    found, ahead = [], path.stop - now.given_at
-    for (place, speed, acceleration), x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
-        then, faster = quintic.extrapolate(place, speed, acceleration, ahead)
-        found.append((then - x, faster - v, acceleration - a))
-    return found
+    misfits, ahead = [], path.stop - state.given_at
+    for (position, speed, acceleration), x, v, a in zip(state.motion, *path.motion(path.stop), strict=True):
+        expected, faster = quintic.extrapolate(position, speed, acceleration, ahead)
+        misfits.append((expected - x, faster - v, acceleration - a))
+    return misfits
 
 
-def filter_limits(path: Any, now: Any) -> Limits:
+def filter_limits(path: Any, state: Any) -> Limits:
     """Measures that decide whether the path can be followed; NaN where a coordinate is."""
-    place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
-    return Limits(path.peak_accelerations(), place, speed)
+    position, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*end_misfits(path, state), strict=True))
+    return Limits(path.peak_accelerations(), position, speed)

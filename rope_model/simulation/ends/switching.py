@@ -52,11 +52,11 @@ def excess(system: RopeSystem, motion: Motion) -> float:
 
 def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
     ends = ends_of(system)
-    node, now, rate = END_NODE[side], ends.states[side], 0.0
+    node, swivel_state, rate = END_NODE[side], ends.states[side], 0.0
     R = motion.reaction[node]
-    if now.phase is Phase.SLIP:
+    if swivel_state.phase is Phase.SLIP:
         rate = ends.relative(side, motion.t, float(motion.q[node, ANGLE]), float(motion.v[node, ANGLE]))[1]
-    return float(swivel_excess(ends.swivels[side], now, float(R[1]), float(R[ANGLE]), rate))
+    return float(swivel_excess(ends.swivels[side], swivel_state, float(R[1]), float(R[ANGLE]), rate))
 
 
 def switching_step(
@@ -117,12 +117,14 @@ def chatters(state: RopeState) -> bool:
 
 def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
     """Next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
-    now, motion = state.swivels[side], state.motion
-    if now.phase is Phase.SLIP:
+    swivel_state, motion = state.swivels[side], state.motion
+    if swivel_state.phase is Phase.SLIP:
         angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[END_NODE[side], ANGLE], 0.0)[0]
-        now = SwivelState(Phase.STICK, float(angle), 0.0)
-        swivels = (now, state.swivels[1]) if side == 0 else (state.swivels[0], now)
+        swivel_state = SwivelState(Phase.STICK, float(angle), 0.0)
+        swivels = (swivel_state, state.swivels[1]) if side == 0 else (state.swivels[0], swivel_state)
         state = model.restart(state._replace(swivels=swivels))
         if _excess_of(side, model.system(state), state.motion) < 0:
-            return now
-    return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE]))
+            return swivel_state
+    return SwivelState(
+        Phase.SLIP, swivel_state.angle, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE])
+    )

@@ -36,15 +36,15 @@ def frictionless(swivel: Any) -> Any:
     return either(swivel.mode == "free", both(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
 
 
-def released_at(swivel: Any, now: Any) -> Any:
+def released_at(swivel: Any, swivel_state: Any) -> Any:
     """The instant (s) at which its lock ends; infinite where it is not locked, or for ever."""
-    waits = both(now.phase == Phase.LOCKED, swivel.mode != "locked")
+    waits = both(swivel_state.phase == Phase.LOCKED, swivel.mode != "locked")
     return where(waits, swivel.release_time, math.inf)
 
 
-def relaxes(swivel: Any, now: Any, t: Any) -> Any:
+def relaxes(swivel: Any, swivel_state: Any, t: Any) -> Any:
     """Whether a run that starts at ``t`` (s) starts from where it has slid to."""
-    return both(swivel.start == "relaxed", t >= released_at(swivel, now))
+    return both(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
 
 
 def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
@@ -58,13 +58,15 @@ def beyond_rest(swivel: Any, tension: Any, held: Any) -> Any:
     return abs(held) - (holds + MOMENT_RESOLUTION)
 
 
-def moment_of_swivel(swivel: Any, now: Any, tension: Any, held: Any) -> Any:
+def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, held: Any) -> Any:
     """Moment (N m, about the tangent) of the conveyance on the rope's end."""
-    return where(now.phase == Phase.SLIP, -now.sign * swivel_friction(swivel, swivel.mu_kinetic, tension), held)
+    return where(
+        swivel_state.phase == Phase.SLIP, -swivel_state.sign * swivel_friction(swivel, swivel.mu_kinetic, tension), held
+    )
 
 
-def swivel_excess(swivel: Any, now: Any, tension: Any, held: Any, rate: Any) -> Any:
+def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, held: Any, rate: Any) -> Any:
     """Event function: negative while the swivel may stay in its phase."""
-    stays = either(now.phase == Phase.LOCKED, both(now.phase == Phase.SLIP, frictionless(swivel)))
+    stays = either(swivel_state.phase == Phase.LOCKED, both(swivel_state.phase == Phase.SLIP, frictionless(swivel)))
     beyond = beyond_rest(swivel, tension, held)
-    return where(stays, -math.inf, where(now.phase == Phase.STICK, beyond, -now.sign * rate))
+    return where(stays, -math.inf, where(swivel_state.phase == Phase.STICK, beyond, -swivel_state.sign * rate))

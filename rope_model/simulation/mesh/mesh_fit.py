@@ -89,8 +89,8 @@ def pumped_grading(scene: Any) -> Any:
     rope, g = scene.rope, scene.layout.gravity
     omega = axial_frequency(rope, PUMPED_LEG * rope.length)
     growth = 0.125 * BRAKED * omega * wave_duration(rope, omega)
-    share = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
-    return g * (share * share) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
+    wavelength = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
+    return g * (wavelength * wavelength) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
 def faced_places(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
@@ -130,21 +130,21 @@ class FittedMesh(NamedTuple):
 
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """The mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
-    length, of, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
+    length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
     # the loop comes near an end: nothing of the pattern is cut off until NEAREST
-    coarse = smaller(RATIO * of.fine, longest)
-    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(of, coarse)))
-    fine = _fine_count(of, coarse)
+    coarse = smaller(RATIO * lengths.fine, longest)
+    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(lengths, coarse)))
+    fine = _fine_count(lengths, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
-    equal = where(short, larger(ceil(length / smaller(of.fine, 0.5 * longest)), 8.0), 0.0)
-    end_levels = sum((less(of.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(of.end, coarse))
-    grading = where(longest < math.inf, 0.0, of.grading)  # no elements of I and VII joined
+    equal = where(short, larger(ceil(length / smaller(lengths.fine, 0.5 * longest)), 8.0), 0.0)
+    end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(lengths.end, coarse))
+    grading = where(longest < math.inf, 0.0, lengths.grading)  # no elements of I and VII joined
     return FittedMesh(equal, coarse, fine, end_levels, grading)
 
 
-def _fine_count(of: FittedLengths, coarse: Any) -> Any:
+def _fine_count(lengths: FittedLengths, coarse: Any) -> Any:
     """Elements of segment IV, which has the bend, its decay above, and the way to the next transformation."""
-    return RATIO * ceil((math.pi * of.radius + 2 * of.fade + 2 * DUE * coarse) / coarse)
+    return RATIO * ceil((math.pi * lengths.radius + 2 * lengths.fade + 2 * DUE * coarse) / coarse)
 
 
 def _inner_length(fine: Any) -> Any:

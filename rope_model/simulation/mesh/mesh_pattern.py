@@ -49,10 +49,10 @@ def distance_to_due(pattern: Any, bottom: Any) -> Any:
     return _past_limit(pattern, bottom - pattern_centre(pattern))
 
 
-def window_place(pattern: Any, place: Any) -> Any:
-    """Where the window about ``place`` (m from the end) would begin, in l, on the rope or just beyond."""
+def window_place(pattern: Any, s: Any) -> Any:
+    """Where the window about ``s`` (m from the end) would begin, in l, on the rope or just beyond."""
     beyond = pattern.counts[0] + pattern.counts[6] + inner_length(pattern.counts[1:6])
-    return smaller(larger(place / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
+    return smaller(larger(s / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
 
 
 def _past_limit(pattern: Any, offset: Any) -> Any:

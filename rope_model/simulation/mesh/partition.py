@@ -156,18 +156,18 @@ def _tmn(pattern: Partition, faced: Sequence[float]) -> Partition:
     inner = np.repeat(tmn.relative_lengths(counts[1:6]), counts[1:6])
     first, last = max(counts[0], 1), max(counts[6], 1)
     # rest of II to VI within the ends of the rope
-    shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
-    kept = shares[shares > 0.0]
+    within = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
+    inner_lengths = within[within > 0.0]
     growth, fine = pattern.grading_length / coarse, tmn.fine_share(counts[1:6])
     # where the pattern is cut off the loop bends the rope up to its end
     for longest in (fine, 1.0):
         ends = [_end(levels, longest if n < 1 else 1.0) for n in counts[::6]]
-        elements = pattern.lengths.size - kept.size - sum(end.size - 1 for end in ends)
+        elements = pattern.lengths.size - inner_lengths.size - sum(end.size - 1 for end in ends)
         if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
             break
     windows = tuple(round(tmn.window_place(pattern, place)) for place in faced)
     left, right = _legs(first, last, elements, growth, windows)
-    lengths = np.concatenate((ends[0], left[1:], kept, right[:0:-1], ends[1][::-1]))
+    lengths = np.concatenate((ends[0], left[1:], inner_lengths, right[:0:-1], ends[1][::-1]))
     return replace(pattern, lengths=coarse * lengths, windows=windows)
 
 
@@ -180,17 +180,17 @@ def _end(levels: int, longest: float) -> Array:
 def _leg(units: int, growth: float) -> list[float]:
     """Elements of a leg of ``units`` l, in units of l as ``growth``, from the end of the rope on."""
     lengths: list[float] = []
-    at = 0
-    while at < units:
+    position = 0
+    while position < units:
         size = 1
         for longer in LEG_LENGTHS if growth > 0 else ():
-            gap = units - (at + longer)
-            if longer > at or gap < GRADING * (longer - 1) or gap * growth < longer**2:
+            gap = units - (position + longer)
+            if longer > position or gap < GRADING * (longer - 1) or gap * growth < longer**2:
                 break
-            if at % longer == 0:
+            if position % longer == 0:
                 size = longer
         lengths.append(size)
-        at += size
+        position += size
     return lengths
 
 

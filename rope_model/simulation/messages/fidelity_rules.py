@@ -41,11 +41,11 @@ def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
 def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
     """Estimated error of the vertical end forces against the complete model; inf where the loop may turn far."""
     locked = both(scene.left.mode == "locked", scene.right.mode == "locked")
-    of_torque = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
-    of_torque = where(estimates.loop_yaw(scene) > estimates.LARGEST_YAW, math.inf, of_torque)
-    left_out = where(both(fidelity != "torsional", carries_torque(scene)), of_torque, 0.0)
-    of_loop = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
-    return left_out + where(fidelity == "rigid", of_loop, 0.0)
+    torque_error = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
+    torque_error = where(estimates.loop_yaw(scene) > estimates.LARGEST_YAW, math.inf, torque_error)
+    error = where(both(fidelity != "torsional", carries_torque(scene)), torque_error, 0.0)
+    loop_error = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
+    return error + where(fidelity == "rigid", loop_error, 0.0)
 
 
 def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> Any:

@@ -42,16 +42,16 @@ def neglected_effects(scene: Scene, state: RopeState) -> str:
 
 def passed_bodies(scene: Scene, state: RopeState) -> str:
     """Return '' while the rope touches nothing; otherwise the bodies that it struck or passed into, time and place."""
-    told = ""
+    text = ""
     for name, x in zip(KINDS, state.nearest, strict=True):
         if x.clearance <= 0:
             passed = warning_messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
-            told = warning_messages.and_another(told, passed) if told else passed
-    if not told or not may_touch(scene.shaft):
-        return warning_messages.rope_passed_into(told) if told else ""
+            text = warning_messages.and_another(text, passed) if text else passed
+    if not text or not may_touch(scene.shaft):
+        return warning_messages.rope_passed_into(text) if text else ""
     if min(x.clearance for x in state.nearest) > -scene.rope.diameter:
-        return warning_messages.rope_struck(told)
-    return warning_messages.rope_pressed_into(told, scene.shaft.contact.stiffness)
+        return warning_messages.rope_struck(text)
+    return warning_messages.rope_pressed_into(text, scene.shaft.contact.stiffness)
 
 
 def leg_contact(scene: Scene, state: RopeState) -> str:
@@ -71,8 +71,8 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
 def unfit_inputs(scene: Scene, state: RopeState) -> str:
     """Return '' while the given motions fit; otherwise their likely fault, and a cure."""
     for side, end_filter in zip(SIDES, state.filters, strict=True):
-        if told := first_text(warning_rules.INPUTS, scene, end_filter, state.last_interval):
-            return warning_messages.of_end(side, told)
+        if text := first_text(warning_rules.INPUTS, scene, end_filter, state.last_interval):
+            return warning_messages.of_end(side, text)
     return ""
 
 

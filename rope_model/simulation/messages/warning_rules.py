@@ -119,14 +119,14 @@ def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
 
 
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    mesh, asked = scene.mesh, scene.accuracy.loop
+    mesh, allowed = scene.mesh, scene.accuracy.loop
     equal = mesh.kind == "eem"
     fine = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
     error = mesh_error(scene, fine, where(equal, 0.0, mesh.grading_length))
     yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine))
-    would_do = smaller(length_for(scene, asked), LONGEST * NATURAL_RADIUS * bending_length(scene))
-    applies = both(mesh.kind != "auto", state.fidelity != "rigid", error > asked)
-    return applies, fine, error, asked, yaw, would_do
+    sufficient = smaller(length_for(scene, allowed), LONGEST * NATURAL_RADIUS * bending_length(scene))
+    applies = both(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
+    return applies, fine, error, allowed, yaw, sufficient
 
 
 def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:

@@ -90,11 +90,11 @@ def signal_values(audit: Any) -> tuple[Any, ...]:
 
 def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, share: Any) -> Any:
     """``audit`` after a time step to ``load``; ``force`` is the largest end force, ``change`` that of one, N."""
-    of_load, of_auxiliary, _, of_next = auxiliary_weights(method, 0.0)
+    load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma, impulse, auxiliary, rate = method.gamma, [], [], []
     for k in range(6):
         before = audit.auxiliary[k] + recentring * audit.rate[k]
-        after = of_load * audit.load[k] + of_auxiliary * before + of_next * load[k]
+        after = load_weight * audit.load[k] + auxiliary_weight * before + next_weight * load[k]
         impulse.append(audit.impulse[k] + h * ((1.0 - gamma) * before + gamma * after))
         auxiliary.append(after)
         rate.append((load[k] - audit.load[k]) / h)
@@ -111,11 +111,11 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
 
 def after_interval(audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about: Any, residual: Any, bend: Any) -> Any:
     """``audit`` after a communication step ``h`` to the ``sums`` there; ``residual`` (J) is new in the balance."""
-    was = audit.sums
+    before = audit.sums
     # the mass's moment goes as a cubic with its rates at both ends: p
-    x, z = (0.5 * h * (was[6 + k] + sums[6 + k]) + h * h / 12.0 * (was[k] - sums[k]) for k in (0, 2))
+    x, z = (0.5 * h * (before[6 + k] + sums[6 + k]) + h * h / 12.0 * (before[k] - sums[k]) for k in (0, 2))
     weight = (0.0, -mass * gravity * h, 0.0, gravity * z, 0.0, -gravity * x)
-    missing = [(sums[k] - was[k] - audit.impulse[k] - weight[k]) / h for k in range(6)]
+    missing = [(sums[k] - before[k] - audit.impulse[k] - weight[k]) / h for k in range(6)]
     moment = [m - shift for m, shift in zip(missing[3:], cross(about, missing), strict=True)]
     return audit._replace(
         sums=tuple(sums[k] for k in range(9)),

@@ -44,10 +44,10 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     j = int(np.clip(np.argmin(y), 1, FINE - 2))
     bend = y[j - 1] - 2 * y[j] + y[j + 1]
     shift = 0.5 * (y[j - 1] - y[j + 1]) / bend if bend > 0 else 0.0
-    at = fine[j] + min(max(shift, -1.0), 1.0) * (fine[1] - fine[0])
-    point = interpolate(q, s, np.array([at]))[0]
+    s_lowest = fine[j] + min(max(shift, -1.0), 1.0) * (fine[1] - fine[0])
+    point = interpolate(q, s, np.array([s_lowest]))[0]
     d = point[SLOPE]
-    return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
+    return LoopBottom(float(s_lowest), point[POSITION], math.atan2(-d[2], d[0]))
 
 
 def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float) -> float:
@@ -103,14 +103,14 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
     nodes = arc_lengths(lengths)
     s = np.append((nodes[:-1, None] + lengths[:, None] * np.arange(PIECES) / PIECES).ravel(), nodes[-1])
     k, points = int(np.clip(np.searchsorted(s, bottom.s), 1, s.size - 1)), interpolate(q, nodes, s)[:, POSITION]
-    place = bottom.position[None, :]
-    legs = [_rising(np.vstack((place, leg))) for leg in (points[k - 1 :: -1], points[k:])]
-    every = np.union1d(legs[0][:, 1], legs[1][:, 1])
-    left, right = (np.array([np.interp(every[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
+    lowest = bottom.position[None, :]
+    legs = [_rising(np.vstack((lowest, leg))) for leg in (points[k - 1 :: -1], points[k:])]
+    heights = np.union1d(legs[0][:, 1], legs[1][:, 1])
+    left, right = (np.array([np.interp(heights[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
     across = np.hstack((np.array(outline.heading(bottom.yaw))[:, None], right - left))
     turned = outline.turn(across[:, :-1], across[:, 1:])
     sharpest = int(np.argmax(np.abs(turned)))
-    return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (every[sharpest] + every[sharpest + 1])))
+    return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (heights[sharpest] + heights[sharpest + 1])))
 
 
 def _rising(leg: Array) -> Array:

@@ -34,14 +34,14 @@ def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
         return state
     q, lengths = state.motion.q, state.partition.lengths
     bottom, known = loop_bottom(q, lengths), (Nearest(guard.clearance),) * len(KINDS)
-    seen = (
+    values = (
         rise(scene, state, bottom) if guard.rise_y <= -FAR else float(bottom.position[1]) - guard.rise_y,
         _sideways(q[:, POSITION], guard.window_y, bottom),
         min(nearest.clearance for nearest in nearer(scene, state, known)),
         abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), direction(q), state.crossing.net)),
         max(abs(ends.moment(side, state.motion.reaction)) for side in (0, 1)),
     )
-    return state._replace(guard=watch(guard, state.guard, state.motion.t, seen))
+    return state._replace(guard=watch(guard, state.guard, state.motion.t, values))
 
 
 def _sideways(r: Array, height: float, bottom: LoopBottom) -> float:

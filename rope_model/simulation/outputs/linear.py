@@ -116,10 +116,8 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
         pulled = np.zeros_like(q)
         pulled[0, :3], pulled[-1, :3] = -q[0, 3:6], q[-1, 3:6]
         reaction = R - (through @ q.ravel()).reshape(q.shape) + rho * speed**2 * pulled - system.load
-        apart = float(np.linalg.norm(q[-1, :3:2] - q[0, :3:2]))
-        slide = np.interp(
-            nodes_s, [0.0, rope.loop.s - apart, rope.loop.s + apart, nodes_s[-1]], [0.0, *[speed] * 2, 0.0]
-        )
+        span = float(np.linalg.norm(q[-1, :3:2] - q[0, :3:2]))
+        slide = np.interp(nodes_s, [0.0, rope.loop.s - span, rope.loop.s + span, nodes_s[-1]], [0.0, *[speed] * 2, 0.0])
         G, H = flow(slide)
         K = (K - D @ sp.diags(np.repeat(slide, NODE_DOF)) @ along - H).tocsc()
         D = (D - 2 * G).tocsc()
@@ -148,10 +146,10 @@ def let_turn(rope: RopeSimulator) -> None:
     """Let a rope that has just been hung come to rest in those of its swivels that turn freely; others hold."""
     state, swivels = rope.state, (rope.scene.left, rope.scene.right)
     phases = [
-        now._replace(phase=Phase.SLIP) if of.mode == "free" else now
-        for now, of in zip(state.swivels, swivels, strict=True)
+        swivel_state._replace(phase=Phase.SLIP) if swivel.mode == "free" else swivel_state
+        for swivel_state, swivel in zip(state.swivels, swivels, strict=True)
     ]
-    if any(now.phase is Phase.SLIP for now in phases):
+    if any(swivel_state.phase is Phase.SLIP for swivel_state in phases):
         rope.restore(equilibrium_in_frame(rope.model, state._replace(swivels=(phases[0], phases[1])))[0])
 
 
@@ -175,9 +173,9 @@ def _along(lengths: Array) -> sp.csr_matrix:
     parts = ca.Function("along", [l], [ca.densify(ca.jacobian(ca.vertcat(*sides), q))]).map(lengths.size)(
         lengths[None, :]
     )
-    share = np.full(NODE_DOF * (lengths.size + 1), 0.5)
-    share[:NODE_DOF] = share[-NODE_DOF:] = 1.0
-    return sp.csr_matrix(sp.diags(share) @ assembled(np.asarray(parts), lengths.size))
+    weight = np.full(NODE_DOF * (lengths.size + 1), 0.5)
+    weight[:NODE_DOF] = weight[-NODE_DOF:] = 1.0
+    return sp.csr_matrix(sp.diags(weight) @ assembled(np.asarray(parts), lengths.size))
 
 
 @cache
@@ -205,6 +203,6 @@ def _loop() -> Any:
     """(nodes, xi, l) -> derivative of the lowest point's place and yaw as it moves along the rope, with y' = 0."""
     q, xi, l = ca.SX.sym("q", 2 * NODE_DOF), ca.SX.sym("xi"), ca.SX.sym("l")
     point = node_values(xi, l, ca.vertsplit(q))
-    place = ca.vertcat(*point[:3], ca.atan2(-point[5], point[3]))
-    moved = ca.jacobian(place, xi) @ ca.jacobian(point[4], q) / (l * bend(xi, l, *(q[k] for k in (1, 4, 8, 11))))
-    return ca.Function("loop", [q, xi, l], [ca.densify(ca.jacobian(place, q) - moved), place])
+    position = ca.vertcat(*point[:3], ca.atan2(-point[5], point[3]))
+    moved = ca.jacobian(position, xi) @ ca.jacobian(point[4], q) / (l * bend(xi, l, *(q[k] for k in (1, 4, 8, 11))))
+    return ca.Function("loop", [q, xi, l], [ca.densify(ca.jacobian(position, q) - moved), position])

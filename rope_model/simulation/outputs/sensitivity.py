@@ -72,9 +72,9 @@ def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Ar
     """Return (12,): change of LOADS when a coordinate of an end is moved as in ``answer``."""
     state = rope.state
     if state.fidelity == "rigid":  # no side forces, no moments
-        gained = np.zeros((2, 6))
-        gained[:, 1] = -tension_change(rope.scene, ends_at(state.paths, state.motion.t), side, dof, change)
-        return gained.ravel()
+        change_of_loads = np.zeros((2, 6))
+        change_of_loads[:, 1] = -tension_change(rope.scene, ends_at(state.paths, state.motion.t), side, dof, change)
+        return change_of_loads.ravel()
     before, after = (_end_loads(rope.ends, *rope.answer(side, dof, part * change)) for part in (0.0, 1.0))
     return after - before
 

@@ -95,8 +95,8 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
 
 def clearance_signals(rope: Evaluated) -> dict[str, float]:
     """Distances of the rope from the bodies of its scene."""
-    found = clearances(rope.scene, rope.state)
-    return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, found, strict=True)}
+    nearest_of_kind = clearances(rope.scene, rope.state)
+    return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, nearest_of_kind, strict=True)}
 
 
 def stress_signals(rope: Evaluated) -> dict[str, float]:
@@ -125,10 +125,10 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
     """Estimates of the run's errors so far."""
     scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
     at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
-    of_place = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
+    loop_position = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
     return {
         "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.filters)),
-        "status.loop_error": float(with_drift(of_place, *rope.state.filters)),
+        "status.loop_error": float(with_drift(loop_position, *rope.state.filters)),
         "status.contact_error": float(contact_error(contact)),
     }
 
@@ -172,8 +172,8 @@ def pull_at(rope: Evaluated, s: Array) -> Array:
     return diagnostics.tension(m, lengths, s, rho, gravity)
 
 
-def _rows(of: str, rows: dict[str, Array]) -> dict[str, float]:
-    return {f"{of}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
+def _rows(group: str, rows: dict[str, Array]) -> dict[str, float]:
+    return {f"{group}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
 
 
 def _material(rope: Evaluated) -> tuple[Array, ...]:

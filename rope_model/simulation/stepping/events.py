@@ -17,13 +17,13 @@ def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f
     ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring numbers may be further apart
     than ``width``; then they are the interval.
     """
-    at = Bracket(low, high, f_low, f_high, 0.0, 0.0)
-    while at.high - at.low > width:
-        x = trial_place(at, width)
-        if not at.low < x < at.high:
+    bracket = Bracket(low, high, f_low, f_high, 0.0, 0.0)
+    while bracket.high - bracket.low > width:
+        x = trial_x(bracket, width)
+        if not bracket.low < x < bracket.high:
             break
-        at = narrowed(at, x, f(x))
-    return at.high
+        bracket = narrowed(bracket, x, f(x))
+    return bracket.high
 
 
 class Bracket(NamedTuple):
@@ -40,7 +40,7 @@ class Bracket(NamedTuple):
     stalled: float
 
 
-def trial_place(bracket: Any, width: Any) -> Any:
+def trial_x(bracket: Any, width: Any) -> Any:
     """The place to look at next; not between the ends where there is no number between them."""
     low, high, f_low = bracket.low, bracket.high, bracket.f_low
     falls, middle = _converges(bracket), 0.5 * (low + high)
@@ -53,15 +53,15 @@ def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
     """The interval that is left when the function has this ``value`` at ``x``."""
     low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
     below = value < 0
-    now_low, now_high = where(below, x, low), where(below, high, x)
-    kept = 0.5 * (high - low) < now_high - now_low
+    new_low, new_high = where(below, x, low), where(below, high, x)
+    stalls = 0.5 * (high - low) < new_high - new_low
     return Bracket(
-        now_low,
-        now_high,
+        new_low,
+        new_high,
         where(below, value, where(side > 0, 0.5 * f_low, f_low)),
         where(below, where(side < 0, 0.5 * f_high, f_high), value),
         where(below, -1.0, 1.0),
-        where(kept, where(_converges(bracket), stalled, 0.0) + 1.0, 0.0),
+        where(stalls, where(_converges(bracket), stalled, 0.0) + 1.0, 0.0),
     )
 
 

@@ -67,7 +67,7 @@ def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
 
 def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
     """``state`` at rest, its rope straight first and then curved by and by, and the corrections that it took."""
-    rope, made = model.scene.rope, 0
+    rope, total = model.scene.rope, 0
     if not is_curved(rope, flexible(state.fidelity)):
         return equilibrium_in_frame(model, state)
     for k in range(CURVATURE_STEPS + 1):
@@ -79,36 +79,38 @@ def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
                 raise
             reached, whole = most_curvature(part.scene.rope), most_curvature(rope)
             raise StaticsError(messages.fails_at_curvature(reached, whole, str(error))) from error
-        made += corrections
-    return state, made
+        total += corrections
+    return state, total
 
 
-def _turn_in(model: RopeModel, state: RopeState, made: int, twist: float) -> RopeState:
+def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> RopeState:
     """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
 
     Steps are halved where the rope turns far, and go half the way to there as long as they get closer.  Where the
     shortest turns far, the way it was on ends at a limit point: it snaps over, and goes on from where it comes to rest.
-    ``made`` are the corrections so far.
+    ``total`` is the number of corrections so far.
     """
     left, beyond, size = twist, math.inf, TWIST_STEP
     while left != 0:
         size = min(size, 0.5 * abs(left - beyond))
         step = math.copysign(size, twist) if size < abs(left) else left
         last = abs(step) <= LEAST_TWIST_STEP
-        if made >= MOST_CORRECTIONS:
-            raise StaticsError(messages.fails_at_twist(twist - left, twist, abs(step), made, messages.takes_too_long()))
+        if total >= MOST_CORRECTIONS:
+            raise StaticsError(
+                messages.fails_at_twist(twist - left, twist, abs(step), total, messages.takes_too_long())
+            )
         try:
             after, corrections = equilibrium_in_frame(
                 model, _twist_evenly(state, step), math.inf if last else MOST_TURN
             )
         except StaticsError as error:
-            made += error.corrections
+            total += error.corrections
             if not error.turned:
-                why = messages.fails_at_twist(twist - left, twist, abs(step), made, str(error))
+                why = messages.fails_at_twist(twist - left, twist, abs(step), total, str(error))
                 raise StaticsError(why) from error
             beyond = left - step
             continue
-        made += corrections
+        total += corrections
         left -= step
         if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
             after = after._replace(snapped_at=twist - left)
@@ -166,14 +168,14 @@ def _with_swivels(state: RopeState, swivels: dict[int, SwivelState]) -> RopeStat
 def equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> tuple[RopeState, int]:
     """Return ``state`` in equilibrium, and the corrections that it took."""
     m, rest = state.motion, np.zeros_like(state.motion.q)
-    found = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)
-    motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
-    state = _turn_right_end(state._replace(motion=motion), found.turn)
-    balance = model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
+    equilibrium = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)
+    motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
+    state = _turn_right_end(state._replace(motion=motion), equilibrium.turn)
+    balance = model.system(state).evaluate(equilibrium.q, rest, rest, equilibrium.reaction).balance
     # a loop that yaws by psi turns the frame of the right end by -2 psi: which shows full turns on a long way
-    yaw = state.loop_yaw - 0.5 * found.turn
+    yaw = state.loop_yaw - 0.5 * equilibrium.turn
     books = energies(state.energy_balance, balance)
-    return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), found.iterations
+    return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), equilibrium.iterations
 
 
 def _turn_right_end(state: RopeState, angle: float) -> RopeState:

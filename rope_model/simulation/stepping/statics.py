@@ -72,22 +72,22 @@ def find_equilibrium(
     system, reaction, turn, previous = system.with_reference(q), rest, 0.0, 0.0
     tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
-        x, now = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        x, residual = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
-        previous = _imbalance(system, now)
+        previous = _imbalance(system, residual)
         if not np.all(np.isfinite(x)):
             tau *= 0.1
             if tau < 1e-7:
                 break
             continue
-        error = -float(np.sum(now * x))
+        error = -float(np.sum(residual * x))
         # what has no energy is not in the tangent, and the correction misses it
         if system.P[_QK] != 0 and tau > SETTLED and last > 0:
             relaxed = relaxation(error / last, relaxed)
         last = error
         step = min(relaxed, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        following = system.evaluate(trial, rest, rest, now).reaction
+        following = system.evaluate(trial, rest, rest, residual).reaction
         force = _imbalance(system, following)
         # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
         # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given.  Where

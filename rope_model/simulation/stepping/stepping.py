@@ -85,10 +85,12 @@ def _rigid_step(model: RopeModel, state: RopeState, t_end: float) -> RopeState |
         after = as_rigid(model, state, t_end)
     except (StaticsError, ValueError) as error:
         return str(error)
-    now, h = powers(model.system(after), after.motion), t_end - state.motion.t
-    work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + now.ends)
+    powers_after, h = powers(model.system(after), after.motion), t_end - state.motion.t
+    work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + powers_after.ends)
     return after._replace(
-        powers=now, energy_balance=after.energy_balance._replace(work_ends=work), counts=after.counts.plus(steps=1)
+        powers=powers_after,
+        energy_balance=after.energy_balance._replace(work_ends=work),
+        counts=after.counts.plus(steps=1),
     )
 
 
