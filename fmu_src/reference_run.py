@@ -12,9 +12,10 @@ from rope_model.cases import RopeCase
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
-H, STEPS = 0.01, 100
-#: m and s of the whole trip
-TRAVEL, DURATION = 2.0, 4.0
+H = 0.01  #: s, communication step
+STEPS = 100
+TRAVEL = 2.0  #: m, length of the whole trip
+DURATION = 4.0  #: s, its duration
 _OUTPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
 _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 _TABLES = {"Stimuli": "in", "References": "ref"}

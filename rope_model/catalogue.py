@@ -28,10 +28,9 @@ from rope_model.parameters import Rope
 DatumStatus = Literal["measured", "published", "derived", "calibrated", "contradicted", "assumed"]
 Lay = Literal["right-hand", "left-hand"]
 
-#: N/m^2, of drawn steel wire, and its Poisson ratio
-STEEL_MODULUS, POISSON = 2.0e11, 0.3
-#: shear modulus over STEEL_MODULUS
-SHEAR = 0.5 / (1 + POISSON)
+STEEL_MODULUS = 2.0e11  #: N/m^2, modulus of drawn steel wire
+POISSON = 0.3  #: its Poisson ratio
+SHEAR = 0.5 / (1 + POISSON)  #: its shear modulus over STEEL_MODULUS
 
 
 @dataclass(frozen=True)

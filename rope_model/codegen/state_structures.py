@@ -13,12 +13,14 @@ from typing import Any, get_args, get_origin, get_type_hints
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.ends.ends import Phase, SwivelState
-from rope_model.simulation.ends.switching import CHATTER
+from rope_model.simulation.ends.switching import CHATTER_EVENTS
 from rope_model.simulation.mesh.partition import NOWHERE
 from rope_model.simulation.state import Counts, RopeState
 from rope_model.simulation.wires import NO_MEMORY
 
-MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
+MESSAGE = 512  #: bytes of a message
+SEGMENTS = 7  #: segments of TMN-ETM
+LOGGED_EVENTS = 128  #: largest number of events of an advance in the state
 #: kinds of events
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
 #: arrays of the nodes, 7 numbers each; behind them the lengths of the elements and the arc lengths of the nodes

@@ -20,23 +20,20 @@ HUGE = 1e200
 class NewtonLimits(NamedTuple):
     """Limits of an iteration."""
 
-    #: factorizations at most, and corrections with each
-    rounds: float
-    per_round: float
-    #: a contraction slower than this calls for a new factorization
-    slow: float
-    #: a contraction slower than this promises nothing
-    unsure: float
-    #: a full correction so many times larger than the one before is divergence; a little growth at the start is not
-    growing: float
+    rounds: float  #: largest number of factorizations
+    per_round: float  #: largest number of corrections with each
+    slow: float  #: contraction from which on a new factorization pays
+    unsure: float  #: contraction from which on it does not serve the error estimate
+    growing: float  #: growth of full corrections that counts as divergence; a little growth at the start does not
 
 
 SMOOTH = NewtonLimits(8.0, 5.0, 0.1, 0.5, 8.0)
 #: limits for equations with kinks: a factorization and its prediction serve the side of the kink where it was made
 KINKED = NewtonLimits(16.0, 1.0, 0.1, 0.2, HUGE)
-#: share of the first correction that is reckoned as left: where nothing is known of it; where it is good, as of a
-#: smooth system in a time step (windings and stops left .04 at most), if the tolerance is SMALL or less
-UNKNOWN, GOOD, SMALL = 1.0, 0.1, 1e-4
+# assumed error after the first correction over that correction
+UNKNOWN = 1.0  #: in general
+GOOD = 0.1  #: of a smooth system in a time step (windings and stops left 0.04 at most) for small tolerances
+SMALL = 1e-4  #: largest such tolerance
 
 
 class NewtonStatus(Enum):

@@ -36,17 +36,16 @@ from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
 
-#: largest number of Newton's iterations
-ITERATIONS = 15
-#: allowed error of the law: share of all forces, and N
-TOLERANCE, SMALL = 1e-4, 1e-3
-#: a step is halved that makes more than this part of the largest work of any, or of the energy of a metre of the rope
-#: at so many m/s, if it is not shorter than so many s
-MADE, SLOW, SHORTEST = 0.02, 0.1, 2e-3
-#: and one in which touching places come nearer by so many diameters: they might pass through each other
+ITERATIONS = 15  #: largest number of Newton iterations
+TOLERANCE = 1e-4  #: error of the law over the sum of the forces
+SMALL_FORCE = 1e-3  #: N, error of the law that is always allowed
+#: a step is halved if the created energy exceeds this fraction of the largest work of any step
+CREATED_FRACTION = 0.02
+SLOW = 0.1  #: m/s, speed at which the kinetic energy of a metre of the rope is a lower bound of that work
+SHORTEST = 2e-3  #: s, shortest step
+#: a step is also halved if touching points approach by more diameters: they might pass through each other
 LEAP = 0.5
-#: s
-GROWTH = 1.0
+GROWTH = 1.0  #: s, duration in which ropes that overlap at rest grow to their diameter
 
 Two = tuple[int, int]
 _NOWHERE = (math.nan, math.nan, math.nan)
@@ -118,12 +117,10 @@ class Neighbours:
         law = scenes[0].shaft.contact
         require(law.rope_stiffness > 0, "contact.rope_stiffness", law.rope_stiffness, "above 0", "use 1e6 N/m2")
         for scene in scenes:
-            told = "that of the first rope", "give all ropes the same contact"
-            require(scene.shaft.contact == law, "contact", scene.shaft.contact, *told)
-            model = scene.model.fidelity
-            require(
-                model not in ("planar", "rigid"), "model.fidelity", model, "auto, torsional or spatial", "set it so"
-            )
+            cure = "give all ropes the same contact"
+            require(scene.shaft.contact == law, "contact", scene.shaft.contact, "that of the first rope", cure)
+            model, bound = scene.model.fidelity, "auto, torsional or spatial"
+            require(model not in ("planar", "rigid"), "model.fidelity", model, bound, "set it so")
         self._origins = [np.array(origin) for origin in origins]
         self._method = Coefficients(scenes[0].solver.rho_inf)
         self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
@@ -157,7 +154,7 @@ class Neighbours:
 
     def _too_long(self, before: Contacts) -> bool:
         return any(
-            abs(account.made - before.accounts[two].made) > MADE * max(account.largest, self._least)
+            abs(account.made - before.accounts[two].made) > CREATED_FRACTION * max(account.largest, self._least)
             or account.approach > LEAP * self._pairs[two].diameter
             for two, account in self.contacts.accounts.items()
         )
@@ -259,7 +256,7 @@ class _Iterate:
         law = _stacked([_spread(one, x.number, one.force) for x, one in parts])
         self._missing = law - self._tried
         largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
-        self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL / TOLERANCE)
+        self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL_FORCE / TOLERANCE)
 
     def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
         """The forces of the next iteration."""

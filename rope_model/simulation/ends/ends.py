@@ -31,12 +31,10 @@ from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
 from rope_model.solver_parameters import Inputs
 
-#: sense of the conveyance's yaw in theta, left and right
-YAW_SENSE = (-1.0, 1.0)
-#: rad^2: of less only the limits of C, S, and of D, E are computed
-LEAST_LEAN, SMALL_LEAN = 1e-24, 1e-5
-#: width between ends at which a rope is hung up in a loop, over the length that it has for it
-HANGING_WIDTH = 0.4
+YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
+LEAST_LEAN = 1e-24  #: rad^2, squared lean below which C and S take their limits
+SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
+HANGING_WIDTH = 0.4  #: width between the ends over the length of the loop in which a rope is first hung up
 
 
 @dataclass(frozen=True)

@@ -46,26 +46,31 @@ SHORTEST_MEAN = 1e-3
 SHORTEST_AIM = 1e-5
 #: m/s: least change of speed between samples that tells a broken line: twice what six decimals are off by in 10 ms
 LEAST_CHANGE = 2e-4
-#: parts of that change: a straight line has 0, a smooth motion 1, a break of a table of n steps n; the jerk has a fifth
-STRAIGHT, BROKEN = 0.2, 1.8
+# change of the speed over that of the acceleration, which is 1 in a smooth motion and n at a break of a table of n
+# steps
+STRAIGHT = 0.2  #: upper bound on a straight line; the jerk makes up a fifth
+BROKEN = 1.8  #: lower bound at a break
 #: breaks behind pieces of one length that make a table: pieces of 2 or 3 steps by chance are alike so once in 2^7
 FEWEST_BREAKS = 8.0
 #: part by which these lengths may differ: less than a step of a table of a hundred
 ALIKE = 0.01
 
+#: codes of the trusted inputs
+ALL, POSITION_SPEED, POSITION, SPEED = range(len(CHOICES["inputs.given"]))
+
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
-Given = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
+Sample = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
 class InputFilter(NamedTuple):
     """State of an end's filter: latest input, filtered motion, misfits so far, and signs in y of their cause."""
 
-    given: Given = (0.0,) * 13
+    given: Sample = (0.0,) * 13
     given_at: float = 0.0  # s, of the latest sample that is no repetition
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
-    asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
-    lively: Four = (0.0,) * 4  # largest recent changes of those between two steps
+    end_accelerations: Four = (0.0,) * 4  # accelerations asked for at the path's end
+    recent_changes: Four = (0.0,) * 4  # largest recent changes of those between two steps
     time: float = 0.0  # s
     position: float = 0.0  # m, largest misfit
     speed: float = 0.0  # m/s
@@ -117,9 +122,9 @@ def filter_settings(scene: Any, trusted: Any) -> FilterSettings:
     return FilterSettings(
         where(chosen.bandwidth > 0, chosen.bandwidth, derived),
         where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),
-        where(trusted <= 2, 1.0, 0.0),
-        where(abs(trusted - 2) < 0.5, 0.0, 1.0),
-        where(trusted <= 0, 1.0, 0.0),
+        where(trusted <= POSITION, 1.0, 0.0),
+        where(abs(trusted - POSITION) < 0.5, 0.0, 1.0),
+        where(trusted <= ALL, 1.0, 0.0),
         scene.layout.gravity,
     )
 
@@ -139,28 +144,26 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / larger(since, SHORTEST_MEAN))
     for old_axis, x, v, a in zip(state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
         new = _completed(old_axis, settings, since, (x, v, a))
-        motion.append(
-            tuple(where(repeated, old, sampled_value) for old, sampled_value in zip(old_axis, new, strict=True))
-        )
+        motion.append(tuple(where(repeated, old, value) for old, value in zip(old_axis, new, strict=True)))
     fades = exp(-settings.estimate * h)
-    lively = tuple(
+    recent_changes = tuple(
         larger(abs(axis[2] - acceleration), fades * before)
-        for axis, acceleration, before in zip(motion, state.asked, state.lively, strict=True)
+        for axis, acceleration, before in zip(motion, state.end_accelerations, state.recent_changes, strict=True)
     )
     moves = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
     signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
     keeps_rates = either(repeated, since < SHORTEST_AIM)
-    means = ((x - old_axis) / since for x, old_axis in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
+    means = ((x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
     result: InputFilter = state._replace(
         given=values,
         given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
-        lively=lively,
+        recent_changes=recent_changes,
         repeats=state.repeats + where(both(repeated, given_at > state.given_at), 1.0, 0.0),
         held=where(repeated, state.held + 1.0, 0.0),
         sent_every=where(both(state.held > 0, 1 - repeated), since, state.sent_every),
-        leaning=tuple(where(keeps_rates, old_axis, mean) for old_axis, mean in zip(state.leaning, means, strict=True)),
+        leaning=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.leaning, means, strict=True)),
         **signs,
     )
     return result
@@ -184,7 +187,7 @@ def _repeated(state: Any, settings: Any, since: Any, values: Any, speeds: Any) -
 def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
     """Position, speed and acceleration of one coordinate, ``h`` after ``old``, by the trusted part of ``sample``."""
     x, v, a = old
-    retained = exp(-settings.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
+    retained = exp(-settings.estimate * h)  # fraction of an old error: 1 - alpha = retained^2 or retained^3
     gain = 1.0 - retained
     ahead, faster = quintic.extrapolate(x, v, a, h)
     speed_gap, position_gap = sample[1] - faster, sample[0] - ahead
@@ -244,7 +247,16 @@ def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     places, speeds, accelerations = path.motion(start)
     axes = (
         _axis_quintic(bandwidth, ahead, h, *axis)
-        for axis in zip(_JERKS, places, speeds, accelerations, state.motion, state.asked, state.lively, strict=True)
+        for axis in zip(
+            _JERKS,
+            places,
+            speeds,
+            accelerations,
+            state.motion,
+            state.end_accelerations,
+            state.recent_changes,
+            strict=True,
+        )
     )
     x, y, z, yaw = axes
     latest = zip(path.leaning(start), state.given[-2:], state.leaning, strict=True)
@@ -264,12 +276,21 @@ def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tup
 
 
 def _axis_quintic(
-    w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, last_acceleration: Any, lively: Any
+    w: Any,
+    ahead: Any,
+    h: Any,
+    jerk: float,
+    x: Any,
+    v: Any,
+    a: Any,
+    motion: Any,
+    last_acceleration: Any,
+    recent_change: Any,
 ) -> tuple[Any, ...]:
     """Return the quintic of one coordinate over the step ``h``, from x, v, a to the observer's state."""
     sample_position, sample_speed, acceleration = motion
     position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
-    beyond = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), lively, jerk)
+    beyond = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk)
     rest_speed = beyond.faster - beyond.faster * beyond.speed_fits
     rest_position = beyond.farther - beyond.farther * beyond.position_fits
     # the rest fades out as the observer has it, from the step's start on
@@ -292,7 +313,12 @@ class SampleMisfit(NamedTuple):
 
 
 def sample_misfit(
-    h: Any, start: tuple[Any, Any], accelerations: tuple[Any, Any], sample: tuple[Any, Any], lively: Any, jerk: float
+    h: Any,
+    start: tuple[Any, Any],
+    accelerations: tuple[Any, Any],
+    sample: tuple[Any, Any],
+    recent_change: Any,
+    jerk: float,
 ) -> SampleMisfit:
     """Compare place and speed of a ``sample`` with linear acceleration over the step ``h`` from ``start`` on.
 
@@ -305,8 +331,8 @@ def sample_misfit(
     return SampleMisfit(
         farther,
         faster,
-        _explained_fraction(farther, h * h * (change + 0.125 * lively + jerk * h)),
-        _explained_fraction(faster, h * (change + 0.5 * lively + jerk * h)),
+        _explained_fraction(farther, h * h * (change + 0.125 * recent_change + jerk * h)),
+        _explained_fraction(faster, h * (change + 0.5 * recent_change + jerk * h)),
     )
 
 

@@ -36,17 +36,18 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     misfits = [reduce(larger, map(abs, sizes)) for sizes in zip(*misfit[:3], strict=True)]
     c0, c1, c2, c3, c4, c5 = path.coefficients[1]
     # of the acceleration, linear through the two given last
-    grows = (state.motion[1][2] - state.asked[1]) / h
+    grows = (state.motion[1][2] - state.end_accelerations[1]) / h
     order = where(settings.acceleration > 0, 0.0, where(settings.speed > 0, 2.0, 3.0))
     lags = order * grows / settings.estimate
     lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (lags - state.lag)
     # of a sample at the step's end whose place and speed fit: the acceleration's rate changed once within the step
     given_y, given_vy, given_ay = state.motion[1]
     y, vy = quintic.extrapolate(given_y, given_vy, given_ay, path.stop - state.given_at)
-    beyond = sample_misfit(h, (c0, c1), (state.asked[1], state.motion[1][2]), (y, vy), state.lively[1], LEAST_JERK)
-    fits = larger(1.0 - (path.stop - state.given_at) / h, 0.0) * beyond.position_fits * beyond.speed_fits
-    faster, most = beyond.faster * fits, ONE_CHANGE * h * abs(beyond.faster * fits)
-    aside = smaller(larger(beyond.farther * fits - 0.5 * h * faster, -most), most)
+    accelerations = state.end_accelerations[1], state.motion[1][2]
+    sample = sample_misfit(h, (c0, c1), accelerations, (y, vy), state.recent_changes[1], LEAST_JERK)
+    fits = larger(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
+    faster, most = sample.faster * fits, ONE_CHANGE * h * abs(sample.faster * fits)
+    aside = smaller(larger(sample.farther * fits - 0.5 * h * faster, -most), most)
     *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * faster + aside, faster, 0.0)
     # the rates of the acceleration at the step's start
     begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag
@@ -58,7 +59,7 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     wave_force, within_force = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * faster
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
     result: InputFilter = state._replace(
-        asked=tuple(axis[2] for axis in state.motion),
+        end_accelerations=tuple(axis[2] for axis in state.motion),
         time=state.time + h,
         position=larger(state.position, misfits[0]),
         speed=larger(state.speed, misfits[1]),

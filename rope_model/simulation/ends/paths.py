@@ -18,15 +18,13 @@ from rope_model.physics.elementary import larger, smaller
 
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
-#: columns of an end's path
-PATH = ("x", "y", "z", "yaw")
-#: of a clamp, by their own paths
-LEANS = ("lean", "lean_z")
-#: m/s and rad/s: an end that moves no faster is at rest
-RESTS_BELOW = 1e-6
-
-#: m and rad, m/s and rad/s, m/s^2 and rad/s^2: motions beyond are refused
-FARTHEST, FASTEST, HARDEST = 1e4, 60.0, 100.0
+PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
+LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
+RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest
+# bounds of accepted motions
+FARTHEST = 1e4  #: m and rad
+FASTEST = 60.0  #: m/s and rad/s
+HARDEST = 100.0  #: m/s^2 and rad/s^2
 
 
 def _motion(unit: str, description: str, reach: float) -> float:

@@ -21,10 +21,10 @@ from rope_model.simulation.stepping.events import locate
 
 log = logging.getLogger(__name__)
 
-#: width in s to which events are located
-EVENT_WIDTH = 1e-9
-#: number of switchings, and time (s), beyond which a swivel chatters
-CHATTER = 50, 1e-3
+EVENT_WIDTH = 1e-9  #: s, width to which events are located
+# a swivel chatters with more events in a shorter time
+CHATTER_EVENTS = 50
+CHATTER_TIME = 1e-3  #: s
 
 
 def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
@@ -110,9 +110,8 @@ def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
 
 def chatters(state: RopeState) -> bool:
     """Whether the swivels switch to and fro faster than any rope can move."""
-    number, duration = CHATTER
     times = [event.t for event in state.events if "swivel" in event.what]
-    return len(times) >= number and times[-1] - times[-number] < duration
+    return len(times) >= CHATTER_EVENTS and times[-1] - times[-CHATTER_EVENTS] < CHATTER_TIME
 
 
 def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:

@@ -18,40 +18,37 @@ from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
 from rope_model.physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
-#: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
-#: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
+#: distance (l) of the loop from the middle of segment IV at which a transformation is due: the neighbouring mesh fits
+#: as well from 0.5 on; the margin keeps a loop that trembles by up to l/5 from transforming to and fro
 DUE = 0.6
-#: ratio of l to the elements of IV: five segments
-RATIO = 4.0
-#: of end_levels
-MOST_LEVELS = 8
-#: share of the loop's allowed error that the mesh may take
-MESH_SHARE = 0.5
-#: grading_length = LEG_GRADING loop_error / length, the lag allowed to short waves on a long trip, but no more than
-#: LEG_WAVES / length, for the short waves of an emergency stop (evidence.mesh_rule.trips); nor more than LEG_SWAY (EI /
-#: rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are 2 pi sqrt(w y) long,
-#: and elements sqrt(grading_length y)
-LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
-#: longitudinal waves after an emergency stop pump the legs' waves of half their frequency (pumped_grading): elements
-#: that such a wave has with a leg of PUMPED_LEG of the rope, fewer where it grows by less than exp(PUMPED_GROWTH);
-#: tuned on emergency stops of seeded ropes of 60 to 1200 m; for a smaller loop error than PUMPED_ERROR (m) elements are
-#: shorter by its fourth root
-PUMPED_ELEMENTS, PUMPED_LEG, PUMPED_GROWTH, PUMPED_ERROR = 5.0, 0.75, 8.0, 5e-3
-#: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
-NATURAL_RADIUS = 0.912
-#: share of loop_error that the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips
-#: aside, are not used
-LOCKING_SHARE, LONGEST = 0.6, 0.75
-#: decay above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much more for a
-#: tenth of it
-FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
-#: how near an end the loop has the whole pattern about it, in rope lengths: ends that part by 3/4 of them
+RATIO = 4.0  #: l over the length of the elements of IV: five segments
+MOST_LEVELS = 8  #: largest end_levels
+MESH_SHARE = 0.5  #: fraction of the loop's allowed error that the mesh may take
+# upper bounds of grading_length
+LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves on a long trip
+LEG_WAVES = 1000.0  #: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
+#: times w: at a height y above the loop elements are sqrt(grading_length y) long, and waves of the loop's own frequency
+#: sqrt(g / w) are 2 pi sqrt(w y) long
+LEG_SWAY = 1.0
+# after an emergency stop longitudinal waves excite waves of half their frequency in the legs (pumped_grading); tuned on
+# seeded ropes of 60 to 1200 m
+PUMPED_ELEMENTS = 5.0  #: elements of such a wave
+PUMPED_LEG = 0.75  #: length of the leg over that of the rope
+PUMPED_GROWTH = 8.0  #: exponent of a wave's growth below which it needs fewer elements
+PUMPED_ERROR = 5e-3  #: m, error of the loop below which elements are shorter, by its fourth root
+NATURAL_RADIUS = 0.912  #: smallest radius of curvature of the free loop over w: 1 / 1.09661
+LOCKING_SHARE = 0.6  #: fraction of loop_error that the loop's elements may take at rest
+LONGEST = 0.75  #: longest element of the loop over R: on longer ones it slips aside
+# decay length above the bend over w
+FADE = 1.0  #: for an error of the loop of FADE_ERROR
+FADE_ERROR = 0.05  #: m
+FADE_DECADE = 0.43  #: increase for a tenth of the error
+#: distance (rope lengths) of the loop from an end down to which no part of the pattern is cut off: ends 3/4 L apart
 NEAREST = 0.12
-#: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
-END_LENGTH, END_ERROR = 2.9, 0.033
-#: legs that a divider may press have elements that follow its pressure with this delay (s): physics.contact_error; it
-#: may press legs that hang within REACH of the spacing from it
-BLOW, REACH = 0.01, 0.5
+END_LENGTH = 2.9  #: length of the end elements over the bending layer there, shorter by the fifth root of the error
+END_ERROR = 0.033  #: error of the loop over R to which END_LENGTH belongs
+BLOW = 0.01  #: s, delay of the elements of legs that a divider may press: physics.contact_error
+REACH = 0.5  #: distance of such a leg from the divider over the spacing
 
 
 class FittedLengths(NamedTuple):

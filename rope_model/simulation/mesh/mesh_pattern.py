@@ -10,12 +10,12 @@ from typing import Any
 from rope_model.physics.elementary import either, floor, larger, less, smaller, where
 from rope_model.simulation.mesh.mesh_fit import DUE
 
-#: m, for rounding: a transformation is made where it is due by this less
-DUE_EARLY = 1e-7
-#: l of a leg that are refined where it faces a divider, and elements of each.  A blow that rises within four delays of
-#: mesh_fit.BLOW goes 4/pi l along the rope; WINDOW_DUE l off, more than half and the way between two transformations,
-#: the window moves
-WINDOW, WINDOW_PARTS, WINDOW_DUE = 6, 3, 1.6
+DUE_EARLY = 1e-7  #: m, distance before the limit at which a transformation is made, because of rounding
+# window of a leg that is refined where it faces a divider.  A blow that rises within four delays of mesh_fit.BLOW goes
+# 4/pi l along the rope
+WINDOW = 6  #: length in l
+WINDOW_PARTS = 3  #: elements of each l
+WINDOW_DUE = 1.6  #: distance (l) at which the window moves: more than half of that between two transformations
 
 
 def fine_share(counts: Any) -> Any:

@@ -37,14 +37,14 @@ from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.solver_parameters import MOST_ELEMENTS, Mesh
 
-#: a step carries the loop at most this many l past that: 20 ms at 20 m/s where l = 1.6 m
+#: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
+#: m
 LATEST = 0.25
-#: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
-#: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
-#: nearer to segments II to VI than GRADING (m - 1) l
-LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
-#: places of dividers on a rope that none may press
-NOWHERE = (math.inf,) * 8
+#: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope, so that its
+#: neighbours stay when it changes (spare ones are halved, see _legs)
+LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
+NOWHERE = (math.inf,) * 8  #: positions of dividers on a rope that none may press
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,9 @@ from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import fidelity_messages
 from rope_model.simulation.messages.rules import Rules
 
-#: inputs that turn a rope whose swivels hold, that act out of the plane, and that move the ends along it
-TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az", "lean_z"), ("vx", "ax", "lean")
+TURNED = ("yaw", "yaw_rate")  #: inputs that turn a rope whose swivels hold
+OUT_OF_PLANE = ("z", "vz", "az", "lean_z")  #: inputs out of the plane
+ALONG = ("vx", "ax", "lean")  #: inputs that move the ends in the plane
 #: in the order of their numbers
 INPUTS = tuple(field.name for field in fields(EndMotion))
 

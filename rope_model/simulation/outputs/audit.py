@@ -27,9 +27,9 @@ Load = tuple[float, float, float, float, float, float]
 Sums = tuple[float, float, float, float, float, float, float, float, float]
 NO_LOAD: Load = (0.0,) * 6
 
-#: missing force and moment, parts of the largest end force and of that times the spacing: ten times and more what
-#: windings, releases and emergency stops have at the levels draft and standard
-MISSING_FORCE, MISSING_MOMENT = 1e-3, 5e-3
+# bounds, ten times and more the values of windings, releases and emergency stops at the levels draft and standard
+MISSING_FORCE = 1e-3  #: missing force over the largest end force
+MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
 #: time steps in an axial period: in an emergency stop of the 120 m rope end forces err by 4 % with 3.1, by 8 % with 2.1
 FEWEST_STEPS = 3.0
 #: change of an end force in a step, part of the largest one, above which it matters how many steps a period has

@@ -12,10 +12,9 @@ from rope_model.physics.hermite import integral, integral_to
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.rope_system import POSITION, SLOPE, Array, arc_lengths
 
-#: straight pieces of an element, for the turns: legs that lie against each other must not seem to pass through
-PIECES = 8
-#: points between two elements' ends, and of the shape for the clearance
-FINE, OUTLINE = 41, 161
+PIECES = 8  #: straight pieces of an element, for the turns: legs in contact must not seem to pass through each other
+FINE = 41  #: samples of two elements, for the lowest point
+OUTLINE = 161  #: samples of the rope, for the clearance of the legs
 
 
 def direction(q: Array) -> float:

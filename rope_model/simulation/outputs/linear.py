@@ -41,8 +41,8 @@ from rope_model.simulation.stepping.hang import equilibrium_in_frame
 #: outputs of an end, and of the loop
 _LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 _LOOP = ("x", "y", "z", "yaw")
-#: most corrections of the shape at rest to that in flow, and the last one's size [m, rad]
-_CORRECTIONS, _CORRECTED = 50, 1e-7
+_CORRECTIONS = 50  #: largest number of Newton corrections from the shape at rest to that in flow
+_TOLERANCE = 1e-7  #: m and rad, size of the last one
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
             change[free] = splu(tangent[free][:, free]).solve(missing)
             q = q - change.reshape(q.shape)
             R, (K, D, M) = evaluated(q)
-            if np.abs(change).max() < _CORRECTED:
+            if np.abs(change).max() < _TOLERANCE:
                 break
         else:
             raise ValueError(f"speed = {speed:g} m/s must leave the rope a steady flow: take a lower one")

@@ -29,15 +29,15 @@ from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 
-#: parts in which the permanent curvature comes in
-CURVATURE_STEPS = 8
-#: parts in which ends that are not plumb get to their places: a clamp leans by 0.1 rad at most
-PLACING_STEPS = 32
-#: rad of twist put in at once, at most and at least
-TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
-#: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
+CURVATURE_STEPS = 8  #: increments of the permanent curvature
+PLACING_STEPS = (
+    32  #: increments in which ends that are not plumb reach their positions: a clamp leans by 0.1 rad at most
+)
+TWIST_STEP = 1.0  #: rad, largest increment of twist
+LEAST_TWIST_STEP = 0.01  #: rad, smallest increment of twist
+#: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria
 MOST_TURN = 2.0
-#: corrections after which turning in is given up: a fifth above the most that one of 60 drawn ropes needed
+#: corrections after which twisting is given up: a fifth above the largest number of 60 drawn ropes
 MOST_CORRECTIONS = 100_000
 
 

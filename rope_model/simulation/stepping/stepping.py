@@ -22,11 +22,12 @@ from rope_model.simulation.stepping.statics import StaticsError
 
 log = logging.getLogger(__name__)
 
-#: Newton iterations of a communication step of up to so many s: over 6 times the most of 120 drawn trips
-MOST_WORK, WORK_INTERVAL = 5_000.0, 0.05
+#: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
+MOST_WORK = 5_000.0
+WORK_INTERVAL = 0.05  #: s, length of the communication step above which that number grows in proportion
 
 
-#: an accepted trial step, the state before it with its accounts after it, and whether the step ends where it was to
+#: accepted trial step, the state before it with updated counts and step control, and true if it ends at the stop
 _Accepted = tuple[StepResult[Evaluation], RopeState, bool]
 
 
