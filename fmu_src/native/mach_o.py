@@ -1,7 +1,7 @@
-"""macOS libraries (Mach-O): several processors' in one file, and the code signature of one that was changed.
+"""macOS libraries (Mach-O): universal binaries, and the code signature of a changed library.
 
 The linker signs libraries for aarch64 "ad hoc": no certificate, but a code directory with the SHA-256 hash of every
-page of the file.  macOS ends a process that loads a page of another hash.
+page of the file.  macOS ends a process that loads a page with another hash.
 
     hash[i] = SHA-256(page i of the file, up to the code limit) ,  i = 0 ... slots - 1
 """
@@ -16,7 +16,7 @@ _PAGE = 1 << 14
 
 
 def universal(libraries: Sequence[bytes]) -> bytes:
-    """One library of several processors' (fat Mach-O: a table of offsets, then the libraries)."""
+    """Return one library for several processors (fat Mach-O: a table of offsets, then the libraries)."""
     table, body, offset = struct.pack(">II", _UNIVERSAL, len(libraries)), b"", _PAGE
     for code in libraries:
         cpu, subtype = struct.unpack_from("<II", code, 4)
@@ -27,7 +27,7 @@ def universal(libraries: Sequence[bytes]) -> bytes:
 
 
 def parts(library: bytes) -> list[tuple[int, int]]:
-    """Begin and end of each processor's part of a universal library; of the whole of any other."""
+    """Return begin and end of each processor's part of a universal library; of the whole of any other."""
     magic, number = struct.unpack_from(">II", library)
     if magic != _UNIVERSAL:
         return [(0, len(library))]
@@ -36,9 +36,9 @@ def parts(library: bytes) -> list[tuple[int, int]]:
 
 
 def with_page_hashes(library: bytes) -> bytes:
-    """The library with the hashes of its pages as they are now; as it is where it is not signed, or no Mach-O.
+    """Return the library with the present hashes of its pages; unchanged if it is not signed, or no Mach-O.
 
-    Raises RuntimeError for a code directory of a kind that no linker of ours writes.
+    Raises RuntimeError for a code directory of a kind that our linkers do not write.
     """
     at = _code_directory(library)
     if at is None:
@@ -55,7 +55,7 @@ def with_page_hashes(library: bytes) -> bytes:
 
 
 def _code_directory(library: bytes) -> int | None:
-    """Its place in the file; None without one."""
+    """Return the offset of the code directory in the file; None without one."""
     if len(library) < 32 or struct.unpack_from("<I", library)[0] != _LIBRARY:
         return None
     place = 32

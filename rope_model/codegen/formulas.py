@@ -1,7 +1,4 @@
-"""Formulas of the rope that C has from Python as they stand, with their structures and constants.
-
-``formula_functions`` prints them.
-"""
+"""List of the formulas, structures and constants that C takes from Python; ``formula_functions`` prints them."""
 
 from collections.abc import Callable
 from itertools import accumulate
@@ -50,8 +47,8 @@ from rope_model.simulation.state import EnergyBalance
 from rope_model.simulation.stepping import events, hang, statics, stepping
 from rope_model.solver_parameters import Solver
 
-#: C function -> formula: what is not typed is a number, an array of numbers, or the structure of that name.  The last
-#: argument of a void function takes the numbers of a formula that returns several
+#: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure of its name.  The
+#: last parameter of a void function receives the results
 FORMULAS: dict[str, Callable[..., Any]] = {
     "dot(a[3], b[3])": elementary.dot,
     "void conveyance_load(q[7], f[7], torque, load[6])": frame.conveyance_load,
@@ -184,7 +181,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
 }
-#: results: structures that C has from here
+#: structures of results, which are generated for C
 DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
     inextensible.Pull,
@@ -210,7 +207,7 @@ STRUCTURES: dict[str, type[Any]] = {
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
-#: numbers of the formulas and of the control flow: what their names in C have before those in Python, module, names
+#: constants of formulas and control flow: prefix of their names in C, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", accuracy, "ACCEPT_BELOW STEP_WORK BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
     ("", adaptation, "RELAXATION_TIME"),

@@ -1,7 +1,7 @@
-"""A formula of numbers as a program of CasADi's virtual machine.
+"""Formulas of numbers as programs of CasADi's virtual machine.
 
-It does Python's operations in the same order and gives the same bits, some ten times as fast: for formulas of hundreds
-of operations in every step.
+A program does Python's operations in the same order and gives the same bits, some ten times as fast.  It serves
+formulas of hundreds of operations in every step.
 """
 
 import struct
@@ -13,13 +13,13 @@ from typing import Any
 
 import casadi as ca
 
-#: held while expressions are made: whether CasADi simplifies them is an option of the whole process
+#: lock for building expressions: CasADi's simplification is an option of the whole process
 EXPRESSIONS = RLock()
 
 
 @contextmanager
 def no_simplification() -> Iterator[None]:
-    """Expressions made meanwhile keep every operation."""
+    """Keep every operation of expressions that are built meanwhile."""
     with EXPRESSIONS:
         before = ca.GlobalOptions.getSimplificationOnTheFly()
         ca.GlobalOptions.setSimplificationOnTheFly(False)
@@ -31,7 +31,7 @@ def no_simplification() -> Iterator[None]:
 
 @cache
 def trace(formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> ca.Function:
-    """Symbols for so many numbers, and the results of ``formula`` for them."""
+    """Build the CasADi function of ``formula`` with so many ``numbers``."""
     with no_simplification():
         symbols = [ca.SX.sym(f"x{k}") for k in range(numbers)]
         return ca.Function("formula", [ca.vertcat(*symbols)], [ca.vertcat(*formula(symbols))])

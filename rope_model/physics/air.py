@@ -104,11 +104,7 @@ def drag(law: AirLaw, velocity: Any, slope: Any, speed: Any) -> tuple[list[Any],
     across = [relative[i] - along * slope[i] for i in range(3)]
     size = sqrt(dot(across, across) + ROUNDING**2)
     force = [-law.factor * size * x for x in across]
-    tangent = [
-        [
-            law.factor * (size * (float(i == j) - slope[i] * slope[j] / square) + across[i] * across[j] / size)
-            for j in range(3)
-        ]
-        for i in range(3)
+    normal = [[float(i == j) - slope[i] * slope[j] / square for j in range(3)] for i in range(3)]
+    return force, [
+        [law.factor * (size * normal[i][j] + across[i] * across[j] / size) for j in range(3)] for i in range(3)
     ]
-    return force, tangent

@@ -127,17 +127,17 @@ class ElementFunctions:
     ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` is the reference of the frame: in its reference,
     tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
 
-        residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal forces - gravity, which external loads must
-        balance tangent:   (q, v, a, l, F, P, cq, cv, ca, before) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca
-        dR/da, exact and
-                   symmetric at rest if before is q.  In motion it leaves out how q and v change damping and spin
-                   inertia, which Newton's method tolerates.  The axial strains of ``before`` stiffen the element
-                   sideways
-        balance:   (q, v, l, F, P) -> BALANCE (9,) losses:    (q, v, l, F, P) -> the two powers of the balance (2,)
-        strains:   (q, l, F) -> STRAINS (3,) momentum:  (q, v, l, P) -> MOMENTUM (9,); the angles' rates count as spin,
-        as if q was the reference reference: (q, l) -> F transport: (q, v, a, l, F) -> increase of the angles when q
-        becomes the reference (3,): of theta from node to node,
-                   of theta_t and theta_tt at the right node
+    residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, which external loads must balance
+    tangent:   (q, v, a, l, F, P, cq, cv, ca, before) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da, exact and
+               symmetric at rest if before is q.  In motion it leaves out how q and v change damping and spin inertia.
+               The axial strains of ``before`` stiffen the element sideways
+    balance:   (q, v, l, F, P) -> BALANCE (9,)
+    losses:    (q, v, l, F, P) -> the two powers of the balance (2,)
+    strains:   (q, l, F) -> STRAINS (3,)
+    momentum:  (q, v, l, P) -> MOMENTUM (9,); the angles' rates count as spin, as if q was the reference
+    reference: (q, l) -> F
+    transport: (q, v, a, l, F) -> increase of the angles when q becomes the reference (3,): of theta from node to node,
+               of theta_t and theta_tt at the right node
     """
 
     residual: ca.Function
@@ -203,11 +203,9 @@ def element_functions(
         R_r[9:] += slope_inertia * ca.dot(theta_x, a[[6, 13]]) * theta_x
         J_r[9:, 9:] += c_a * slope_inertia * (theta_x @ theta_x.T)
         balance[BALANCE.index("spin")] += 0.5 * slope_inertia * ca.dot(theta_x, v[[6, 13]]) ** 2
-    damped, root, stiffening = cv * p.beta_K, p.root_a, cq * p.Qe
-    coupling, torsion = (
-        (cq + damped * root) * p.Qs + stiffening * tau,
-        (cq + damped * root * root) * p.Qd + stiffening * means[0],
-    )
+    damped, root, growth = cv * p.beta_K, p.root_a, cq * p.Qe
+    coupling = (cq + damped * root) * p.Qs + growth * tau
+    torsion = (cq + damped * root * root) * p.Qd + growth * means[0]
     shared = coupling * e_z + 0.5 * torsion * tau_z
     J_r += l * (shared @ tau_z.T + tau_z @ shared.T)
     R = (mass @ a - weight + relative.T @ R_r)[dofs]
@@ -239,9 +237,8 @@ def element_functions(
 def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Function]:
     """Build the functions of the continuum at one point z = (r', r'', theta) with work-conjugate forces (7,).
 
-    means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: quantities averaged over the
-    element tangent: forces, their derivatives without the part through tau, and the gradients of e and of the
-    frame's turning;
+    means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: terms of the element's means
+    tangent: forces, their derivatives without the part through tau, and the gradients of e and of the frame's turning;
              ``shift`` is added to the strain e in the tension of the derivative
     """
     z, z_t, z_tt = ca.SX.sym("z", 7), ca.SX.sym("z_t", 7), ca.SX.sym("z_tt", 7)

@@ -44,13 +44,7 @@ def total(energy_balance: Any) -> Any:
 
 def residual(energy_balance: Any) -> Any:
     """Return the energy that the integrator has dissipated (negative) or created."""
-    explained = (
-        energy_balance.work_ends
-        + energy_balance.transformations
-        - energy_balance.dissipated_material
-        - energy_balance.dissipated_swivel
-        - energy_balance.dissipated_contact
-        - energy_balance.dissipated_wires
-        - energy_balance.given_to_air
-    )
-    return total(energy_balance) - energy_balance.start - explained + energy_balance.nonconservative
+    x = energy_balance
+    explained = x.work_ends + x.transformations - x.dissipated_material - x.dissipated_swivel - x.dissipated_contact
+    explained = explained - x.dissipated_wires - x.given_to_air
+    return total(x) - x.start - explained + x.nonconservative

@@ -1,21 +1,22 @@
-"""Contact of ropes that hang side by side, each a BalanceRope that goes its own steps.
+"""Contact between several ropes that hang side by side, each a BalanceRope with its own time steps.
 
 Between two of them the law of physics.rope_on_rope holds.  Over a step of the host, from t to t + h, forces act at
-places of both ropes, linear in time, on the one what is taken from the other: they cancel to the bit.  Those at t were
-found in the step before; those at t + h, F, are such that the law f holds where the ropes then are:
+points of both ropes, linear in time and opposite on the two: they cancel to the bit.  Those at t are known from the
+step before; those at t + h, F, satisfy the law f where the ropes are then:
 
-    F = f(x(F)) ,    x, the places' distances and their rates, by letting the ropes go from t to t + h
+    F = f(x(F)) ,    x: separations of the points and their rates, from advancing the ropes from t to t + h
 
-Newton's method solves it for all ropes at once.  With the law's tangent K and the ropes' compliance Y to such forces
+Newton's method solves this for all ropes at once.  With the law's tangent K and the ropes' compliance Y to such forces
 (BalanceRope.displacement) a correction is r - K dx, r = f - F, with (1 + Y K) dx = Y r: conjugate gradients of
-numerics.coupled_newton, in which each rope answers for itself.  Where every rope takes one step of its own from t to
-t + h this is its integrator's step of all ropes as one system.
+numerics.coupled_newton, in which each rope responds separately.  Where every rope takes one step of its own from t to t
++ h this is its integrator's step of all ropes as one system.
 
-The springs' work and the rest of the forces' are booked apart.  The steps created the energy that the first lacks.  A
-blow that one step cannot follow makes much of it: such a step is halved, as often as it takes.
+The work of the springs and that of the other forces are accounted separately.  Energy that is missing in the first was
+created by the steps.  A blow that one step cannot resolve creates much of it: such a step is halved, repeatedly if need
+be.
 
-Ropes at rest hang as if each was alone.  Those that then hang into each other are taken to be thinner by as much at the
-start, and grow to their diameter in GROWTH; its energy counts as created, too.
+Ropes at rest hang as if each was alone.  Those that then overlap are taken to be thinner by as much at the start, and
+grow to their diameter in GROWTH; the energy of this counts as created, too.
 """
 
 import math
@@ -48,18 +49,20 @@ LEAP = 0.5
 GROWTH = 1.0  #: s, duration in which ropes that overlap at rest grow to their diameter
 
 Two = tuple[int, int]
+Forces = Mapping[Two, Pressing]  #: contact of each pair of ropes
+Present = Sequence[Rows | None]  #: nodes of all ropes, None for one in pieces
 _NOWHERE = (math.nan, math.nan, math.nan)
 
 
 class Partner(Protocol):
-    """A rope that takes part in a step, and takes it as often as it must."""
+    """Rope that takes part in a step and repeats it as often as necessary."""
 
     @property
     def rope(self) -> BalanceRope | None:
-        """Return the present rope; None once it hangs in pieces."""
+        """Present rope; None once it hangs in pieces."""
 
     def begin(self, t: float, h: float) -> None:
-        """Begin the step from here, ``t``, to ``t`` + ``h`` (s)."""
+        """Begin the step from the present state at ``t`` to ``t`` + ``h`` (s)."""
 
     def go(self) -> bool:
         """Advance over the step; return whether that succeeded."""
@@ -72,7 +75,7 @@ class Partner(Protocol):
 
 
 class Account(NamedTuple):
-    """Contact of two ropes until now."""
+    """Contact of two ropes so far."""
 
     pressure: float = 0.0  #: present sum of the normal forces, N
     energy: float = 0.0  #: energy stored now, J
@@ -89,7 +92,7 @@ class Account(NamedTuple):
 
 @dataclass(frozen=True)
 class Contacts:
-    """State of ``Neighbours``, by the numbers of each two ropes."""
+    """State of ``Neighbours``, by the numbers of each pair of ropes."""
 
     start: float  #: time of the start, s
     insets: Mapping[Two, float]  #: depth of the ropes in each other at the start, m
@@ -160,7 +163,7 @@ class Neighbours:
         )
 
     def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> float | None:
-        """Advance all; return the relative error of the forces against the law, None where a rope fails."""
+        """Advance all ropes; return the relative error of the forces against the law, None if a rope fails."""
         before, end, going = self._rows(partners), self.contacts.forces, set(range(len(partners)))
         for iteration in range(ITERATIONS):
             for k in sorted(going) if iteration > 0 else ():
@@ -181,18 +184,18 @@ class Neighbours:
         there = zip(partners, self._origins, strict=True)
         return [None if one.rope is None else rows_of(one.rope, origin) for one, origin in there]
 
-    def _law(self, t: float, rows: Sequence[Rows | None], c: Array) -> dict[Two, Pressing]:
+    def _law(self, t: float, rows: Present, c: Array) -> dict[Two, Pressing]:
         law, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
             one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
             law[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
         return law
 
-    def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Mapping[Two, Pressing]) -> None:
-        """Forces from those of now to those of the ``end``."""
+    def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Forces) -> None:
+        """Apply forces that change from the present ones to those of ``end``."""
         present = self.contacts.forces
         for k, partner in enumerate(partners):
-            starts, stops = (  # places on rope k, and forces on it
+            starts, stops = (  # arc lengths on rope k, and forces there
                 [(f.s[0], f.force) if two[0] == k else (f.s[1], -f.force) for two, f in x.items() if k in two]
                 for x in (present, end)
             )
@@ -203,15 +206,7 @@ class Neighbours:
                 order = np.argsort(s, kind="stable")
                 partner.rope.apply(PointForces(s[order], first[order], last[order], t, t + h) if s.size else NO_FORCES)
 
-    def _book(
-        self,
-        t: float,
-        before: Sequence[Rows | None],
-        after: Sequence[Rows | None],
-        end: Mapping[Two, Pressing],
-        law: Mapping[Two, Pressing],
-        missed: float,
-    ) -> None:
+    def _book(self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float) -> None:
         present, accounts = self.contacts.forces, dict(self.contacts.accounts)
         for two, account in self.contacts.accounts.items():
             if not (present[two].number.size or end[two].number.size):
@@ -235,22 +230,25 @@ class Neighbours:
                 missed=max(account.missed, missed if end[two].number.size else 0.0),
             )
             if pressure > account.peak:
-                x, y, z = (contact.pressure @ contact.place / pressure).tolist()
+                x, y, z = (contact.pressure @ contact.position / pressure).tolist()
                 account = account._replace(peak=pressure, peak_t=t, peak_place=(x, y, z))
             accounts[two] = account
         self.contacts = replace(self.contacts, forces=end, accounts=accounts)
 
 
 class _Iterate:
-    """Trial ``forces`` of all ropes that press each other, with the part of springs in them, and those of the law."""
+    """Trial forces of all ropes that press each other, and the error of the law.
 
-    def __init__(self, tried: Mapping[Two, Pressing], law_forces: Mapping[Two, Pressing]) -> None:
+    ``forces`` contain the trial forces with the law's springs and tangents.
+    """
+
+    def __init__(self, tried: Forces, law_forces: Forces) -> None:
         self._twos = [two for two in tried if tried[two].number.size or law_forces[two].number.size]
         self.ropes = {k for two in self._twos for k in two}
         parts = [(_union(tried[two], law_forces[two]), law_forces[two]) for two in self._twos]
         self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
         self._tried = _stacked([x.force for x, _ in parts])
-        # rows of each two ropes in `_tried`
+        # rows of each pair of ropes in `_tried`
         own = np.split(np.arange(len(self._tried)), np.cumsum([x.number.size for x, _ in parts]))[:-1]
         self._own = dict(zip(self._twos, own, strict=True))
         law = _stacked([_spread(one, x.number, one.force) for x, one in parts])
@@ -258,8 +256,8 @@ class _Iterate:
         largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
         self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL_FORCE / TOLERANCE)
 
-    def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
-        """The forces of the next iteration."""
+    def corrected(self, partners: Sequence[Partner]) -> Forces:
+        """Return the forces of the next iteration."""
         K = np.concatenate([self.forces[two].tangent for two in self._twos])
         resisted = partial(np.einsum, "mij,mj->mi", K)
         x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
@@ -268,7 +266,7 @@ class _Iterate:
         return self.forces | changed
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
-        """Change of the distances of places by these forces."""
+        """Return the change of the points' separations by these forces."""
         moved = np.zeros_like(force)
         for k in sorted(self.ropes):
             mine = [two for two in self._twos if k in two]
@@ -284,24 +282,24 @@ class _Iterate:
         return moved
 
 
-def _relative_motion(two: Two, forces: Pressing, before: Sequence[Rows | None], after: Sequence[Rows | None]) -> Array:
-    """(m, 3): how far places on the one were moved from those on the other, m."""
+def _relative_motion(two: Two, forces: Pressing, before: Present, after: Present) -> Array:
+    """Return the displacement (m, 3) of points on the first rope relative to those on the second, m."""
     motion = np.zeros_like(forces.force)
     for side, k in enumerate(two):
         before_k, after_k = before[k], after[k]
         if before_k is not None and after_k is not None:
-            motion += (1 - 2 * side) * (after_k.places(forces.s[side]) - before_k.places(forces.s[side]))
+            motion += (1 - 2 * side) * (after_k.positions(forces.s[side]) - before_k.positions(forces.s[side]))
     return motion
 
 
 def _along(force: Array) -> Array:
-    """Unit vectors, 0 where there is no force."""
+    """Return unit vectors along the forces, 0 where there is no force."""
     size = np.linalg.norm(force, axis=1, keepdims=True)
     return force / np.where(size > 0.0, size, 1.0)
 
 
 def _union(tried: Pressing, law: Pressing) -> Pressing:
-    """The forces ``tried`` at all places of both, each where it was found last, with spring and tangent of the law."""
+    """Return the forces ``tried`` at the points of both, at their latest s, with spring and tangent of the law."""
     number = np.union1d(tried.number[np.any(tried.force != 0.0, axis=1)], law.number)
     s = _spread(tried, number, tried.s.T)
     here = np.isin(number, law.number)
@@ -316,7 +314,7 @@ def _union(tried: Pressing, law: Pressing) -> Pressing:
 
 
 def _spread(pressing: Pressing, number: Numbers, values: Array) -> Array:
-    """``values`` of the places of ``pressing`` at those of these numbers, 0 at the rest."""
+    """Return ``values`` of the points of ``pressing`` at the points of these numbers, 0 elsewhere."""
     out = np.zeros((number.size, *values.shape[1:]))
     known = np.isin(pressing.number, number)
     out[np.searchsorted(number, pressing.number[known])] = values[known]

@@ -1,8 +1,7 @@
-"""The rope's equations of motion where it may touch itself: physics.rope_on_rope in a RopeSystem.
+"""Equations of motion of a rope that may touch itself: RopeSystem with physics.rope_on_rope.
 
-Which elements are near each other follows from boxes around them.  Along an element of such a pair the distance changes
-by no more than the way, so that far places are left out: a leg then costs a few checks. Nothing is remembered: the
-state has no part in it.
+Bounding boxes give the pairs of candidate elements.  Along an element of such a pair the distance changes by no more
+than the arc length, so that far points are skipped and a leg costs a few checks.  Contact has no history in the state.
 """
 
 import math
@@ -21,21 +20,21 @@ from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, 
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
 TANGENT_ENTRIES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
-#: from the number of an element to those of its nodes, of two elements
+#: offsets from the numbers of two elements to those of their nodes
 _ENDS = np.array([0, 1, 0, 1])
 
 
 class SelfContact(NamedTuple):
-    """Two places that press each other: elements, shape functions, length, law."""
+    """Two points in contact: elements, shape functions, length of rope, law."""
 
     elements: tuple[int, int]
-    N: tuple[float, ...]  # (8,) those of the second element's nodes negative
+    N: tuple[float, ...]  # (8,), those of the second element's nodes are negative
     weight: float
     touch: Touch
 
 
 class SelfContacts:
-    """All touches at one instant, (m,), and their forces on the nodes."""
+    """All contacts at one instant (m,), and their forces on the nodes."""
 
     def __init__(self, contacts: list[SelfContact]) -> None:
         self.any = bool(contacts)
@@ -47,7 +46,7 @@ class SelfContacts:
         self._sums = np.array([x.touch.sums for x in contacts]).reshape(-1, len(SUMS))
 
     def sums(self) -> dict[str, float]:
-        """Energy (J), dissipation (W), the couple that friction leaves (N m) and the pressure (N)."""
+        """Return energy (J), dissipation (W), the couple that friction leaves (N m) and the pressure (N)."""
         total = dict(zip(SUMS, (self._weights @ self._sums).tolist(), strict=True))
         couple = {f"contact_{name}": total[name] for name in ("mx", "my", "mz")}
         dissipated = {"contact_dissipated": total["dissipated"]}
@@ -58,7 +57,7 @@ class SelfContacts:
         self._spread(-self._forces, R)
 
     def times(self, x: Array) -> Array:
-        """The tangent's product with ``x`` (nodes, 7)."""
+        """Return the product of the tangent with ``x`` (nodes, 7)."""
         rows = x[self._nodes, : SLOPE.stop].reshape(-1, 8, 3)
         separation = np.einsum("mk,mki->mi", self._N.reshape(-1, 8), rows)
         y = np.zeros_like(x)
@@ -72,7 +71,7 @@ class SelfContacts:
 
 
 def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> SelfContacts:
-    """Touches of a rope in elements of these ``lengths`` with itself, with the tangent along (cq, cv) of q and v."""
+    """Return the contacts of a rope with itself, with the tangent with respect to (cq, cv) times q and v."""
     rows, speeds, contacts = _rows(q), _rows(v), []
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
@@ -88,7 +87,7 @@ def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: flo
 
 
 def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]:
-    """Largest depth (m) of the rope in itself, and its height (m); 0 and no height without touch."""
+    """Return the largest depth (m) of the rope in itself, and its height (m); 0 and NaN without contact."""
     candidates = _touching(q, _rows(q), lengths, diameter)
     return max(((diameter - near[0][0], point[1]) for *_, point, near in candidates if near), default=(0.0, math.nan))
 
@@ -96,7 +95,7 @@ def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]
 def _touching(
     q: Array, rows: list[list[float]], lengths: Array, diameter: float
 ) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
-    """Places of elements whose boxes touch (element, N, length, place) and near ones (distance, element, xi)."""
+    """Yield points of candidate elements (element, N, length, position) with near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
         number, k = int(rope_on_rope.number_of_points(l[e], diameter)), 0
@@ -110,14 +109,14 @@ def _touching(
 
 
 class SelfContactSystem(RopeSystem):
-    """A RopeSystem with the contact of the rope with itself, as in ``scene``."""
+    """RopeSystem with the contact of the rope with itself, as in ``scene``."""
 
     def __init__(self, scene: Scene, *parts: Any) -> None:
         super().__init__(*parts)
         self.scene = scene
 
     def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> SelfContacts:
-        """Touches of the rope with itself, with the tangent along (cq, cv) of q and v."""
+        """Return the contacts of the rope with itself, with the tangent with respect to (cq, cv) times q and v."""
         return find_self_contacts(self.scene, q, v, self.lengths, cq, cv)
 
     def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
@@ -159,7 +158,7 @@ class SelfContactSystem(RopeSystem):
 
 
 def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
-    """Elements that may touch others, and which of those to their right."""
+    """Return the elements that may touch others, each with the candidates to its right."""
     rows = q[:, : SLOPE.stop].T
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
@@ -169,7 +168,7 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
 
 
 def strands(s: list[float], reach: float) -> list[int]:
-    """Which of the places ``s``, nearest first, are of strands of their own: ``reach`` or more from those before."""
+    """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
     chosen: list[int] = []
     for n, s_n in enumerate(s):
         if len(chosen) < rope_on_rope.MOST_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
@@ -178,13 +177,13 @@ def strands(s: list[float], reach: float) -> list[int]:
 
 
 def _rows(x: Array) -> list[list[float]]:
-    """r and r' of the nodes, or their speeds."""
+    """Return r and r' of the nodes, or their rates."""
     rows: list[list[float]] = x[:, : SLOPE.stop].tolist()
     return rows
 
 
 def _at(rows: list[list[float]], element: int, N: tuple[float, ...]) -> tuple[float, float, float]:
-    """Place of an element, or its speed."""
+    """Return the position, or the velocity, at shape functions ``N`` of an element."""
     a, b = rows[element], rows[element + 1]
     x, y, z = (N[0] * a[k] + N[1] * a[k + 3] + N[2] * b[k] + N[3] * b[k + 3] for k in range(3))
     return x, y, z
@@ -197,7 +196,7 @@ def _difference(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]
 def _nearest_point(
     rows: list[list[float]], l: float, element: int, point: tuple[float, ...]
 ) -> tuple[float, int, float]:
-    """Distance (m) of the element from ``point``, the element, and where in it."""
+    """Return the distance (m) of the element from ``point``, the element, and xi of its nearest point."""
 
     def distance(xi: float) -> float:
         return float(np.linalg.norm(_difference(_at(rows, element, hermite.shape_functions(xi, l)), point)))

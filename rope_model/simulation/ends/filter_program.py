@@ -1,4 +1,4 @@
-"""The input filter of an end as one program, in CasADi's virtual machine, for the rope in Python."""
+"""Input filter of an end as one program of CasADi's virtual machine, for the rope in Python."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from rope_model.simulation.ends.paths import PATH, EndMotion, EndPath
 
 
 class FilterStep(NamedTuple):
-    """Next path of an end, its filter there, and the limits that decide whether the rope can follow the path."""
+    """Next path of an end, the filter at its end, and the limits that decide whether the rope can follow the path."""
 
     filter: InputFilter
     path: EndPath
@@ -68,7 +68,7 @@ def filter_step(
     end: EndMotion,
     leg: float,
 ) -> FilterStep:
-    """Return the path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``.
+    """Return the path to ``stop`` of an end that moves as ``end`` at the instant ``given_at``, according to the host.
 
     ``leg`` is the length (m) of the rope from this end to the loop.
     """

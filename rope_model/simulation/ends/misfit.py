@@ -1,10 +1,10 @@
-"""Effect of motions that do not fit on the results: kept for each end, and part of the error estimates.
+"""Effect of inconsistent input motions on the results: sums for each end, and part of the error estimates.
 
-The misfit's effect on the end force is that of the acceleration c which the followed motion has beyond the given one.
-It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response;
-a change of place within a step sends off a wave of the force sqrt(Qa rho) times its speed.  What changes of the given
-acceleration within a step explain is no misfit: the path has the place and the speed of the motion that they make, and
-only in between another speed.
+The misfit's effect on the end force is that of the acceleration c by which the followed motion exceeds the given one.
+It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response.
+A change of position within a step sends off a wave of the force sqrt(Qa rho) times its speed.  The part that changes of
+the given acceleration within a step explain is no misfit: the path ends with the position and the speed of that motion,
+and differs in speed only in between.
 """
 
 import math
@@ -17,39 +17,40 @@ from rope_model.physics.elementary import cos, exp, larger, sin, smaller, sqrt, 
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.input_filter import LEAST_JERK, InputFilter, end_misfits, sample_misfit
 
-#: part of a leg's mass that swings in its slowest axial wave
+#: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
-#: speed within a step that moves the end by d in h, root mean square over d / h: sqrt(900 / 630) of the quintic
+#: root mean square speed within a step that moves the end by d in h, over d / h: sqrt(900 / 630) of the quintic
 STEP_SPEED = math.sqrt(900.0 / 630.0)
-#: an acceleration whose rate changes once in a step of h gains speed, on the whole this part of h from its middle
+#: largest distance from the middle of a step h, over h, at which an acceleration with one change of rate gains its
+#: speed
 ONE_CHANGE = 1.0 / 6.0
-#: of the speed gained so, by which the path's speed differs from it within the step, root mean square: 0.022 of the
-#: quintic, and the waves that this sends off last longer (seed 60 of evidence.promise)
+#: root mean square deviation of the path's speed within a step over the speed gained so: 0.022 of the quintic, and more
+#: because its waves last longer (seed 60 of evidence.promise)
 WITHIN = 0.055
 
 
 def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> InputFilter:
-    """``state`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
+    """Return ``state`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
     h = path.stop - path.start
     (_, position, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
     misfit = end_misfits(path, state)
     misfits = [reduce(larger, map(abs, sizes)) for sizes in zip(*misfit[:3], strict=True)]
     c0, c1, c2, c3, c4, c5 = path.coefficients[1]
-    # of the acceleration, linear through the two given last
+    # growth and lag of the acceleration, which is linear through the latest two samples
     grows = (state.motion[1][2] - state.end_accelerations[1]) / h
     order = where(settings.acceleration > 0, 0.0, where(settings.speed > 0, 2.0, 3.0))
     lags = order * grows / settings.estimate
     lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (lags - state.lag)
-    # of a sample at the step's end whose place and speed fit: the acceleration's rate changed once within the step
-    given_y, given_vy, given_ay = state.motion[1]
-    y, vy = quintic.extrapolate(given_y, given_vy, given_ay, path.stop - state.given_at)
+    # part of the sample's misfit that one change of the acceleration's rate within the step explains
+    x, v, a = state.motion[1]
+    y, vy = quintic.extrapolate(x, v, a, path.stop - state.given_at)
     accelerations = state.end_accelerations[1], state.motion[1][2]
     sample = sample_misfit(h, (c0, c1), accelerations, (y, vy), state.recent_changes[1], LEAST_JERK)
     fits = larger(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
     faster, most = sample.faster * fits, ONE_CHANGE * h * abs(sample.faster * fits)
     aside = smaller(larger(sample.farther * fits - 0.5 * h * faster, -most), most)
     *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * faster + aside, faster, 0.0)
-    # the rates of the acceleration at the step's start
+    # additional acceleration and its rates at the step's start
     begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag
     added = 2.0 * c2 - begin, 6.0 * (c3 - b3) - grows, 24.0 * (c4 - b4), 120.0 * (c5 - b5)
     bent = speed - c1 - 0.5 * h * (2.0 * c2 + acceleration)
@@ -75,10 +76,10 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
 
 
 def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any]:
-    """The leg's slowest axial wave, m/s^2, after a step with an acceleration, and the end force (N) then.
+    """Return the leg's slowest axial wave (m/s^2) after a step with an additional acceleration, and the end force (N).
 
-    ``added`` are the acceleration and its three rates at the step's start.  A wave that swings along with a cubic is
-    that less its second rate over omega^2; what is missing of it at the start swings freely.
+    ``added`` are the acceleration and its three rates at the step's start.  The forced wave is this cubic minus its
+    second rate over omega^2; the difference from the wave at the start oscillates freely.
     """
     omega = axial_frequency(rope, leg)
     duration = wave_duration(rope, omega)
@@ -95,12 +96,12 @@ def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[A
 
 
 def with_misfit(error: Any, sums: Any, left: Any, right: Any) -> Any:
-    """``error`` of the end forces, root mean square over the largest, with that of motions that do not fit."""
+    """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
     squares = larger(left.force, right.force) / larger(sums.time, TINY)
     return sqrt(error * error + squares / larger(sums.force * sums.force, TINY))
 
 
 def with_drift(error: Any, left: Any, right: Any) -> Any:
-    """``error`` of the loop's place, m, with that of ends that are not where they are said to be."""
+    """Add the drift of the ends to ``error`` (m) of the loop's position."""
     drift = 0.5 * (left.farthest + right.farthest)
     return sqrt(error * error + drift * drift)

@@ -1,8 +1,8 @@
-"""Stick and slip: when a swivel must change its phase, and its next phase.
+"""Stick and slip of the swivels: location of the phase changes, and the next phase.
 
 The event function of a swivel is negative while its phase may last: |M| - M_static while it sticks, the rate against
-the sense of the slip while it slips.  The step that would carry it past zero is shortened to end there; then the
-swivel switches and the integrator restarts with consistent accelerations.
+the sense of the slip while it slips.  The step that would carry it past zero is shortened to end there; then the swivel
+switches and the integrator restarts with consistent accelerations.
 """
 
 import logging
@@ -28,7 +28,7 @@ CHATTER_TIME = 1e-3  #: s
 
 
 def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
-    """Swivels whose release time has come begin to stick or slip."""
+    """Let swivels stick or slip whose release time has come."""
     swivels = list(state.swivels)
     for side, swivel in enumerate((model.scene.left, model.scene.right)):
         if state.motion.t >= released_at(swivel, swivels[side]):
@@ -41,12 +41,12 @@ def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def next_release(model: RopeModel, state: RopeState) -> float:
-    """The next instant at which a locked swivel is released; infinity without one."""
+    """Return the next instant at which a locked swivel is released; infinity without one."""
     return float(min(map(released_at, (model.scene.left, model.scene.right), state.swivels)))
 
 
 def excess(system: RopeSystem, motion: Motion) -> float:
-    """Event function of both swivels: negative while each may stay in its phase."""
+    """Return the event function of both swivels: negative while each may stay in its phase."""
     return max(_excess_of(side, system, motion) for side in (0, 1))
 
 
@@ -62,11 +62,10 @@ def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
 def switching_step(
     model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], work: int
 ) -> tuple[float, int] | None:
-    """Length of the step that ends where a swivel must switch, and the Newton iterations it took to find it.
+    """Return the step to the instant at which a swivel must switch, and the Newton iterations of the search.
 
-    After ``work`` of these the earliest instant known to be past it will do.
-
-    None when none must before ``result`` is reached.
+    After ``work`` iterations it is the step to the earliest instant known to be past the event.  None if no swivel
+    switches before ``result``.
     """
     assert result.motion is not None
     at_end = excess(system, result.motion)
@@ -91,7 +90,7 @@ def switching_step(
 
 
 def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
-    """Swivels that cannot stay in their phase change it, and the motion restarts consistently."""
+    """Switch the swivels that cannot stay in their phase, and restart the motion consistently."""
     system, motion, swivels, events = model.system(state), state.motion, list(state.swivels), []
     for side in (0, 1):
         if _excess_of(side, system, motion) < 0:
@@ -109,13 +108,13 @@ def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def chatters(state: RopeState) -> bool:
-    """Whether the swivels switch to and fro faster than any rope can move."""
+    """Return whether the swivels switch back and forth faster than any rope can move."""
     times = [event.t for event in state.events if "swivel" in event.what]
     return len(times) >= CHATTER_EVENTS and times[-1] - times[-CHATTER_EVENTS] < CHATTER_TIME
 
 
 def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
-    """Next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
+    """Return the next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
     swivel_state, motion = state.swivels[side], state.motion
     if swivel_state.phase is Phase.SLIP:
         angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[END_NODE[side], ANGLE], 0.0)[0]

@@ -1,11 +1,11 @@
-"""The mesh that suits a rope, which mesh.kind = auto takes: formulas for both forms.
+"""Mesh that suits a rope, for mesh.kind = auto; both forms of the rope have the formulas.
 
-R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements there are
-as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
-with the sixth when they are short (physics.accuracy); docs/promise.md shows the errors kept.  Segment IV covers the
-bend, its decay above, and the way to the next transformation.  The elements next to the clamped ends resolve the
-bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a divider may press
-a leg all elements are short enough for the waves of its blow, and half as long where they face it.
+With w = (EI / rho g)^(1/3), R is half the spacing, or the free loop's radius if that is less.  The error of the loop's
+position at rest limits the length of its elements: it grows with the second power of the length while they lock, with
+the sixth when they are short (physics.accuracy); docs/promise.md shows the errors.  Segment IV covers the bend, its
+decay above, and the distance to the next transformation.  The elements next to the clamped ends resolve the bending
+layer sqrt(EI / T).  A rope too short or too stiff for this pattern gets equal elements.  Where a divider may press a
+leg all elements are short enough for the waves of its blow, and shorter still where they face it.
 
 `python -m evidence.mesh_rule` fits the basis of the constants.
 """
@@ -52,7 +52,7 @@ REACH = 0.5  #: distance of such a leg from the divider over the spacing
 
 
 class FittedLengths(NamedTuple):
-    """Lengths (m) of the mesh that suits a rope: loop's radius, its elements, decay of the bend above, end elements.
+    """Lengths (m) for the mesh: loop's radius, its elements, decay of the bend above, end elements.
 
     ``grading``: square of the legs' elements over their distance from the loop.
     """
@@ -65,7 +65,7 @@ class FittedLengths(NamedTuple):
 
 
 def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
-    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     rope, w = scene.rope, bending_length(scene)
     radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
@@ -78,10 +78,10 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
 
 
 def pumped_grading(scene: Any) -> Any:
-    """Grading that resolves the waves across the legs that an emergency stop makes grow.
+    """Return the grading that resolves the transverse waves of the legs that grow after an emergency stop.
 
-    A tension rho g y (1 + a cos omega t) pumps waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t / 8)
-    and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
+    A tension rho g y (1 + a cos omega t) excites waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t /
+    8) and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
     """
     rope, g = scene.rope, scene.layout.gravity
     omega = axial_frequency(rope, PUMPED_LEG * rope.length)
@@ -91,9 +91,9 @@ def pumped_grading(scene: Any) -> Any:
 
 
 def faced_places(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
-    """Return (8,): distances (m) along the rope from its ends, at these heights, to where each divider may press a leg.
+    """Return the arc lengths (m) from the ends, at these heights, at which each divider may press a leg (8,).
 
-    Left and right leg by turns; infinite where the divider does not hold the leg, or hangs far from it.
+    Left and right leg alternate; infinite where the divider does not hold the leg, or is far from it.
     """
     shaft, half = scene.shaft, 0.5 * scene.layout.spacing
     return tuple(
@@ -110,13 +110,13 @@ def _may_press(scene: Any, divider: Any, leg: Any) -> Any:
 
 
 def pressed_length(scene: Any) -> Any:
-    """The longest element of a rope with a leg that a divider may press, m; infinite where there is none."""
+    """Return the longest element (m) of a rope with a leg that a divider may press; infinite without one."""
     pressed = either(*(place < math.inf for place in faced_places(scene, 0.0, 0.0)))
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
 class FittedMesh(NamedTuple):
-    """Parameters of the mesh: equal elements, 0 for none, or else l (m), elements of IV, end_levels, grading_length."""
+    """Mesh parameters: equal elements, 0 for none, or else l (m), elements of IV, end_levels, grading_length."""
 
     equal: float
     coarse: float
@@ -126,24 +126,24 @@ class FittedMesh(NamedTuple):
 
 
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
-    """The mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
-    # the loop comes near an end: nothing of the pattern is cut off until NEAREST
+    # no part of the pattern may be cut off while the loop is NEAREST or farther from an end
     coarse = smaller(RATIO * lengths.fine, longest)
     coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(lengths, coarse)))
     fine = _fine_count(lengths, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
     equal = where(short, larger(ceil(length / smaller(lengths.fine, 0.5 * longest)), 8.0), 0.0)
     end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(lengths.end, coarse))
-    grading = where(longest < math.inf, 0.0, lengths.grading)  # no elements of I and VII joined
+    grading = where(longest < math.inf, 0.0, lengths.grading)  # no joined elements in I and VII
     return FittedMesh(equal, coarse, fine, end_levels, grading)
 
 
 def _fine_count(lengths: FittedLengths, coarse: Any) -> Any:
-    """Elements of segment IV, which has the bend, its decay above, and the way to the next transformation."""
+    """Return the elements of IV: for the bend, its decay above, and the distance to the next transformation."""
     return RATIO * ceil((math.pi * lengths.radius + 2 * lengths.fade + 2 * DUE * coarse) / coarse)
 
 
 def _inner_length(fine: Any) -> Any:
-    """Length of the segments II to VI in units of l, of which II and VI have two elements, III and V none."""
+    """Return the length of segments II to VI in units of l; II and VI have two elements each, III and V none."""
     return fine / RATIO + 2.0

@@ -1,7 +1,7 @@
-"""Search for the instant at which a function of time first leaves the negative side; C has the formulas from here.
+"""Root search for events: the instant at which a function of time first leaves the negative side.
 
-Regula falsi with the Illinois modification.  It bisects when that fails to halve the interval twice in a row, or a
-value is infinite (the function may be kinked).
+It is the regula falsi with the Illinois modification.  It bisects after two rounds in a row that do not halve the
+interval, or where a value is infinite (the function may be kinked).  C has the formulas from here.
 """
 
 import math
@@ -12,9 +12,9 @@ from rope_model.physics.elementary import both, larger, smaller, where
 
 
 def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
-    """The right end of an interval in which ``f`` goes from negative to not negative, not wider than ``width``.
+    """Return the right end of an interval of ``width`` in which ``f`` changes from negative to not negative.
 
-    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring numbers may be further apart
+    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring floating-point numbers may be further apart
     than ``width``; then they are the interval.
     """
     bracket = Bracket(low, high, f_low, f_high, 0.0, 0.0)
@@ -27,9 +27,9 @@ def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f
 
 
 class Bracket(NamedTuple):
-    """An interval, and the values at its ends, f_low < 0 <= f_high.
+    """Interval, and the values at its ends, f_low < 0 <= f_high.
 
-    ``side`` is the end that moved last, -1 or 1, or 0; then comes the number of rounds in a row that did not halve it.
+    ``side`` is the end that moved last, -1 or 1, or 0; ``stalled`` the number of rounds in a row that did not halve it.
     """
 
     low: float
@@ -41,7 +41,7 @@ class Bracket(NamedTuple):
 
 
 def trial_x(bracket: Any, width: Any) -> Any:
-    """The place to look at next; not between the ends where there is no number between them."""
+    """Return the next trial point; it is not between the ends if there is no number between them."""
     low, high, f_low = bracket.low, bracket.high, bracket.f_low
     falls, middle = _converges(bracket), 0.5 * (low + high)
     x = low + (high - low) * f_low / where(falls, f_low - bracket.f_high, 1.0)
@@ -50,7 +50,7 @@ def trial_x(bracket: Any, width: Any) -> Any:
 
 
 def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
-    """The interval that is left when the function has this ``value`` at ``x``."""
+    """Return the remaining interval if the function has this ``value`` at ``x``."""
     low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
     below = value < 0
     new_low, new_high = where(below, x, low), where(below, high, x)
@@ -66,6 +66,6 @@ def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
 
 
 def _converges(bracket: Any) -> Any:
-    """Whether a secant of its values may be looked along."""
+    """Return whether the secant of its values may be used."""
     finite = abs(bracket.f_low - bracket.f_high) < math.inf
     return both(bracket.stalled < 2, finite, bracket.f_low < bracket.f_high)
