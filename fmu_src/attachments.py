@@ -14,7 +14,7 @@ from rope_model.cases import RopeCase
 
 _HERE = Path(__file__).resolve().parent
 #: position of each terminal on the icon (0 ... 200, y up): where the rope meets the conveyance
-_PLACES = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
+_POSITIONS = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
 _FORCE = ("fx", "fy", "fz", "mx", "my", "mz")
 _DEPENDENCIES = """\
 This FMU runs Python code: the importing process must be, or be able to load, a CPython 3.11 or newer in which the
@@ -72,12 +72,12 @@ def terminals_and_icons(described: Collection[Variable]) -> Element:
         node("CoordinateSystem", **corners, suggestedScalingFactorTo_mm="0.1"),
         node("Icon", **corners),
     )
-    terminals = node("Terminals", *(_terminal(side, described) for side in _PLACES))
+    terminals = node("Terminals", *(_terminal(side, described) for side in _POSITIONS))
     return node("fmiTerminalsAndIcons", picture, terminals, fmiVersion="3.0")
 
 
 def _terminal(side: str, described: Collection[Variable]) -> Element:
-    x, y = _PLACES[side]
+    x, y = _POSITIONS[side]
     parted = ((*v.name.rpartition("."), v.causality) for v in described)
     members = (
         node("TerminalMemberVariable", variableName=f"{side}.{member}", memberName=member, variableKind="signal")

@@ -52,7 +52,7 @@ class Profile:
     """Choices of an export that change no result."""
 
     outputs: tuple[str, ...] = DEFAULT  # names of GROUPS; ALWAYS are added
-    arrays: bool = True  # of FMI 3.0; without, each element is a scalar variable
+    arrays: bool = True  # whether FMI 3.0 has arrays; without, each element is a scalar variable
     stop: float = 30.0  # s, of the default experiment
 
     def __post_init__(self) -> None:

@@ -69,7 +69,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         self._resources = Path(kwargs["resources"])
         self._build = json.loads((self._resources / "build.json").read_text(encoding="utf-8"))
         self._table = variables(case_with(self._build["case"], self._build["level"], self._build["start"]))
-        self._places = {v.name: i for i, v in enumerate(self._table)}
+        self._indices = {v.name: i for i, v in enumerate(self._table)}
         self._texts: dict[int, str] = {}  # texts by scalar, whose addresses the library hands out
         self._packed: tuple[RopeState | None, bytes] = (None, b"")
         self.message = ""
@@ -117,8 +117,8 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def compute(self, scalar: int) -> None:
         """Write the output and its group into the library's array."""
         for name, value in group_of(self._table[scalar].name)(self._rope).items():
-            if (place := self._places.get(name)) is not None:
-                self._outputs[place], self._known[place] = value, 1
+            if (index := self._indices.get(name)) is not None:
+                self._outputs[index], self._known[index] = value, 1
 
     def text(self, scalar: int) -> str:
         """Return an output that is a text."""
@@ -150,7 +150,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         side, _, name = self._table[scalar].name.partition(".")
         loads = seed * load_derivative(self._rope, SIDES.index(side), name, self._at_step_end())
         for load, value in zip(LOADS, loads.tolist(), strict=True):
-            self._derivatives[self._places[load]] = value
+            self._derivatives[self._indices[load]] = value
 
     # states
 
@@ -179,12 +179,12 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return with_values(Scene(), values)
 
     def _motions(self) -> tuple[EndMotion, EndMotion]:
-        values, places = self._values, self._places
-        left, right = (EndMotion(*(values[places[name]] for name in names)) for names in MOTION.values())
+        values, indices = self._values, self._indices
+        left, right = (EndMotion(*(values[indices[name]] for name in names)) for names in MOTION.values())
         return left, right
 
     def _at_step_end(self) -> bool:
-        return self._values[self._places["inputs_at_step_end"]] != 0.0
+        return self._values[self._indices["inputs_at_step_end"]] != 0.0
 
 
 def _require(status: Status) -> None:

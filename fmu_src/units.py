@@ -12,7 +12,7 @@ from fmu_src.xml import node
 class Quantity(NamedTuple):
     """Declared type of all variables with one unit, and the unit's definition."""
 
-    name: str  # that of the Modelica Standard Library if it has one
+    name: str  # name in the Modelica Standard Library if it has one
     nominal: float
     base: dict[str, int]  # exponents of the SI base units
     display: tuple[str, float] | None = None  # display unit, and its factor

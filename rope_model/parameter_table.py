@@ -20,7 +20,7 @@ LEAST = 1e-15
 class Parameter(NamedTuple):
     """Facts of a parameter; name and default value are the field's."""
 
-    unit: str  # as FMI writes it, "1" of a pure number, "" of a count or a choice
+    unit: str  # unit as FMI writes it, "1" of a pure number, "" of a count or a choice
     description: str  # [assumed] marks data that are ours
     lower: float | str | None = None  # least value, or name of the field with it
     upper: float | str | None = None  # largest value, or name of the field with it

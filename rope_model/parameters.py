@@ -156,7 +156,7 @@ class Rope(Checked):
 
 @dataclass(frozen=True)
 class Layout(Checked):
-    """Places of the ends: left at X = -spacing/2, right at +spacing/2, heights are inputs."""
+    """Positions of the ends: left at X = -spacing/2, right at +spacing/2; heights are inputs."""
 
     spacing: float = parameter(
         2.0,

@@ -22,7 +22,7 @@ def _size(default: float, description: str) -> float:
     return parameter(default, "m", description, Bounds(0.0, REACH, _NONE))
 
 
-def _place(description: str) -> float:
+def _position(description: str) -> float:
     return parameter(0.0, "m", description, Bounds(-REACH, REACH, "give it in metres"))
 
 
@@ -37,8 +37,8 @@ class Lining(Checked):
     width: float = _size(0.0, "width of the shaft in X; 0: none")
     depth: float = _size(0.0, "width of the shaft in Z")
     rounding: float = _rounding(0.0, "radius of the corners over half the smaller width; 1: round")
-    x: float = _place("X of the shaft's axis from midway between the ends")
-    z: float = _place("Z of the shaft's axis from the ends")
+    x: float = _position("X of the shaft's axis from midway between the ends")
+    z: float = _position("Z of the shaft's axis from the ends")
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ class Divider(Checked):
     """Horizontal beam from wall to wall, of square or round section."""
 
     size: float = _size(0.0, "side or diameter of the section; 0: none")
-    y: float = _place("height of the axis, from the origin of left.y and right.y")
-    offset: float = _place("place of the axis across it, X where it lies along Z")
+    y: float = _position("height of the axis, from the origin of left.y and right.y")
+    offset: float = _position("place of the axis across it, X where it lies along Z")
     direction: float = direction("yaw about Y, 0: along Z")
     rounding: float = _rounding(1.0, "radius of the corners over half the side: 0 square, 1 round")
 
@@ -177,7 +177,7 @@ class Air(Checked):
     vx: float = _velocity("X", _ACROSS)
     vy: float = _velocity("Y, upwards", "")
     vz: float = _velocity("Z", _ACROSS)
-    cross_y: float = _place("height of the middle of a gallery that blows, from the origin of left.y and right.y")
+    cross_y: float = _position("height of the middle of a gallery that blows, from the origin of left.y and right.y")
     cross_height: float = parameter(
         FAR,
         "m",

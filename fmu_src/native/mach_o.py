@@ -31,8 +31,8 @@ def parts(library: bytes) -> list[tuple[int, int]]:
     magic, number = struct.unpack_from(">II", library)
     if magic != _UNIVERSAL:
         return [(0, len(library))]
-    places = (struct.unpack_from(">II", library, 8 + 20 * i + 8) for i in range(number))
-    return [(offset, offset + size) for offset, size in places]
+    extents = (struct.unpack_from(">II", library, 8 + 20 * i + 8) for i in range(number))
+    return [(offset, offset + size) for offset, size in extents]
 
 
 def with_page_hashes(library: bytes) -> bytes:
@@ -58,12 +58,12 @@ def _code_directory(library: bytes) -> int | None:
     """Return the offset of the code directory in the file; None without one."""
     if len(library) < 32 or struct.unpack_from("<I", library)[0] != _LIBRARY:
         return None
-    place = 32
+    position = 32
     for _ in range(struct.unpack_from("<I", library, 16)[0]):
-        command, size, offset = struct.unpack_from("<3I", library, place)
+        command, size, offset = struct.unpack_from("<3I", library, position)
         if command == _CODE_SIGNATURE:
             return _directory_in(library, offset)
-        place += size
+        position += size
     return None
 
 

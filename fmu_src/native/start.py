@@ -99,15 +99,15 @@ def with_start(library: bytes, start: Start) -> bytes:
     """
     out = bytearray(library)
     for begin, end in parts(library):
-        place = library.find(MAGIC, begin, end)
-        if place < 0 or library.find(MAGIC, place + 1, end) >= 0:
+        offset = library.find(MAGIC, begin, end)
+        if offset < 0 or library.find(MAGIC, offset + 1, end) >= 0:
             raise RuntimeError(f"the library has no one place for start values ({MAGIC!r}); delete it and export anew")
-        scalars = _HEAD.unpack_from(library, place)[2]
+        scalars = _HEAD.unpack_from(library, offset)[2]
         if scalars != len(start.values):
             raise RuntimeError(
                 f"the library takes {scalars} start values, not {len(start.values)}; delete it and export anew"
             )
         block = start.block()
-        out[place : place + len(block)] = block
+        out[offset : offset + len(block)] = block
         out[begin:end] = with_page_hashes(bytes(out[begin:end]))
     return bytes(out)

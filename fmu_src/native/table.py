@@ -52,7 +52,7 @@ def start_values(table: Sequence[Variable], fmi: int) -> tuple[float, ...]:
 
 def c_places(table: Sequence[Variable], fmi: int) -> str:
     """Return places.c with the location of each scalar for rope_model.c."""
-    rows = [_place(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
+    rows = [_location(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
     includes = '#include "rope.h"\n#include "rope_table.h"\n'
     names = [v.name for v in table]
     motions = [", ".join(str(names.index(f"{side}.{f.name}")) for f in fields(EndMotion)) for side in ("left", "right")]
@@ -75,7 +75,7 @@ def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
     )
 
 
-def _place(v: Variable) -> str:
+def _location(v: Variable) -> str:
     where, offset = _home(v)
     derivative = LOADS.index(v.name) if v.name in LOADS else -1
     return f"{{{where}, {offset}, {derivative}}}"

@@ -100,7 +100,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
             if (uses[k] > 1 or len(expression.text) > _LONG) and not expression.value and operation != ca.OP_NOT:
                 expression = named(expression.text)
         values[target[0]] = expression
-    return lines, [results[place] for place in sorted(results)]
+    return lines, [results[index] for index in sorted(results)]
 
 
 def is_number(text: str) -> bool:

@@ -87,15 +87,15 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
     match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
     assert match, prototype
     result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
-    inputs_of = arguments[:-1] if result == "void" else arguments
+    parameters = arguments[:-1] if result == "void" else arguments
     with no_simplification():
-        symbols = [symbols_of(argument) for argument in inputs_of]
+        symbols = [symbols_of(argument) for argument in parameters]
         inputs = [x for s in symbols for x in _numbers(s)]  # before the formula stores results in the objects
         lines, texts = statements(ca.Function("formula", inputs, _numbers(formula(*symbols))))
     if result == "void":
         taker = arguments[-1]
-        places = product(*map(range, taker.shape))
-        lines += [f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};" for at, x in zip(places, texts, strict=True)]
+        indices = product(*map(range, taker.shape))
+        lines += [f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};" for at, x in zip(indices, texts, strict=True)]
     elif result == "double":
         lines += [f"return {texts[0]};"]
     else:

@@ -12,7 +12,7 @@ from rope_model.physics import (
     air,
     contact,
     contact_error,
-    contact_places,
+    contact_points,
     element,
     elementary,
     energy_balance,
@@ -96,10 +96,10 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "body_distance(point[3], body)": shaft.distance,
     "body_least_distance(point[3], extent[3], body)": shaft.least_distance,
     "Touch touch(contact, diameter, body, body_velocity[3], point[3], velocity[3], cq, cv)": contact.touch,
-    "Probe contact_probe(xi, l, a[6], b[6], diameter, body)": contact_places.probe,
-    "contact_turning(Probe start, Probe stop)": contact_places.turning,
-    "contact_reaching(Probe outer, inner, level)": contact_places.reaching,
-    "void contact_point(part, weight, start, stop, point[2])": contact_places.point_in,
+    "Probe contact_probe(xi, l, a[6], b[6], diameter, body)": contact_points.probe,
+    "contact_turning(Probe start, Probe stop)": contact_points.turning,
+    "contact_reaching(Probe outer, inner, level)": contact_points.reaching,
+    "void contact_point(part, weight, start, stop, point[2])": contact_points.point_in,
     "places_of(l, diameter)": rope_on_rope.number_of_points,
     "places_skipped(distance, diameter, spacing, number)": rope_on_rope.points_skipped,
     "most_places(length, elements, diameter)": rope_on_rope.most_points,
@@ -144,7 +144,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Hanging hanging_shape(length, middle, width, cell)": hanging.hanging_shape,
     "void hanging_row(hanging, left[3], across[3], s, row[7])": hanging.node_row,
     "FittedMesh fit_elements(scene, loop_error, decades)": mesh_fit.fit_elements,
-    f"void faced_places(scene, left, right, places[{len(mesh.NOWHERE)}])": mesh_fit.faced_places,
+    f"void faced_places(scene, left, right, places[{len(mesh.NOWHERE)}])": mesh_fit.faced_positions,
     "void newton_coefficients(Coefficients method, h, c[3])": generalized_alpha.newton_coefficients,
     "void prediction_weights(Coefficients method, h, recentring, ahead, weights[6])": (
         generalized_alpha.prediction_weights
@@ -176,7 +176,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
     "axial_share(rope, bottom, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
-    "Audit audit_after_step(audit, Coefficients method, h, recentring, load[6], force, change, share)": (
+    "Audit audit_after_step(audit, Coefficients method, h, recentring, load[6], force, change, part)": (
         audit.after_step
     ),
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
@@ -194,7 +194,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     shaft.Body,
     air.AirLaw,
     contact.Touch,
-    contact_places.Probe,
+    contact_points.Probe,
     wire_friction.Slid,
     input_filter.FilterSettings,
 )
@@ -227,7 +227,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", statics, "SETTLED BALANCED REST_TOLERANCE"),
     ("", switching, "EVENT_WIDTH CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
-    ("CONTACT_", contact_places, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
+    ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
     ("GRADIENT_", coupled_newton, "STEPS LEFT"),
     ("NEWTON_", newton, "SMOOTH KINKED HUGE UNKNOWN GOOD SMALL"),
     ("WIRE_", wire_element, "HISTORY LATEST"),
@@ -253,5 +253,5 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
     "INPUT_ORDERS": tuple(order for order, _ in sensitivity.INPUTS.values()),
     "INPUT_DOFS": tuple(dof for _, dof in sensitivity.INPUTS.values()),
-    "CONTACT_POINTS": len(contact_places.PARTS),
+    "CONTACT_POINTS": len(contact_points.PARTS),
 }

@@ -156,15 +156,15 @@ def _symbols(kind: type[Any], prefix: str) -> Any:
     """Return an object like one of ``kind`` with symbols, without members that have another form in C."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
-        place = prefix + (_MEMBERS.get(name, name) if kind is Scene else name)
+        expression = prefix + (_MEMBERS.get(name, name) if kind is Scene else name)
         if hint in (float, int):
-            values[name] = ca.SX.sym(place)
+            values[name] = ca.SX.sym(expression)
         elif get_origin(hint) is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
-            values[name] = Word(place, name)
+            values[name] = Word(expression, name)
         elif name == "counts" and get_origin(hint) is tuple:
-            values[name] = _members_at(c_int * len(get_args(hint)), place)
+            values[name] = _members_at(c_int * len(get_args(hint)), expression)
         elif isinstance(hint, type) and hint is not str:
-            values[name] = _symbols(hint, f"{place}.")
+            values[name] = _symbols(hint, f"{expression}.")
     if issubclass(kind, tuple):
         return SimpleNamespace(**values)
     symbolic = object.__new__(kind)  # properties of the class are formulas
@@ -172,16 +172,14 @@ def _symbols(kind: type[Any], prefix: str) -> Any:
     return symbolic
 
 
-def _members_at(kind: Any, place: str) -> Any:
-    """Return symbols for the numbers of a structure or array with the expression ``place`` in C."""
+def _members_at(kind: Any, expression: str) -> Any:
+    """Return symbols for the numbers of a structure or array with the expression ``expression`` in C."""
     if issubclass(kind, ctypes.Structure):
-        place += "" if place.endswith("->") else "."
-        return SimpleNamespace(
-            **{name: _members_at(member_type, f"{place}{name}") for name, member_type in kind._fields_}
-        )
+        expression += "" if expression.endswith("->") else "."
+        return SimpleNamespace(**{name: _members_at(part, f"{expression}{name}") for name, part in kind._fields_})
     if issubclass(kind, ctypes.Array):
-        return tuple(_members_at(kind._type_, f"{place}[{k}]") for k in range(kind._length_))
-    return ca.SX.sym(place if kind is ctypes.c_double else f"(double){place}")
+        return tuple(_members_at(kind._type_, f"{expression}[{k}]") for k in range(kind._length_))
+    return ca.SX.sym(expression if kind is ctypes.c_double else f"(double){expression}")
 
 
 def _facts_of(formula: Callable[..., Any]) -> dict[str, _Fact]:

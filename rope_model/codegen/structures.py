@@ -23,7 +23,7 @@ class Member(NamedTuple):
 
     name: str
     real: bool  # a double, else an int
-    length: int = 0  # of an array
+    length: int = 0  # length of an array, or 0
 
 
 def members(kind: type[Any]) -> tuple[Member, ...]:

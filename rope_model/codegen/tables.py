@@ -146,11 +146,10 @@ def _bounds(kind: type[Any]) -> str:
 
 def _scene_check() -> str:
     """Return check_scene, which checks every group under its name for hosts."""
-    places = {f"{side}.swivel": f"swivels[{k}]" for k, side in enumerate(SIDES)} | {
-        part: f"shaft.{part}" for part in PARTS
-    }
+    names = {f"{side}.swivel": f"swivels[{k}]" for k, side in enumerate(SIDES)}
+    names |= {part: f"shaft.{part}" for part in PARTS}
     calls = [
-        f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{places.get(name, name)});\n'
+        f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{names.get(name, name)});\n'
         for name, kind in GROUPS_BY_NAME.items()
     ]
     return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
@@ -171,9 +170,9 @@ def _joint(kind: type[Any], joint: Joint) -> str:
         form = ", ".join("%s" for _ in value)
         lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
         value_text = "given"
-    if place := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
-        text = f"ROUNDED({numbers[-1]}, {place[1]})" if place[1] else written[-1]
-        before, behind = c_string(joint.bound[: place.start()]), c_string(joint.bound[place.end() :])
+    if placeholder := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
+        text = f"ROUNDED({numbers[-1]}, {placeholder[1]})" if placeholder[1] else written[-1]
+        before, behind = c_string(joint.bound[: placeholder.start()]), c_string(joint.bound[placeholder.end() :])
         bound = f"JOINED({before}, {text}, {behind})"
     refused = f"refuse(check, {c_string(joint.what)}, {value_text}, {bound}, {c_string(joint.cure)})"
     body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))

@@ -57,11 +57,11 @@ class ChainFunctions(NamedTuple):
     A compiled library and a portable file contain them in this order.  The element may know only some of the ``dof``
     degrees of freedom of a node; the others stay zero.  ``l`` and ``F`` have a column for each element.
 
-    solve:     (q, v, a, R, l, F, load, friction_load, node_mass, free, P, c, scale, tolerance, before, share_left)
+    solve:     (q, v, a, R, l, F, load, friction_load, node_mass, free, P, c, scale, tolerance, before, error_fraction)
                 -> q, v, a, R, balance, progress
         Solve for q by Newton's method; v and a follow by c[1] and c[2] times the corrections, whose size is the largest
         entry times ``scale`` (dof,).  The first factorization takes the axial strains from the q ``before``.
-        ``share_left`` and ``progress`` are those of numerics.newton.
+        ``error_fraction`` and ``progress`` are those of numerics.newton.
     newton_step: (q, v, a, R, l, F, load, friction_load, node_mass, free, P, c) -> correction, R
         Solve J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da.
     evaluate:  (q, v, a, R, l, F, load, friction_load, node_mass, P) -> R, balance summed over the elements
@@ -97,7 +97,8 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
     names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
     q, v, a, R, load, friction_load, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
     l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
-    before, tolerance, share_left = ca.MX.sym("before", m, n + 1), ca.MX.sym("tolerance"), ca.MX.sym("share_left")
+    before = ca.MX.sym("before", m, n + 1)
+    tolerance, error_fraction = ca.MX.sym("tolerance"), ca.MX.sym("error_fraction")
     F, Ps = ca.MX.sym("F", parts.residual.size1_in(4), n), ca.repmat(P, 1, n)
     factorize, substitute = _factorize(n, parts, m), _substitute(n, parts, m)
 
@@ -128,7 +129,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
         ca.Function("correct", [x, *factors, *fixed], [step, norm]),
         ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, motions[3]), q_x)]),
     )
-    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R), before), *fixed, tolerance, share_left)
+    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R), before), *fixed, tolerance, error_fraction)
     solved = ca.horzsplit(solution, n + 1)
 
     def sums(q: ca.MX, v: ca.MX) -> ca.MX:
@@ -144,7 +145,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
     system = {"l": l, "F": F, "load": load, "friction_load": friction_load, "node_mass": node_mass}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
-    limits = {"scale": scale, "tolerance": tolerance, "before": before, "share_left": share_left}
+    limits = {"scale": scale, "tolerance": tolerance, "before": before, "error_fraction": error_fraction}
     after = dict(zip(("q", "v", "a", "R"), solved[:4], strict=True))
 
     function = partial(_widen, dof, rows)
@@ -177,7 +178,7 @@ def _widen(
     outputs: dict[str, ca.MX],
     carried: tuple[str, ...] = (),
 ) -> ca.Function:
-    """Build the function of ``outputs`` with all ``dof`` rows, of which ``inputs`` and ``outputs`` have the ``rows``.
+    """Build a function with all ``dof`` rows from ``outputs`` of ``inputs``, which have the ``rows`` only.
 
     Other degrees of freedom are ignored; in a result they are zero, or unchanged where it is one of ``carried``.
     """

@@ -77,10 +77,10 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
 
 
 def newton(
-    system: Coupled, x: Iterate, c: Array, tolerance: float, limits: NewtonLimits, share_left: float
+    system: Coupled, x: Iterate, c: Array, tolerance: float, limits: NewtonLimits, error_fraction: float
 ) -> tuple[Iterate, NewtonReport]:
     """Correct ``x`` until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
-    progress = initial_progress(share_left)
+    progress = initial_progress(error_fraction)
     for _ in range(int(limits.rounds)):
         solve = system.factorized(x)
         for k in range(int(limits.per_round)):

@@ -31,8 +31,8 @@ SMOOTH = NewtonLimits(8.0, 5.0, 0.1, 0.5, 8.0)
 #: limits for equations with kinks: a factorization and its prediction serve one side of a kink only
 KINKED = NewtonLimits(16.0, 1.0, 0.1, 0.2, HUGE)
 # assumed error after the first correction over that correction
-UNKNOWN = 1.0  #: in general
-GOOD = 0.1  #: of a smooth system in a time step (windings and stops left 0.04 at most) for small tolerances
+UNKNOWN = 1.0  #: value without knowledge of the system
+GOOD = 0.1  #: value of a smooth system in a time step with a small tolerance: windings and stops left 0.04 at most
 SMALL = 1e-4  #: largest such tolerance
 
 
@@ -73,9 +73,9 @@ STATUS, ITERATIONS, APPLIES, NORM, ERROR, CONTRACTION = range(len(PROGRESS))
 RUNNING = NewtonStatus.TOO_MANY.code
 
 
-def initial_progress(share_left: Any = UNKNOWN) -> Any:
+def initial_progress(error_fraction: Any = UNKNOWN) -> Any:
     """Return the progress before the first correction."""
-    return ca.vertcat(0.0, 0.0, 1.0, ca.inf, ca.inf, share_left)
+    return ca.vertcat(0.0, 0.0, 1.0, ca.inf, ca.inf, error_fraction)
 
 
 def report(progress: list[float]) -> NewtonReport:
@@ -88,11 +88,11 @@ def judge(limits: NewtonLimits = SMOOTH) -> ca.Function:
     """Build (progress, norm of the correction, tolerance, 1 if its factorization is new) -> progress after it."""
     before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
     fresh = ca.SX.sym("fresh")
-    _, iterations, _, previous, _, share_left = ca.vertsplit(before)
+    _, iterations, _, previous, _, error_fraction = ca.vertsplit(before)
     contraction = ca.if_else(previous > 0, norm / previous, 0.0)
     first = iterations < 1
     sure = ca.logic_and(ca.logic_not(first), contraction < limits.unsure)
-    guess = ca.if_else(first, share_left * norm, norm)
+    guess = ca.if_else(first, error_fraction * norm, norm)
     error = ca.if_else(sure, contraction / (1 - contraction) * norm, guess)
     useless = ca.logic_not(ca.logic_or(sure, fresh))
     diverged = ca.logic_and(ca.logic_not(first), contraction >= limits.growing)
@@ -114,7 +114,7 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
     factorize: (x, *fixed) -> factors ...                     of the derivative at x
     correct:   (x, *factors, *fixed) -> correction, norm      with these factors
     apply:     (x, correction, *fixed) -> x                   with its residual
-    result:    (x, *fixed, tolerance, share_left) -> x, progress; ``share_left`` is that of initial_progress
+    result:    (x, *fixed, tolerance, error_fraction) -> x, progress; ``error_fraction`` is that of initial_progress
     """
     number = factorize.n_out()
     x, *fixed = factorize.mx_in()
@@ -138,11 +138,11 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
     factors_x = factorize.call([x, *fixed])
     one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *factors_x, *fixed, tolerance]))
     another = _where(one_round, 2)
-    share_left = ca.MX.sym("share_left")
-    result = one_round(x, initial_progress(share_left), *fixed, tolerance)
+    error_fraction = ca.MX.sym("error_fraction")
+    result = one_round(x, initial_progress(error_fraction), *fixed, tolerance)
     for _ in range(int(SMOOTH.rounds) - 1):
         result = another(result[1][STATUS] == RUNNING, *result, *fixed, tolerance)
-    return ca.Function("newton", [x, *fixed, tolerance, share_left], list(result))
+    return ca.Function("newton", [x, *fixed, tolerance, error_fraction], list(result))
 
 
 def _where(function: ca.Function, states: int) -> ca.Function:

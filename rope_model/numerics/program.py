@@ -31,14 +31,14 @@ def no_simplification() -> Iterator[None]:
 
 @cache
 def trace(formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> ca.Function:
-    """Build the CasADi function of ``formula`` with so many ``numbers``."""
+    """Build the CasADi function of ``formula`` of a vector with ``numbers`` entries."""
     with no_simplification():
         symbols = [ca.SX.sym(f"x{k}") for k in range(numbers)]
         return ca.Function("formula", [ca.vertcat(*symbols)], [ca.vertcat(*formula(symbols))])
 
 
 class Program:
-    """``formula`` of so many ``numbers``, to be called with them.  Not to be shared between threads."""
+    """Callable form of a ``formula`` of ``numbers`` numbers.  Not to be shared between threads."""
 
     def __init__(self, formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> None:
         traced = trace(formula, numbers)

@@ -21,10 +21,10 @@ from typing import Any, NamedTuple
 from rope_model.physics.elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
-# fractions of the allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make promise`)
-FORCE_FRACTION = 22.0  #: of the end forces
-LOOP_FRACTION = 0.01  #: of the loop, for the position of a node
-FLOW_FRACTION = 0.6  #: of the loop, for the flow through it
+# fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make promise`)
+FORCE_FRACTION = 22.0  #: fraction of the end force error
+LOOP_FRACTION = 0.01  #: fraction of the loop's error, for the position of a node
+FLOW_FRACTION = 0.6  #: fraction of the loop's error, for the flow through it
 RATE_ERROR_FACTOR = 2.0  #: total phase error of a wave over that by the strain alone: its rate is not measured
 # the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
 LOOP_HEIGHT = 0.0214
@@ -36,10 +36,10 @@ TURNED = 0.033  #: rad, yaw of the loop over x
 TURNS_FROM = 1.2  #: x at which half of that yaw is reached
 SLIP_EXPONENT = 12  #: power of x with which both set in
 # errors of the loop's position
-LEG_MESH_ERROR = 4e-7  #: by joined elements of the legs, over grading_length times length
-STEP_ERROR_TO_LOOP = 12.0  #: by time steps, over the largest position error of a node
-FLOW_ERROR = 0.13  #: by the flow, over x^2 v^2 / g
-# where wires begin to slide or stick the acceleration jumps: errors of position and strain grow with h^2 and h only
+LEG_MESH_ERROR = 4e-7  #: part by joined elements of the legs, over grading_length times length
+STEP_ERROR_TO_LOOP = 12.0  #: part by time steps, over the largest position error of a node
+FLOW_ERROR = 0.13  #: part by the flow, over x^2 v^2 / g
+# wires that begin to slide or stick make the acceleration jump: position and strain errors grow with h^2 and h only
 RUBBING_POSITION_POWER = 2.0
 RUBBING_STRAIN_POWER = 4.0
 # small errors for so long let the step grow.  Every change of its length shifts the loop a little and so sends a wave
@@ -201,7 +201,7 @@ def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
     """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
     mesh = mesh_error(scene, fine, grading_length)
     steps = STEP_ERROR_TO_LOOP * sums.position
-    return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)  # they occur at different instants
+    return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)  # the three occur at different instants
 
 
 def growth_delay(h: Any, step_next: Any) -> Any:

@@ -26,9 +26,8 @@ outwards at the bow, inwards at the tail; b is A/(4 pi D^2) for a body of the cr
 walls.  D is the spacing of the suspensions: this is the flow at the leg beside the conveyance, where it hangs at rest.
 It is taken as proportional to the distance from the axis, so that it vanishes at the leg below the conveyance.
 
-The tangent -df/dv is symmetric: it leaves out the turning of t and the gradient of the flow.
-
-Works on numbers and CasADi expressions; vectors have their components first.
+The tangent -df/dv is symmetric: it leaves out the turning of t and the gradient of the flow.  Works on numbers and
+CasADi expressions; vectors have their components first.
 """
 
 from collections.abc import Sequence

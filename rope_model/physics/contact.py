@@ -13,7 +13,6 @@ The spring force is a gradient.  Damping and friction dissipate (N - s) (-n . w)
 which is never negative; a moving body does the work f times its velocity on the rope.
 
 The tangent -df/dr, -df/dv is symmetric: it leaves out the effect of pressure on friction, and the surface's curvature.
-
 Works on numbers and CasADi expressions; vectors have their components first.
 """
 

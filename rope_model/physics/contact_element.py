@@ -1,7 +1,7 @@
 """Beam element in contact with bodies in the shaft: physics.element with the forces of physics.contact.
 
 Where the element is near a body, the force per length is integrated along the pressed part of the centre line
-(physics.contact_places):
+(physics.contact_points):
 
     R -= int N^T f dx,   J += int N^T (-cq df/dr - cv df/dv) N dx
 
@@ -14,7 +14,7 @@ from typing import Any
 
 import casadi as ca
 
-from rope_model.physics import contact_places, hermite
+from rope_model.physics import contact_points, hermite
 from rope_model.physics.contact import SUMS, touch
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import both, where
@@ -125,14 +125,14 @@ def _body_function(stiff: bool) -> ca.Function:
     probe_at, halve, _ = _search_functions()
     start, stop = ca.MX.sym("start"), ca.MX.sym("stop")
     ends = [probe_at(xi, rows, l, P) for xi in (start, stop)]
-    bracket = halve.fold(contact_places.HALVINGS)(ca.horzcat(*ends), rows, l, P)
+    bracket = halve.fold(contact_points.HALVINGS)(ca.horzcat(*ends), rows, l, P)
     turn_xi = ca.if_else(ends[0][2] * ends[1][2] < 0, _turning_function()(bracket), stop)
     probes = ca.horzcat(ends[0], probe_at(turn_xi, rows, l, P), ends[1])
     inside = ca.mmax(probes[1, :]) > 0
     cell = _where_near(_cell_function(stiff))(inside, probes, rows, speeds, l, P, *c)
     cell_function = ca.Function("cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell])
-    bounds = ca.DM([[(k + end) / contact_places.CELLS for k in range(contact_places.CELLS)] for end in (0, 1)])
-    terms = [cell_function(bounds[0, k], bounds[1, k], rows, speeds, l, P, *c) for k in range(contact_places.CELLS)]
+    bounds = ca.DM([[(k + end) / contact_points.CELLS for k in range(contact_points.CELLS)] for end in (0, 1)])
+    terms = [cell_function(bounds[0, k], bounds[1, k], rows, speeds, l, P, *c) for k in range(contact_points.CELLS)]
     totals = [sum(x) for x in (zip(*terms, strict=True) if not stiff else [terms])]
     return ca.Function("pressed_tangent" if stiff else "pressed", [rows, speeds, l, P, *c], totals)
 
@@ -149,13 +149,13 @@ def _cell_function(stiff: bool) -> ca.Function:
         deeper = ca.if_else(swapped, probes[:, side], probes[:, side + 1])
         other = ca.if_else(swapped, probes[:, side + 1], probes[:, side])
         start = deeper[0]
-        for part in contact_places.LEVELS:
+        for part in contact_points.LEVELS:
             level = part * P[LAW.index("diameter")]
-            reached = reach.fold(contact_places.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
+            reached = reach.fold(contact_points.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
             stop = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached))
             pieces += [
-                contact_places.point_in(*point, start, stop)
-                for point in zip(contact_places.PARTS, contact_places.WEIGHTS, strict=True)
+                contact_points.point_in(*point, start, stop)
+                for point in zip(contact_points.PARTS, contact_points.WEIGHTS, strict=True)
             ]
             start = stop
     xi_points, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
@@ -186,14 +186,14 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
     ends, state, xi, level = ca.SX.sym("ends", 3, 2), ca.SX.sym("at", 4), ca.SX.sym("place"), ca.SX.sym("level")
 
     def probe_at(xi: Any) -> Any:
-        return ca.vertcat(*contact_places.probe(xi, l, a, b, diameter, body))
+        return ca.vertcat(*contact_points.probe(xi, l, a, b, diameter, body))
 
     start, stop = ends[:, 0], ends[:, 1]
     middle, turns = probe_at(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
     first = start[2] * middle[2] > 0
     start = where(both(turns, first), middle, start)
     stop = where(both(turns, ca.logic_not(first)), middle, stop)
-    next_probe = probe_at(contact_places.reaching(_probe(state[:3]), state[3], level))
+    next_probe = probe_at(contact_points.reaching(_probe(state[:3]), state[3], level))
     nearer = where(next_probe[1] < level, ca.vertcat(next_probe, state[3]), ca.vertcat(state[:3], next_probe[0]))
     return (
         ca.Function("probe", [xi, rows, l, P], [probe_at(xi)]),
@@ -205,11 +205,11 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
 @cache
 def _turning_function() -> ca.Function:
     ends = ca.SX.sym("ends", 3, 2)
-    return ca.Function("turning", [ends], [contact_places.turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
+    return ca.Function("turning", [ends], [contact_points.turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
 
 
-def _probe(x: Any) -> contact_places.Probe:
-    return contact_places.Probe(x[0], x[1], x[2])
+def _probe(x: Any) -> contact_points.Probe:
+    return contact_points.Probe(x[0], x[1], x[2])
 
 
 def _body(x: Any) -> tuple[Body, Any]:

@@ -12,9 +12,7 @@ both add up) are not resolved.  What two low-pass filters leave of P,
     d = P - s1,  s1' = d / tau,      r = d - s2,  s2' = (d - s2) / tau
 
 falls with tau^2.  Its root mean square is about that of the error, and the errors of the end forces and of the loop's
-position are proportional to it.
-
-Works on numbers and CasADi expressions.
+position are proportional to it.  Works on numbers and CasADi expressions.
 """
 
 import math

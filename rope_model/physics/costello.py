@@ -7,9 +7,7 @@ stiffens the rope in torsion.  Its energy is 1/2 Qe e tau^2, which adds the term
 
 An elastic rope has Qb = Qc (Maxwell-Betti).  Published pairs differ by a few percent; the law is therefore split.  The
 conservative part with Qs = (Qb + Qc) / 2 has the energy ``strain_energy``.  The remainder with Qk = (Qb - Qc) / 2 has
-none; its power is ``nonconservative_power``.
-
-Works on floats, numpy arrays and CasADi expressions.
+none; its power is ``nonconservative_power``. Works on floats, numpy arrays and CasADi expressions.
 
 Sources: G. A. Costello, Theory of Wire Rope, Springer; R. Verreet, The rotation characteristics of steel wire ropes.
 """

@@ -27,7 +27,7 @@ def hanging_shape(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
     return Hanging(radius, left_leg, right_leg, radius - 0.5 * width)
 
 
-def place(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
+def position_and_tangent(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
     """Return the position across and below the left end (m), and the tangent there, at arc length ``s``.
 
     ``phi`` is the angle by which the rope has turned up to there.  The tangent of a leg is given without its lean.
@@ -43,7 +43,7 @@ def node_row(hanging: Any, left: Any, across: Any, s: Any) -> tuple[Any, ...]:
     phi = smaller(
         larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi
     )  # rad, angle by which the rope has turned
-    along, down, slope, rise = place(hanging, s, phi)
+    along, down, slope, rise = position_and_tangent(hanging, s, phi)
     legs_lean = where(phi >= math.pi, hanging.lean / hanging.right_leg, 0.0)
     slope = slope - where(phi <= 0, hanging.lean / hanging.left_leg, legs_lean)
     r = left[0] + along * across[0], left[1] - down, left[2] + along * across[2]

@@ -9,9 +9,7 @@ nearer than a diameter, the law of physics.contact holds between them, per lengt
 
 so that the forces of a pair cancel to the bit.  The distance is stationary at the nearest point, so the spring force is
 the gradient of its energy.  Friction acts at the centre lines, a diameter apart: the remaining couple is no torque in
-the rope.
-
-Works on numbers and CasADi expressions; vectors have their components first.
+the rope.  Works on numbers and CasADi expressions; vectors have their components first.
 """
 
 import math

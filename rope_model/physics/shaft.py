@@ -10,9 +10,8 @@ a shaft, whose lining is the box.  Outside of a box, and inside of a shaft, d is
 away from the body.  Its second derivatives jump where the nearest point of the surface changes from a face to an edge.
 
 Over an upright box about x with half widths e in the body's axes, the least distance is that with q_k = |x_k| - h_k -
-side e_k: a bound for the rope's centre line between two of its points.
-
-Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
+side e_k: a bound for the rope's centre line between two of its points.  Works on numbers, numpy arrays and CasADi
+expressions; vectors have their components first.
 """
 
 from typing import Any, NamedTuple

@@ -15,9 +15,8 @@ From there on the exact solution is, in units of k0,
     z . u = tanh(c + s),   z x u falls with 1 / cosh(c + s),      c = artanh(z . u) at the start
 
 with k0 as at the start of the step.  sinh s is taken by its series up to s^5 and the other functions follow from it:
-for s > 3, where this is inaccurate, sliding is complete in any case.
-
-Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
+for s > 3, where this is inaccurate, sliding is complete in any case.  Works on numbers, numpy arrays and CasADi
+expressions; vectors have their components first.
 
 Sources: R. Bouc, 1967; Y.-K. Wen, J. Eng.  Mech.  Div.  102 (1976); Y. J. Park, Y.-K. Wen, A. H.-S. Ang, Earthquake
 Eng.  Struct.  Dyn.  14 (1986) for two directions; K. O. Papailiou, IEEE Trans.  Power Delivery 12 (1997), and F. Foti,

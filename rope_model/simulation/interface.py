@@ -21,7 +21,7 @@ from rope_model.simulation.state import RopeState
 class Status:
     """Validity of the rope's state."""
 
-    valid: bool  #: whether the start or step succeeded
+    valid: bool  #: true if the start or step succeeded
     message: str = ""  #: cause and cure, if not
 
 
@@ -153,7 +153,7 @@ class BalanceRope(ABC):
         Parameters
         ----------
         forces : PointForces
-            Places on the rope, and forces there.
+            Points on the rope, and forces there.
 
         Raises
         ------

@@ -116,7 +116,7 @@ class RopeModel:
         return float(0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t)))
 
     def faced(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
-        """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.faced_places."""
+        """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.faced_positions."""
         return faced_by(self.scene, paths[0].height(t), paths[1].height(t)) if self._faces else NOWHERE
 
     @cached_property

@@ -25,8 +25,8 @@ Ends = tuple[EndMotion, EndMotion]
 SETTLING_TIME = 0.1
 #: m, tolerance of the strains
 NEWTON_TOLERANCE = 1e-7
-#: s, time between equilibria: at 8 m/s around a loop of 1 m the error of their second differences is 1e-3 m/s^2, and
-#: that by rounding too
+#: s, time between equilibria: around a loop of 1 m at 8 m/s both errors of their second differences, that of the method
+#: and that by rounding, are 1e-3 m/s^2
 DIFFERENCE = 2e-3
 
 

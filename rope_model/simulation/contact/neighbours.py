@@ -83,7 +83,7 @@ class Account(NamedTuple):
     dissipated: float = 0.0  #: energy dissipated, J
     made: float = 0.0  #: energy that the steps created, J
     largest: float = 0.0  #: largest work of a step, J
-    approach: float = 0.0  #: approach of touching places in the last step, m
+    approach: float = 0.0  #: approach of touching points in the last step, m
     missed: float = 0.0  #: worst relative error of the forces against the law
     peak: float = 0.0  #: largest pressure, N
     peak_t: float = math.nan  #: its time, s

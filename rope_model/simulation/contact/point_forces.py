@@ -19,9 +19,9 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class PointForces:
-    """Forces on places of the rope; they change linearly between two instants."""
+    """Forces on points of the rope; they change linearly between two instants."""
 
-    s: Array  #: (n,), places along the rope in ascending order, m
+    s: Array  #: (n,), arc lengths of the points in ascending order, m
     at_start: Array  #: (n, 3), forces at ``start``, N
     at_stop: Array  #: (n, 3), forces at ``stop``, N
     start: float  #: s

@@ -37,7 +37,7 @@ LEAST_YAW_JERK = 100.0
 _JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
 #: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at that frequency passes
 #: (order 2), or 1/32 (order 3)
-ESTIMATE_SHARE = 1.0 / 3.0
+ESTIMATE_FRACTION = 1.0 / 3.0
 #: m, grids of rounded positions that are recognised
 GRIDS = (1e-2, 1e-3, 1e-4)
 #: tolerance in multiples of a grid: doubles round 1e4 m by 1e-8 of the finest
@@ -95,10 +95,10 @@ class InputFilter(NamedTuple):
     leaning: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
-    def at_rest(t: float, at: EndMotion) -> InputFilter:
+    def at_rest(t: float, motion: EndMotion) -> InputFilter:
         """Return the state before anything moves."""
-        x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
-        return InputFilter(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
+        x, y, z, yaw = ((x0, 0.0, 0.0) for x0 in (*motion.position, motion.yaw))
+        return InputFilter(tuple(vars(motion).values()), t, (x, y, z, yaw), broken_at=t)
 
 
 class FilterSettings(NamedTuple):
@@ -119,7 +119,7 @@ def filter_settings(scene: Any, trusted: Any) -> FilterSettings:
     """
     chosen, accuracy = scene.inputs, scene.accuracy
     derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
-    slowest = ESTIMATE_SHARE * axial_frequency(scene.rope, scene.rope.length)
+    slowest = ESTIMATE_FRACTION * axial_frequency(scene.rope, scene.rope.length)
     return FilterSettings(
         where(chosen.bandwidth > 0, chosen.bandwidth, derived),
         where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),

@@ -96,10 +96,10 @@ class EndPath(NamedTuple):
     leans: tuple[Quintic, Quintic] = ((0.0,) * 6,) * 2
 
     @staticmethod
-    def at_rest(t: float, at: EndMotion) -> EndPath:
+    def at_rest(t: float, motion: EndMotion) -> EndPath:
         """Return a path without motion."""
-        places = (*at.position, at.yaw, at.lean, at.lean_z)
-        x, y, z, yaw, *leans = ((place, 0.0, 0.0, 0.0, 0.0, 0.0) for place in places)
+        coordinates = (*motion.position, motion.yaw, motion.lean, motion.lean_z)
+        x, y, z, yaw, *leans = ((x0, 0.0, 0.0, 0.0, 0.0, 0.0) for x0 in coordinates)
         return EndPath(t, t, (x, y, z, yaw), (leans[0], leans[1]))
 
     def at_constant_acceleration(self, t: float) -> EndPath:

@@ -32,7 +32,7 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh import mesh_pattern as tmn
-from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_places, fit_elements
+from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_positions, fit_elements
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.solver_parameters import MOST_ELEMENTS, Mesh
@@ -54,7 +54,7 @@ class Partition:
     ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved ``end_levels``
     times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.  Below 1 in I or VII they
     count the l that the end cuts off.  ``windows`` begin so many l from the ends, in the order of
-    mesh_fit.faced_places; unused ones are beyond the rope.
+    mesh_fit.faced_positions; unused ones are beyond the rope.
     """
 
     lengths: Array
@@ -81,7 +81,7 @@ class Partition:
 
 
 def fit_mesh(scene: Scene) -> Mesh:
-    """Return the scene's mesh, or in place of 'auto' one that suits the rope: see mesh_fit."""
+    """Return the scene's mesh, or a fitted one if it is 'auto': see mesh_fit."""
     mesh = scene.mesh
     if mesh.kind != "auto":
         return mesh
@@ -100,8 +100,8 @@ def fit_mesh(scene: Scene) -> Mesh:
 
 
 def faced_by(scene: Scene, left: float, right: float) -> Sequence[float]:
-    """Return mesh_fit.faced_places for a fitted mesh, and NOWHERE for a prescribed one."""
-    return faced_places(scene, left, right) if scene.mesh.kind == "auto" else NOWHERE
+    """Return mesh_fit.faced_positions for a fitted mesh, and NOWHERE for a prescribed one."""
+    return faced_positions(scene, left, right) if scene.mesh.kind == "auto" else NOWHERE
 
 
 def mesh_elements(scene: Scene) -> int:
@@ -145,8 +145,8 @@ def transform(old: Partition, direction: float, faced: Sequence[float] = NOWHERE
 def window_due(pattern: Partition, faced: Sequence[float]) -> bool:
     """Return whether a window is so far from its divider that it moves without the loop."""
     return pattern.coarse > 0 and any(
-        abs(tmn.window_place(pattern, place) - window) > tmn.WINDOW_DUE
-        for place, window in {*zip(faced, pattern.windows, strict=True)}  # the set is mostly one pair
+        abs(tmn.window_place(pattern, s) - window) > tmn.WINDOW_DUE
+        for s, window in {*zip(faced, pattern.windows, strict=True)}  # the set is mostly one pair
     )
 
 
@@ -159,13 +159,13 @@ def _tmn(pattern: Partition, faced: Sequence[float]) -> Partition:
     within = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
     inner_lengths = within[within > 0.0]
     growth, fine = pattern.grading_length / coarse, tmn.fine_share(counts[1:6])
-    # where the pattern is cut off the loop bends the rope up to its end
+    # the loop bends the rope up to its end where the pattern is cut off
     for longest in (fine, 1.0):
         ends = [_end(levels, longest if n < 1 else 1.0) for n in counts[::6]]
         elements = pattern.lengths.size - inner_lengths.size - sum(end.size - 1 for end in ends)
         if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
             break
-    windows = tuple(round(tmn.window_place(pattern, place)) for place in faced)
+    windows = tuple(round(tmn.window_place(pattern, s)) for s in faced)
     left, right = _legs(first, last, elements, growth, windows)
     lengths = np.concatenate((ends[0], left[1:], inner_lengths, right[:0:-1], ends[1][::-1]))
     return replace(pattern, lengths=coarse * lengths, windows=windows)

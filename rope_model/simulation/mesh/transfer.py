@@ -48,9 +48,9 @@ def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
     if not merges.any():
         return y
     old, new = old[merges], new[merges]
-    places = new_s[new], new_s[new + 1] - new_s[new], old_s[old], old_s[old + 1] - old_s[old]
+    elements = new_s[new], new_s[new + 1] - new_s[new], old_s[old], old_s[old + 1] - old_s[old]
     before, after = _element_values(fields, old), _element_values(y, new)
-    load = np.array(hermite.missing_load(knots[:-1][merges], knots[1:][merges], *places, before, after))
+    load = np.array(hermite.missing_load(knots[:-1][merges], knots[1:][merges], *elements, before, after))
     nodes, lengths = new_s.size, np.diff(new_s)
     # band, rows of a node, their columns, and their slice of the fields
     for band, rows, columns, part in (
@@ -59,8 +59,8 @@ def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
     ):
         sums = np.zeros((rows * nodes, columns, len(fields)))
         own, load = np.split(load, [2 * rows * columns])
-        for k, share in enumerate(own.reshape(2 * rows, columns, *own.shape[1:])):
-            np.add.at(sums, rows * new + k, share.transpose(2, 0, 1))
+        for k, part_load in enumerate(own.reshape(2 * rows, columns, *own.shape[1:])):
+            np.add.at(sums, rows * new + k, part_load.transpose(2, 0, 1))
         inner = slice(rows, -rows)
         change = solve_banded(band[inner], sums[inner].reshape(rows * (nodes - 2), -1))
         y[:, 1:-1, part] += change.reshape(nodes - 2, rows * columns, -1).transpose(2, 0, 1)

@@ -133,7 +133,7 @@ COMPLETE: Rules = {
     fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),
     fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),
 }
-#: what 'auto' does not leave to a fidelity that supports all inputs
+#: reasons of 'auto' against a fidelity that supports all inputs
 UNSUPPORTED: Rules = {
     fidelity_messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
     fidelity_messages.errs_too_much: _errs_too_much,

@@ -97,7 +97,8 @@ def _shown_below(number: Any) -> Any:
 
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     audit, steps = state.audit, audits.signal_values(state.audit)[4]
-    applies = both(audit.share * audits.FEWEST_STEPS > 1.0, audit.force_change > audits.LARGE_CHANGE * audit.force)
+    large = audits.LARGE_CHANGE * audit.force
+    applies = both(audit.period_fraction * audits.FEWEST_STEPS > 1.0, audit.force_change > large)
     return applies, audit.force_change, _shown_below(steps), audits.FEWEST_STEPS, audits.axial_step(scene.rope)
 
 

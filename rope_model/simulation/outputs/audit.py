@@ -55,7 +55,7 @@ class Audit(NamedTuple):
     missing_moment: float = 0.0  # N m
     energy: float = 0.0  # J, largest change of the balance's residual
     force_change: float = 0.0  # N, largest change of an end force in one step
-    share: float = 0.0  # largest fraction of an axial period that a step took
+    period_fraction: float = 0.0  # largest fraction of an axial period that a step took
     bend: float = 0.0  # largest squared change of r' over an element
 
 
@@ -83,13 +83,13 @@ def elements_per_bend(square: Any) -> Any:
 
 def signal_values(audit: Any) -> tuple[Any, ...]:
     """Return the values of the signals audit.* in their order; 0 where nothing was computed yet."""
-    share, bend = (where(x > 0, x, 1.0) for x in (audit.share, audit.bend))
-    steps = where(audit.share > 0, 1.0 / share, 0.0)
+    fraction, bend = (where(x > 0, x, 1.0) for x in (audit.period_fraction, audit.bend))
+    steps = where(audit.period_fraction > 0, 1.0 / fraction, 0.0)
     elements = where(audit.bend > 0, elements_per_bend(bend), 0.0)
     return audit.missing_force, audit.missing_moment, audit.energy, audit.force_change, steps, elements
 
 
-def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, share: Any) -> Any:
+def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, part: Any) -> Any:
     """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma, impulse, auxiliary, rate = method.gamma, [], [], []
@@ -106,7 +106,7 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
         impulse=tuple(impulse),
         force=larger(audit.force, force),
         force_change=larger(audit.force_change, change),
-        share=larger(audit.share, share),
+        period_fraction=larger(audit.period_fraction, part),
     )
 
 

@@ -20,10 +20,10 @@ ROUNDING = 1e-5
 
 @dataclass(frozen=True)
 class Modes:
-    """Lowest modes: frequencies (n,) in Hz, shapes (n, nodes, 7), and which part of the motion is out of plane (n,).
+    """Lowest modes: frequencies (n,) in Hz, shapes (n, nodes, 7), and fraction of the motion out of plane (n,).
 
-    ``out_of_plane`` is the share of the Z motion in the nodes' displacement: near 1 or near 0 for a rope without
-    coupling, in between with it.
+    ``out_of_plane`` is the fraction of the Z motion in the nodes' squared displacement: near 1 or near 0 for a rope
+    without coupling, in between with it.
     """
 
     frequencies: Array

@@ -14,7 +14,7 @@ class Effect(NamedTuple):
     lowest: Fidelity  #: lowest fidelity that computes them
     words: str  #: text for reports
     outputs: tuple[str, ...]  #: names of outputs, or their common part
-    by_torque: bool  #: whether 0 is exact without torque
+    by_torque: bool  #: true if 0 is exact without torque
 
     def has(self, name: str) -> bool:
         """Return whether the output ``name`` is one of them."""

@@ -13,7 +13,7 @@ from rope_model.simulation.ends.paths import SIDES
 
 SHAPE_POINTS = 81
 
-_PLACE = tuple((axis, "m", f"coordinate {axis.upper()}") for axis in "xyz")
+_COORDINATES = tuple((axis, "m", f"coordinate {axis.upper()}") for axis in "xyz")
 
 
 class Signal(NamedTuple):
@@ -56,9 +56,9 @@ def _table() -> Iterator[tuple[str, Signal]]:
     causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
     yield "guard.cause", Signal("1", f"the first guard that has tripped: {causes}", "integer")
     yield "guard.time", Signal("s", "time of the first trip; 0 before")
-    for place in (*SIDES, "loop"):
-        where = "at the loop's lowest point" if place == "loop" else f"at the {place} end"
-        yield f"{place}.twist", Signal("rad/m", f"twist {where}: change of the lay")
+    for point in (*SIDES, "loop"):
+        where = "at the loop's lowest point" if point == "loop" else f"at the {point} end"
+        yield f"{point}.twist", Signal("rad/m", f"twist {where}: change of the lay")
     yield "stress.bending_max", Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)")
     yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
     for name, what in (
@@ -125,7 +125,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"{name}.y", Signal("m", f"height of {name}.clearance")
         yield f"{name}.touched_at", Signal("s", "time of the first contact; 0 before")
     for name, unit, what in (
-        *_PLACE,
+        *_COORDINATES,
         ("s", "m", "place along the rope, from its left end,"),
         ("tension", "N", "tension"),
         ("bending", "Pa", "nominal bending stress"),
@@ -137,7 +137,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("tension", "N", "tension"),
         ("curvature", "1/m", "curvature"),
         ("torque", "N.m", "torque about the tangent"),
-        *_PLACE,
+        *_COORDINATES,
     ):
         for i in range(1, SHAPE_POINTS + 1):
             yield f"station.{name}[{i}]", Signal(unit, f"{what} at station {i} of {SHAPE_POINTS}, fixed in the rope")

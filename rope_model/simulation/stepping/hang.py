@@ -30,9 +30,7 @@ from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 
 CURVATURE_STEPS = 8  #: increments of the permanent curvature
-PLACING_STEPS = (
-    32  #: increments in which ends that are not plumb reach their positions: a clamp leans by 0.1 rad at most
-)
+PLACING_STEPS = 32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
 TWIST_STEP = 1.0  #: rad, largest increment of twist
 LEAST_TWIST_STEP = 0.01  #: rad, smallest increment of twist
 #: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria

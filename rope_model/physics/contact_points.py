@@ -9,9 +9,8 @@ there to where the pressure ends:
     int f(p(xi)) dxi = sum over cells, sides, {deeper end .. onset, onset .. 0} of sum_k w_k f(p(xi_k))
 
 It changes continuously as the contact moves along the rope, however short the contact is.  The law is 0 where the
-pressure ends and smooth elsewhere, so that derivatives of the bounds drop out of the tangent.
-
-Works on numbers and CasADi expressions; a and b are the rows r, r' of an element's nodes.
+pressure ends and smooth elsewhere, so that derivatives of the bounds drop out of the tangent.  Works on numbers and
+CasADi expressions; a and b are the rows r, r' of an element's nodes.
 """
 
 from typing import Any, NamedTuple
